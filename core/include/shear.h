@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shear.h: all of libshear. */
+#ifndef SHEAR_H
+#define SHEAR_H
+
+#include "shear/catalog.h"
+#include "shear/error.h"
+#include "shear/field.h"
+#include "shear/plan.h"
+#include "shear/run.h"
+#include "shear/settings.h"
+#include "shear/stamp.h"
+#include "shear/sums.h"
+#include "shear/version.h"
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shear/run.h: measure whole field files: reader, workers, sums and catalogue joined. */
+#ifndef SHEAR_RUN_H
+#define SHEAR_RUN_H
+
+#include "shear/catalog.h"
+#include "shear/error.h"
+#include "shear/field.h"
+#include "shear/plan.h"
+#include "shear/settings.h"
+#include "shear/sums.h"
+
+/* Make the plan for an open field file: reads its PSF (the median radius of up to 256 of them, evenly spaced, where it has
+ * many), and resolves the settings. */
+int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,
+                         shear_error *err);
+
+typedef struct shear_run_options {
+    int threads;               /* 0 = all cores */
+    const char *catalog_path;  /* or NULL */
+    bool overwrite;            /* replace an existing catalogue */
+    const char *checksum;      /* of the input, for the catalogue; NULL = computed when one is written */
+    /* Called from one thread at a time, at most every `notify_stamps` or so; return non-zero to stop the run
+     * (SHEAR_E_CANCELLED). May be NULL. */
+    int (*progress)(void *context, int64_t done, int64_t total);
+    void *context;
+} shear_run_options;
+
+typedef struct shear_run_report {
+    shear_field_info field;
+    shear_plan_info plan;
+    shear_result result;       /* of this file alone, delta method */
+    double seconds;            /* wall clock, open to close */
+} shear_run_report;
+
+/* Measure one field file and add its sums to `sums` (and its blocks, in index order, to `jack` if not NULL).
+ * On error nothing has been added to either and no catalogue is left. */
+int shear_run_file(const char *path, const shear_settings *settings, const shear_run_options *options,
+                   shear_field_sums *sums, shear_jackknife *jack, shear_run_report *report,
+                   shear_error *err);
+
+#endif
