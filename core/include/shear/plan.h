@@ -64,6 +64,11 @@ void shear_workspace_free(shear_workspace *ws);
 int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err);
 
+/* Measure pairs [from, to) of `stamps` into rows[0 .. to-from), on the calling thread. A PSF that serves neighbouring
+ * stamps (equal psf_index) is transformed once. Stops at the first error. */
+int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                        int from, int to, shear_row *rows, shear_error *err);
+
 /* Measure all pairs of `stamps` on `threads` OpenMP threads (0: all cores).
  *   ws    array of `threads` workspaces of this plan, or NULL: made and freed inside
  *   rows  [stamps->count], in stamp order

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "advice.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double REMOVED_MAX = 0.01, REMOVED_SIGMA = 3.0;
+static const double BORDER_SIGMA = 4.0, BORDER_FLUX = 0.02, ROUGH_MAX = 0.05;
+
+const char *advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
+                          size_t size) {
+    bool much = r->filter_removed > REMOVED_MAX &&
+                r->filter_removed > REMOVED_SIGMA * r->filter_removed_err;
+    if (plan->filter == SHEAR_FILTER_NONE || !much) {
+        return NULL;
+    }
+    if (plan->filter_per_stamp) {
+        snprintf(buf, size,
+                 "the filter removes %.1f %% of the stacked flux, which biases the shear: the "
+                 "R_GAL column is "
+                 "too small for these galaxies, or use --filter edge or none",
+                 100.0 * r->filter_removed);
+    } else {
+        snprintf(buf, size,
+                 "the filter removes %.1f %% of the stacked flux, which biases the shear: use a "
+                 "--core larger "
+                 "than %.3g px, larger stamps, or --filter none",
+                 100.0 * r->filter_removed, plan->core_px);
+    }
+    return buf;
+}
+
+static double stamp_area(const shear_plan_info *plan) {
+    return (double)plan->geometry.nx * plan->geometry.ny;
+}
+
+const char *advice_bright_border(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                 size_t size) {
+    bool bright = r->border_excess > BORDER_SIGMA * r->border_excess_err &&
+                  r->border_excess * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
+    if (plan->filter != SHEAR_FILTER_NONE || !bright) {
+        return NULL;
+    }
+    snprintf(buf, size,
+             "the stamps' borders are brighter than the noise stamps' (by %.2g +- %.1g a pixel): "
+             "neighbours, or "
+             "wings that are cut off? use --filter edge, or larger stamps",
+             r->border_excess, r->border_excess_err);
+    return buf;
+}
+
+const char *advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                size_t size) {
+    bool rough = r->border_rough > BORDER_SIGMA * r->border_rough_err &&
+                 r->border_rough > ROUGH_MAX * r->border_noise_var &&
+                 sqrt(r->border_rough) * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
+    if (plan->filter != SHEAR_FILTER_NONE || !rough) {
+        return NULL;
+    }
+    snprintf(buf, size,
+             "the stamps' borders are rougher than the noise stamps' (extra variance %.2g +- %.1g, "
+             "noise "
+             "%.2g): neighbours? use --filter edge",
+             r->border_rough, r->border_rough_err, r->border_noise_var);
+    return buf;
+}

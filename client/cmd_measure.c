@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl measure: field files in, the shear of each field out. */
+#include "catalog_path.h"
+#include "command.h"
+#include "measure_group.h"
+#include "measure_input.h"
+#include "message.h"
+#include "options.h"
+#include "progress.h"
+#include "result_table.h"
+#include "settings_options.h"
+#include "sheard/report.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_THREADS = 1024, MAX_JACKKNIFE = 100000 };
+enum { OPT_THREADS = 256, OPT_CATALOG, OPT_FORCE, OPT_JACKKNIFE, OPT_FIELD, OPT_JSON, OPT_QUIET };
+
+static const struct option own_options[] = {
+    {"threads", required_argument, NULL, OPT_THREADS},
+    {"catalog", required_argument, NULL, OPT_CATALOG},
+    {"force", no_argument, NULL, OPT_FORCE},
+    {"jackknife", required_argument, NULL, OPT_JACKKNIFE},
+    {"field", required_argument, NULL, OPT_FIELD},
+    {"json", no_argument, NULL, OPT_JSON},
+    {"quiet", no_argument, NULL, OPT_QUIET},
+};
+enum { N_OWN = sizeof own_options / sizeof own_options[0] };
+
+static int handle(int value, struct measure_options *o) {
+    int64_t number = 0;
+    int code = EXIT_CODE_DONE;
+    switch (value) {
+    case OPT_THREADS:
+        code = options_int("threads", optarg, 1, MAX_THREADS, &number);
+        o->threads = (int)number;
+        break;
+    case OPT_JACKKNIFE:
+        code = options_int("jackknife", optarg, 2, MAX_JACKKNIFE, &number);
+        o->jackknife = (int)number;
+        break;
+    case OPT_CATALOG:
+        o->catalog = optarg;
+        break;
+    case OPT_FIELD:
+        o->field = optarg;
+        break;
+    case OPT_FORCE:
+        o->force = true;
+        break;
+    case OPT_JSON:
+        o->json = true;
+        break;
+    default:
+        o->quiet = true;
+        break;
+    }
+    return code;
+}
+
+static int check_options(const struct measure_options *o, int n_files) {
+    shear_error err = {0};
+    if (shear_settings_check(&o->settings, &err)) {
+        message_error(&err);
+        return EXIT_CODE_USAGE;
+    }
+    if (n_files < 1) {
+        message_fail("\"shearctl help measure\"", "measure: which files?");
+        return EXIT_CODE_USAGE;
+    }
+    if (o->field && !o->field[0]) {
+        message_fail(NULL, "--field: the name is empty");
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int parse(int argc, char **argv, struct measure_options *o) {
+    struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
+    for (size_t i = 0; i < N_OWN; i++) {
+        options[i] = own_options[i];
+    }
+    settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
+    opterr = 0;
+    int value = 0;
+    while ((value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
+        if (value == '?' || value == ':') {
+            return options_bad(&cmd_measure, value, argv, options);
+        }
+        if (settings_options_is(value)) {
+            shear_error err = {0};
+            if (settings_options_handle(value, optarg, &o->settings, &err)) {
+                message_error(&err);
+                return EXIT_CODE_USAGE;
+            }
+            continue;
+        }
+        int code = handle(value, o);
+        if (code) {
+            return code;
+        }
+    }
+    return check_options(o, argc - optind);
+}
+
+static int print_json(const struct measure_group *g, const struct measure_options *o) {
+    shear_error err = {0};
+    char *text = NULL;
+    shear_report_file *files = calloc(g->n, sizeof *files);
+    if (!files) {
+        message_fail(NULL, "out of memory");
+        return EXIT_CODE_OTHER;
+    }
+    shear_report report = {
+        .field = g->field,
+        .result = &g->result,
+        .settings = &o->settings,
+        .plan = &measure_group_first(g)->report.plan,
+        .files = files,
+        .warnings = (const char *const *)g->warnings.text,
+        .n_warnings = g->warnings.n,
+        .seconds = g->seconds,
+    };
+    report.has_truth = measure_group_truth(g, &report.true_g1, &report.true_g2);
+    for (size_t i = 0; i < g->n; i++) {
+        const struct measure_input *input = g->inputs[i];
+        if (input->measured) {
+            const shear_run_report *run = &input->report;
+            files[report.n_files++] = (shear_report_file){
+                input->path,        input->checksum, input->info.name, run->result.n_stamps,
+                run->result.n_used, &run->plan,      run->seconds};
+        }
+    }
+    int code = shear_report_json(&text, &report, &err);
+    if (code) {
+        message_error(&err);
+    } else {
+        puts(text);
+    }
+    free(text);
+    free(files);
+    return code ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+}
+
+static int show(const struct measure_group *g, const struct measure_options *o) {
+    int code = EXIT_CODE_DONE;
+    if (o->json) {
+        code = print_json(g, o);
+    } else {
+        result_table_print(g, stdout);
+    }
+    fflush(stdout); /* a field's result is out before the next one is measured */
+    if (!o->quiet) {
+        warnings_print(&g->warnings, g->field);
+    }
+    return code;
+}
+
+/* A warning for every duplicate, with the field that it would have been counted to. */
+static void warn_duplicates(struct measure_input *inputs, size_t n, struct measure_group *groups,
+                            size_t n_groups) {
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; inputs[i].duplicate && k < n_groups; k++) {
+            if (strcmp(groups[k].field, inputs[i].field) == 0) {
+                warnings_add(&groups[k].warnings,
+                             "%s holds the same bytes as another file of this field: counted once",
+                             inputs[i].path);
+            }
+        }
+    }
+}
+
+static int measure_groups(struct measure_input *inputs, size_t n, const struct measure_options *o) {
+    struct measure_group *groups = NULL;
+    size_t n_groups = 0;
+    int shown = EXIT_CODE_DONE;
+    if (!measure_groups_new(inputs, n, &groups, &n_groups)) {
+        message_fail(NULL, "out of memory");
+        return EXIT_CODE_OTHER;
+    }
+    warn_duplicates(inputs, n, groups, n_groups);
+    for (size_t i = 0; i < n_groups && !progress_interrupted(); i++) {
+        if (measure_group_run(&groups[i], o) && show(&groups[i], o)) {
+            shown = EXIT_CODE_OTHER;
+        }
+    }
+    measure_groups_free(groups, n_groups);
+    if (progress_interrupted() || shown) {
+        return EXIT_CODE_OTHER;
+    }
+    return measure_inputs_exit_code(inputs, n);
+}
+
+static int run(int argc, char **argv) {
+    struct measure_options o = {0};
+    shear_settings_init(&o.settings);
+    int code = parse(argc, argv, &o);
+    if (code) {
+        return code;
+    }
+    size_t n = (size_t)(argc - optind);
+    struct measure_input *inputs = calloc(n, sizeof *inputs);
+    if (!inputs) {
+        message_fail(NULL, "out of memory");
+        return EXIT_CODE_OTHER;
+    }
+    for (size_t i = 0; i < n; i++) {
+        inputs[i].path = argv[optind + (int)i];
+    }
+    measure_inputs_open(inputs, n, o.field);
+    if (o.catalog) {
+        code = catalog_paths_resolve(inputs, n, o.catalog, o.force);
+    }
+    if (!code) {
+        code = measure_groups(inputs, n, &o);
+    }
+    measure_inputs_free(inputs, n);
+    return code;
+}
+
+const struct command cmd_measure = {
+    .name = "measure",
+    .summary = "measure the shear of field files",
+    .usage =
+        "usage: shearctl measure [OPTION...] FILE...\n"
+        "\n"
+        "Measure the shear (g1, g2) of each field. Files that name the same field (FIELD) are "
+        "parts of it and\n"
+        "are joined into one result.\n"
+        "\n"
+        "  --threads N             worker threads (default: all cores); the result does not\n"
+        "                          depend on it\n"
+        "  --field NAME            count all files to this one field\n"
+        "  --jackknife N           errors by the jackknife over N groups of stamps (default:\n"
+        "                          delta method)\n"
+        "  --catalog OUT.fits      write the result of every stamp there; or into an existing\n"
+        "                          directory, as DIRECTORY/BASE.shear.fits for each input\n"
+        "  --force                 replace catalogues that exist\n"
+        "  --json                  one JSON object per field and line, instead of a table\n"
+        "  --quiet                 no progress bar, no warnings\n"
+        "\n"
+        "settings:\n" COMMAND_SETTINGS_MARK "\n"
+        "\n"
+        "exit status: 0 done, 2 usage, 3 bad input, 4 some files failed, 1 anything else.\n",
+    .run = run,
+};

@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl plot: a picture of a field file or of a result catalogue. */
+#include "command.h"
+#include "measure_input.h"
+#include "message.h"
+#include "options.h"
+#include "plot.h"
+#include "settings_options.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { OPT_OUT = 256, OPT_STAMP, OPT_STAMPS, OPT_FORCE };
+
+static const struct option own_options[] = {
+    {"output", required_argument, NULL, OPT_OUT},
+    {"stamp", required_argument, NULL, OPT_STAMP},
+    {"stamps", required_argument, NULL, OPT_STAMPS},
+    {"force", no_argument, NULL, OPT_FORCE},
+};
+enum { N_OWN = sizeof own_options / sizeof own_options[0] };
+
+struct plot_command {
+    const char *path;
+    const char *out; /* or NULL: by the input's name */
+    bool force;
+    bool stamps_given, settings_given; /* only good for a field file */
+    struct plot_options options;
+};
+
+static int handle(int value, struct plot_command *c) {
+    int64_t number = 0;
+    int code = EXIT_CODE_DONE;
+    switch (value) {
+    case OPT_STAMP:
+        code = options_int("stamp", optarg, 0, INT64_MAX, &number);
+        c->options.stamp = number;
+        c->stamps_given = true;
+        break;
+    case OPT_STAMPS:
+        code = options_int("stamps", optarg, 1, PLOT_MAX_STAMPS, &number);
+        c->options.n_stamps = (int)number;
+        c->stamps_given = true;
+        break;
+    case OPT_FORCE:
+        c->force = true;
+        break;
+    default:
+        c->out = optarg;
+        break;
+    }
+    return code;
+}
+
+static int handle_setting(int value, struct plot_command *c) {
+    shear_error err = {0};
+    c->settings_given = true;
+    if (settings_options_handle(value, optarg, &c->options.settings, &err)) {
+        message_error(&err);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int check_options(struct plot_command *c, int argc, char **argv) {
+    shear_error err = {0};
+    if (argc - optind != 1) {
+        message_fail("\"shearctl help plot\"", "plot: expected one file, got %d", argc - optind);
+        return EXIT_CODE_USAGE;
+    }
+    c->path = argv[optind];
+    if (shear_settings_check(&c->options.settings, &err)) {
+        message_error(&err);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int parse(int argc, char **argv, struct plot_command *c) {
+    struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
+    for (size_t i = 0; i < N_OWN; i++) {
+        options[i] = own_options[i];
+    }
+    settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
+    opterr = 0;
+    int value = 0;
+    while ((value = getopt_long(argc, argv, ":o:", options, NULL)) != -1) {
+        if (value == '?' || value == ':') {
+            return options_bad(&cmd_plot, value, argv, options);
+        }
+        const int code = settings_options_is(value) ? handle_setting(value, c) : handle(value, c);
+        if (code) {
+            return code;
+        }
+    }
+    return check_options(c, argc, argv);
+}
+
+/* The input's base name without .gz, .fz, .fits, in the current directory, ".png" added. The
+ * caller frees it. */
+static char *default_output(const char *path) {
+    static const char *const endings[] = {".gz", ".fz", ".fits", ".fit"};
+    const char *slash = strrchr(path, '/');
+    const char *base = slash ? slash + 1 : path;
+    size_t length = strlen(base);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        const size_t ending = strlen(endings[i]);
+        if (length > ending && strncmp(base + length - ending, endings[i], ending) == 0) {
+            length -= ending;
+        }
+    }
+    char *out = NULL;
+    return asprintf(&out, "%.*s.png", (int)length, base) < 0 ? NULL : out;
+}
+
+/* Options that a catalogue has no use for are a misunderstanding, to be told of. */
+static int refuse_field_options(const struct plot_command *c) {
+    if (c->stamps_given || c->settings_given) {
+        message_fail("plot the field file to see its stamps, or leave these options out",
+                     "%s is a catalogue: it has no stamps, and was measured with settings of its "
+                     "own",
+                     c->path);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int draw_catalog(shear_figure **figure, const struct plot_command *c,
+                        const shear_error *as_field) {
+    shear_error err = {0};
+    shear_catalog_table *table = NULL;
+    if (shear_catalog_read(&table, c->path, &err)) {
+        if (err.code != SHEAR_E_FORMAT) {
+            message_error(&err);
+            return measure_failure_of(err.code, false);
+        }
+        message_fail("shearctl validate tells what is in a file",
+                     "%s is neither a field file nor a result catalogue", c->path);
+        message_fail(NULL, "as a field file: %s", as_field->message);
+        message_fail(NULL, "as a catalogue: %s", err.message);
+        return EXIT_CODE_INPUT;
+    }
+    int code = refuse_field_options(c);
+    if (!code && plot_catalog(figure, table, &err)) {
+        message_error(&err);
+        code = measure_failure_of(err.code, false);
+    }
+    shear_catalog_table_free(table);
+    return code;
+}
+
+/* What opens decides what the file is. */
+static int draw(shear_figure **figure, const struct plot_command *c) {
+    shear_error err = {0};
+    shear_field *field = NULL;
+    if (shear_field_open(&field, c->path, &err) == SHEAR_E_FORMAT) {
+        return draw_catalog(figure, c, &err);
+    }
+    if (field && plot_sheet(figure, field, &c->options, &err)) {
+        shear_prefix(&err, err.code, "%s", c->path);
+    }
+    shear_field_close(field);
+    if (err.code) {
+        message_error(&err);
+    }
+    return measure_failure_of(err.code, false);
+}
+
+static int save(shear_figure *figure, const struct plot_command *c) {
+    shear_error err = {0};
+    char *out = c->out ? strdup(c->out) : default_output(c->path);
+    int code = EXIT_CODE_OTHER;
+    if (!out) {
+        message_fail(NULL, "out of memory");
+    } else if (shear_figure_save(figure, out, c->force, &err)) {
+        if (err.code == SHEAR_E_EXISTS) {
+            message_fail("--force replaces it, -o names another", "%s", err.message);
+        } else {
+            message_error(&err);
+        }
+    } else {
+        code = puts(out) < 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+    }
+    free(out);
+    return code;
+}
+
+static int run(int argc, char **argv) {
+    struct plot_command c = {.options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
+    shear_settings_init(&c.options.settings);
+    int code = parse(argc, argv, &c);
+    shear_figure *figure = NULL;
+    if (!code) {
+        code = draw(&figure, &c);
+    }
+    if (!code) {
+        code = save(figure, &c);
+    }
+    shear_figure_free(figure);
+    return code;
+}
+
+const struct command cmd_plot = {
+    .name = "plot",
+    .summary = "draw a picture (PNG) of a field file or of a result catalogue",
+    .usage =
+        "usage: shearctl plot [options] FILE\n"
+        "\n"
+        "Of a field file: a sheet with some of its stamps, a row each, through every step of\n"
+        "the measurement (galaxy, noise, interpolated, filtered, noise-corrected power\n"
+        "spectrum, the same with the target PSF), and a row with the PSF, its transfer and\n"
+        "the plan. Of a result catalogue (shearctl measure --catalog): the distributions of\n"
+        "the estimator's terms, the shear with its errors, the flags and the stamps' S/N.\n"
+        "\n"
+        "The path of the picture is printed.\n"
+        "\n"
+        "  -o, --output PNG   where it goes; default: FILE's base name with .png, here\n"
+        "  --force            replace an existing picture\n"
+        "  --stamp I          show stamp I only (from 0), usable or not\n"
+        "  --stamps N         show N of the usable stamps, evenly spaced (1 to 12, default 4)\n"
+        "\n"
+        "The sheet shows the measurement with these settings:\n"
+        "\n" COMMAND_SETTINGS_MARK "\n",
+    .run = run,
+};

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl validate: is this a good field file, what is in it, would it measure? */
+#include "command.h"
+#include "field_scan.h"
+#include "message.h"
+#include "options.h"
+#include "progress.h"
+#include "settings_options.h"
+#include "shear/run.h"
+#include "sheard/report.h"
+#include "verdict_text.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+
+enum { OPT_JSON = 256, OPT_QUIET };
+
+static const struct option own_options[] = {
+    {"json", no_argument, NULL, OPT_JSON},
+    {"quiet", no_argument, NULL, OPT_QUIET},
+};
+enum { N_OWN = sizeof own_options / sizeof own_options[0] };
+
+struct validate_options {
+    shear_settings settings;
+    bool json, quiet;
+};
+
+static int parse(int argc, char **argv, struct validate_options *o) {
+    struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
+    shear_error err = {0};
+    for (size_t i = 0; i < N_OWN; i++) {
+        options[i] = own_options[i];
+    }
+    settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
+    opterr = 0;
+    int value = 0;
+    while ((value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
+        if (value == '?' || value == ':') {
+            return options_bad(&cmd_validate, value, argv, options);
+        }
+        if (settings_options_is(value)) {
+            if (settings_options_handle(value, optarg, &o->settings, &err)) {
+                message_error(&err);
+                return EXIT_CODE_USAGE;
+            }
+        } else if (value == OPT_JSON) {
+            o->json = true;
+        } else {
+            o->quiet = true;
+        }
+    }
+    if (shear_settings_check(&o->settings, &err)) {
+        message_error(&err);
+        return EXIT_CODE_USAGE;
+    }
+    if (optind >= argc) {
+        message_fail("\"shearctl help validate\"", "validate: which files?");
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+/* A number of two digits a little above -lowest > 0: a pedestal that is easy to type and leaves no
+ * pixel at zero. */
+static double pedestal_above(double lowest) {
+    double x = 1.01 * -lowest;
+    double unit = pow(10.0, floor(log10(x)) - 1.0);
+    return ceil(x / unit) * unit;
+}
+
+/* The verdict on a file whose every stamp has been seen; the words go to *words. */
+static void judge(shear_verdict *v, shear_error *words) {
+    int64_t n = v->field->n_stamps;
+    if (v->negative.count > 0) {
+        char advice[200];
+        snprintf(
+            advice, sizeof advice,
+            "give --pedestal %.3g or more, or a method without logarithm (--interpolation none)",
+            pedestal_above(v->lowest_pixel));
+        shear_fail(words, SHEAR_E_NEGATIVE, advice,
+                   "%s cannot take negative pixels: %" PRId64 " of %" PRId64
+                   " stamps have some, down to %.6g",
+                   shear_interpolation_name(v->plan->interpolation), v->negative.count, n,
+                   v->lowest_pixel);
+    } else if (v->n_measurable < 2) {
+        shear_fail(words, SHEAR_E_FORMAT, "a field's shear needs two usable stamps at least",
+                   "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
+    } else {
+        v->good = true;
+        shear_fail(words, SHEAR_OK, NULL, "would measure %" PRId64 " of %" PRId64 " stamps",
+                   v->n_measurable, n);
+    }
+}
+
+static int show(const shear_verdict *v, bool json) {
+    char *text = NULL;
+    shear_error err = {0};
+    if (!json) {
+        verdict_text_print(v, stdout);
+        return EXIT_CODE_DONE;
+    }
+    if (shear_verdict_json(&text, v, &err)) {
+        message_error(&err);
+        return EXIT_CODE_OTHER;
+    }
+    puts(text);
+    free(text);
+    return EXIT_CODE_DONE;
+}
+
+/* Open, plan, scan: as far as it goes. Returns an error code, with words for the verdict. */
+static int look_into(const struct validate_options *o, shear_field **field, shear_plan **plan,
+                     shear_verdict *v, shear_error *words) {
+    int code = shear_field_open(field, v->path, words);
+    if (code) {
+        return code;
+    }
+    v->field = shear_field_get_info(*field);
+    code = shear_plan_for_field(plan, &o->settings, *field, words);
+    if (code) {
+        return code;
+    }
+    v->plan = shear_plan_get_info(*plan);
+    struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
+    code = field_scan(*field, *plan, progress, v, words);
+    progress_end(progress);
+    return code;
+}
+
+/* One file; *good says how it fared. Returns an exit code for what is not the file's fault. */
+static int validate(const char *path, const struct validate_options *o, bool *good) {
+    shear_field *field = NULL;
+    shear_plan *plan = NULL;
+    shear_error words = {0};
+    shear_verdict v = {.path = path, .settings = &o->settings};
+    int code = look_into(o, &field, &plan, &v, &words);
+    int result = EXIT_CODE_OTHER;
+    if (code == SHEAR_E_CANCELLED || code == SHEAR_E_NOMEM || code == SHEAR_E_INTERNAL) {
+        message_error(&words);
+        goto done;
+    }
+    if (!code) {
+        judge(&v, &words);
+    }
+    v.verdict = words.message;
+    v.advice = words.advice;
+    *good = v.good;
+    result = show(&v, o->json);
+done:
+    shear_plan_free(plan);
+    shear_field_close(field);
+    return result;
+}
+
+static int run(int argc, char **argv) {
+    struct validate_options o = {0};
+    shear_settings_init(&o.settings);
+    int code = parse(argc, argv, &o);
+    if (code) {
+        return code;
+    }
+    int n_good = 0;
+    int n_bad = 0;
+    for (int i = optind; i < argc; i++) {
+        bool good = false;
+        code = validate(argv[i], &o, &good);
+        if (code) {
+            return code;
+        }
+        n_good += good;
+        n_bad += !good;
+    }
+    return n_bad == 0 ? EXIT_CODE_DONE : n_good == 0 ? EXIT_CODE_INPUT : EXIT_CODE_PARTLY;
+}
+
+const struct command cmd_validate = {
+    .name = "validate",
+    .summary = "tell what is in field files, and whether they would measure",
+    .usage =
+        "usage: shearctl validate [OPTION...] FILE...\n"
+        "\n"
+        "Tell what is in each field file, how it would be measured with these settings, which "
+        "stamps would be\n"
+        "left out and why. Stamps count from 0.\n"
+        "\n"
+        "  --json                  one JSON object per file and line, instead of words\n"
+        "  --quiet                 no progress bar\n"
+        "\n"
+        "settings:\n" COMMAND_SETTINGS_MARK "\n"
+        "\n"
+        "exit status: 0 all files are good, 2 usage, 3 all are bad, 4 some are, 1 anything else.\n",
+    .run = run,
+};

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* command.h: what a subcommand of shearctl is. Each cmd_NAME.c exports one; main.c holds the table.
+ */
+#ifndef CLIENT_COMMAND_H
+#define CLIENT_COMMAND_H
+
+#include <stdio.h>
+
+/* Exit codes, as in shearctl(1). */
+enum {
+    EXIT_CODE_DONE = 0,
+    EXIT_CODE_OTHER = 1, /* anything that is not below: no memory, unwritable output, interrupted */
+    EXIT_CODE_USAGE = 2, /* wrong options or settings */
+    EXIT_CODE_INPUT = 3, /* bad input, all of it */
+    EXIT_CODE_PARTLY = 4 /* some of the input files failed, the others are done */
+};
+
+struct command {
+    const char *name;
+    const char *summary; /* one line, no full stop */
+    /* The whole help text. It begins with "usage: shearctl NAME ...". A line that is
+     * COMMAND_SETTINGS_MARK alone stands for the options of all settings (settings_options.h). */
+    const char *usage;
+    /* argv[0] is the subcommand's name; returns an exit code. --help and -h are handled by main.c.
+     */
+    int (*run)(int argc, char **argv);
+};
+
+#define COMMAND_SETTINGS_MARK "@SETTINGS@"
+
+extern const struct command cmd_measure;
+extern const struct command cmd_mock;
+extern const struct command cmd_validate;
+extern const struct command cmd_plot;
+extern const struct command cmd_help;
+extern const struct command cmd_version;
+
+/* The table, ended by NULL, in the order of the help text. */
+const struct command *const *command_table(void);
+/* The entry called `name`, or NULL; then an error with the nearest name has been printed. */
+const struct command *command_find(const char *name);
+/* Print the help text of one subcommand, or the short list of all. */
+void command_print_usage(const struct command *command, FILE *out);
+void command_print_list(FILE *out);
+
+#endif

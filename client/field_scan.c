@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "field_scan.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { BLOCK_BYTES = 8 << 20, MAX_BLOCK = 256 };
+
+struct scan {
+    const shear_plan *plan;
+    const shear_plan_info *info;
+    bool is_log;
+    double pedestal;
+    shear_block *block;
+    shear_row *rows; /* [block->capacity] */
+    shear_verdict *v;
+};
+
+struct pixels {
+    bool finite, constant;
+    double lowest; /* of the finite ones */
+};
+
+static struct pixels look_at(const double *pixel, size_t n) {
+    struct pixels p = {.finite = true, .constant = true, .lowest = INFINITY};
+    for (size_t i = 0; i < n; i++) {
+        if (!isfinite(pixel[i])) {
+            p.finite = false;
+        } else if (pixel[i] < p.lowest) {
+            p.lowest = pixel[i];
+        }
+        p.constant = p.constant && pixel[i] == pixel[0];
+    }
+    return p;
+}
+
+static unsigned catalog_flags(const struct scan *s, const shear_stamps *t, int i) {
+    unsigned flags = 0;
+    if (t->mask && t->mask[i] != 0) {
+        flags |= SHEAR_FLAG_MASKED;
+    }
+    if (t->weight && !(isfinite(t->weight[i]) && t->weight[i] >= 0.0)) {
+        flags |= SHEAR_FLAG_BAD_WEIGHT;
+    }
+    if (s->info->filter_per_stamp && t->r_gal && !(isfinite(t->r_gal[i]) && t->r_gal[i] > 0.0)) {
+        flags |= SHEAR_FLAG_BAD_R_GAL;
+    }
+    if (t->psf_index && t->psf_index[i] < 0) {
+        flags |= SHEAR_FLAG_PSF_UNUSABLE;
+    }
+    return flags;
+}
+
+static void fault_add(shear_fault *f, int64_t index) {
+    if (f->count < SHEAR_FAULT_SAMPLES) {
+        f->first[f->count] = index;
+    }
+    f->count++;
+}
+
+/* Everything about stamp i that needs no measuring (only SHEAR_FLAG_OVERFLOW does). */
+static unsigned stamp_flags(struct scan *s, const shear_stamps *t, int i) {
+    size_t n = (size_t)t->nx * (size_t)t->ny;
+    struct pixels galaxy = look_at(t->galaxy + (size_t)i * n, n);
+    struct pixels noise = look_at(t->noise + (size_t)i * n, n);
+    double lowest = fmin(galaxy.lowest, noise.lowest);
+    unsigned flags = catalog_flags(s, t, i);
+    flags |= galaxy.finite ? 0u : SHEAR_FLAG_GALAXY_NOT_FINITE;
+    flags |= noise.finite ? 0u : SHEAR_FLAG_NOISE_NOT_FINITE;
+    flags |= galaxy.finite && galaxy.constant ? SHEAR_FLAG_EMPTY : 0u;
+    s->v->lowest_pixel = fmin(s->v->lowest_pixel, lowest);
+    if (!flags && s->is_log && lowest + s->pedestal < 0.0) {
+        fault_add(&s->v->negative, t->first + i);
+    }
+    return flags;
+}
+
+static void count_flags(shear_verdict *v, unsigned flags, int64_t index) {
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+        if (flags & (1u << bit)) {
+            fault_add(&v->flags[bit], index);
+        }
+    }
+    v->n_measurable += flags == 0;
+}
+
+static int scan_block(struct scan *s, shear_error *err) {
+    const shear_stamps *t = &s->block->stamps;
+    unsigned flags[MAX_BLOCK];
+    for (int i = 0; i < t->count; i++) {
+        flags[i] = stamp_flags(s, t, i);
+    }
+    /* Stamps that a log method cannot take would be an error here: they are reported as such
+     * instead. */
+    if (t->psf && s->v->negative.count == 0) {
+        int code = shear_measure_batch(s->plan, t, 0, NULL, s->rows, err);
+        if (code) {
+            return code;
+        }
+        for (int i = 0; i < t->count; i++) {
+            flags[i] |= s->rows[i].flags;
+        }
+    }
+    for (int i = 0; i < t->count; i++) {
+        count_flags(s->v, flags[i], t->first + i);
+    }
+    return SHEAR_OK;
+}
+
+static int block_capacity(const shear_geometry *g) {
+    size_t pair = 2 * sizeof(double) * (size_t)g->nx * (size_t)g->ny;
+    size_t psf = sizeof(double) * (size_t)g->psf_nx * (size_t)g->psf_ny;
+    size_t fit = BLOCK_BYTES / (pair + psf);
+    return fit < 1 ? 1 : fit > MAX_BLOCK ? MAX_BLOCK : (int)fit;
+}
+
+static int scan_all(struct scan *s, shear_field *field, struct progress *progress,
+                    shear_error *err) {
+    int64_t total = shear_field_get_info(field)->n_stamps;
+    for (int64_t first = 0; first < total; first += s->block->capacity) {
+        int64_t left = total - first;
+        int count = left < s->block->capacity ? (int)left : s->block->capacity;
+        int code = shear_field_read(field, first, count, s->block, err);
+        if (!code) {
+            code = scan_block(s, err);
+        }
+        if (code) {
+            return code;
+        }
+        if (progress_callback(progress, first + count, total)) {
+            return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
+        }
+    }
+    return SHEAR_OK;
+}
+
+int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
+               shear_verdict *v, shear_error *err) {
+    const shear_field_info *info = shear_field_get_info(field);
+    const shear_plan_info *resolved = shear_plan_get_info(plan);
+    struct scan s = {.plan = plan, .info = resolved, .v = v};
+    s.is_log = shear_interpolation_is_log(resolved->interpolation);
+    s.pedestal = shear_plan_get_settings(plan)->pedestal;
+    v->lowest_pixel = INFINITY;
+    int code = shear_block_new(&s.block, info, block_capacity(&info->geometry), err);
+    if (code) {
+        return code;
+    }
+    s.rows = calloc((size_t)s.block->capacity, sizeof *s.rows);
+    code = s.rows ? scan_all(&s, field, progress, err)
+                  : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    v->scanned = !code;
+    free(s.rows);
+    shear_block_free(s.block);
+    return code;
+}

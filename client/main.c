@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl: the table of subcommands and the choice of one. */
+#include "command.h"
+#include "message.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <stdbool.h>
+#include <string.h>
+
+static const struct command *const table[] = {
+    &cmd_measure, &cmd_mock, &cmd_validate, &cmd_plot, &cmd_help, &cmd_version, NULL,
+};
+
+const struct command *const *command_table(void) {
+    return table;
+}
+
+static bool asks_for_help(int argc, char **argv) {
+    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int run(int argc, char **argv) {
+    const char *name = argc > 1 ? argv[1] : "--help";
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        command_print_list(stdout);
+        return EXIT_CODE_DONE;
+    }
+    if (strcmp(name, "--version") == 0) {
+        name = cmd_version.name;
+    }
+    const struct command *command = command_find(name);
+    if (!command) {
+        return EXIT_CODE_USAGE;
+    }
+    if (asks_for_help(argc - 1, argv + 1)) {
+        command_print_usage(command, stdout);
+        return EXIT_CODE_DONE;
+    }
+    return command->run(argc - 1, argv + 1);
+}
+
+int main(int argc, char **argv) {
+    /* The text's language and the terminal's characters, but never a decimal comma: files and
+     * scripts read this. */
+    setlocale(LC_CTYPE, "");
+    int code = run(argc, argv);
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        message_fail(NULL, "cannot write to standard output: %s", strerror(errno));
+        return code == EXIT_CODE_DONE ? EXIT_CODE_OTHER : code;
+    }
+    return code;
+}

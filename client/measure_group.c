@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure_group.h"
+
+#include "advice.h"
+#include "command.h"
+#include "message.h"
+#include "progress.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct measure_group *group_of(struct measure_group *groups, size_t n, const char *field) {
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(groups[i].field, field) == 0) {
+            return &groups[i];
+        }
+    }
+    return NULL;
+}
+
+bool measure_groups_new(struct measure_input *inputs, size_t n, struct measure_group **groups,
+                        size_t *n_groups) {
+    *n_groups = 0;
+    *groups = calloc(n ? n : 1, sizeof **groups);
+    for (size_t i = 0; *groups && i < n; i++) {
+        if (!measure_input_is_wanted(&inputs[i])) {
+            continue;
+        }
+        struct measure_group *g = group_of(*groups, *n_groups, inputs[i].field);
+        if (!g) {
+            g = &(*groups)[(*n_groups)++];
+            g->field = inputs[i].field;
+            g->inputs = calloc(n, sizeof *g->inputs);
+            if (!g->inputs) {
+                measure_groups_free(*groups, *n_groups);
+                *groups = NULL;
+                *n_groups = 0;
+                return false;
+            }
+        }
+        g->inputs[g->n++] = &inputs[i];
+    }
+    return *groups != NULL;
+}
+
+void measure_groups_free(struct measure_group *groups, size_t n_groups) {
+    for (size_t i = 0; groups && i < n_groups; i++) {
+        free(groups[i].inputs);
+        warnings_deinit(&groups[i].warnings);
+    }
+    free(groups);
+}
+
+static int by_checksum(const void *a, const void *b) {
+    const struct measure_input *const *x = a;
+    const struct measure_input *const *y = b;
+    return strcmp((*x)->checksum, (*y)->checksum);
+}
+
+/* An hour of work must not end in "fewer blocks than groups". */
+static int check_blocks(const struct measure_group *g, int groups, shear_error *err) {
+    int64_t blocks = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        blocks += (g->inputs[i]->info.n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    }
+    if (groups > blocks) {
+        return shear_fail(err, SHEAR_E_SETTING,
+                          "use fewer groups, or the delta method (no --jackknife)",
+                          "--jackknife %d: field %s has only %lld blocks of %d stamps", groups,
+                          g->field, (long long)blocks, SHEAR_BLOCK);
+    }
+    return SHEAR_OK;
+}
+
+static void fail_all(struct measure_group *g, int code, const shear_error *err) {
+    message_error(err);
+    for (size_t i = 0; i < g->n; i++) {
+        if (!g->inputs[i]->failure) {
+            g->inputs[i]->failure = measure_failure_of(code, false);
+        }
+    }
+}
+
+static void run_input(struct measure_input *input, const struct measure_options *o,
+                      shear_field_sums *sums, shear_jackknife *jack) {
+    shear_error err = {0};
+    struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
+    shear_run_options run = {
+        .threads = o->threads,
+        .catalog_path = input->catalog,
+        .overwrite = o->force,
+        .checksum = input->checksum,
+        .progress = progress_callback,
+        .context = progress,
+    };
+    int code = shear_run_file(input->path, &o->settings, &run, sums, jack, &input->report, &err);
+    progress_end(progress);
+    if (code) {
+        message_error(&err);
+        input->failure = measure_failure_of(code, input->catalog != NULL);
+    }
+    input->measured = !code;
+}
+
+/* All files of the group, in `order`; how many were measured. */
+static size_t run_inputs(struct measure_input **order, size_t n, const struct measure_options *o,
+                         shear_field_sums *sums, shear_jackknife *jack) {
+    size_t done = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (progress_interrupted()) {
+            order[i]->failure = EXIT_CODE_OTHER;
+            continue;
+        }
+        run_input(order[i], o, sums, jack);
+        done += order[i]->measured;
+    }
+    return done;
+}
+
+static int run_all(struct measure_group *g, const struct measure_options *o,
+                   struct measure_input **order, size_t *done, shear_error *err) {
+    shear_field_sums *sums = NULL;
+    shear_jackknife *jack = NULL;
+    int code = shear_field_sums_new(&sums, err);
+    if (!code && o->jackknife) {
+        code = shear_jackknife_new(&jack, o->jackknife, err);
+    }
+    if (!code) {
+        *done = run_inputs(order, g->n, o, sums, jack);
+        shear_field_result(sums, &g->result);
+        if (jack && *done > 0) {
+            code = shear_jackknife_finish(jack, &g->result, err);
+        }
+    }
+    shear_jackknife_free(jack);
+    shear_field_sums_free(sums);
+    return code;
+}
+
+/* What stands out in the result. A field without a usable stamp is bad input, but its counts are
+ * worth showing. */
+static void judge(struct measure_group *g, size_t done) {
+    char text[400];
+    const struct measure_input *first = measure_group_first(g);
+    const char *(*const advices[])(const shear_result *, const shear_plan_info *, char *,
+                                   size_t) = {advice_filter, advice_bright_border,
+                                              advice_rough_border};
+    for (size_t i = 0; i < sizeof advices / sizeof advices[0]; i++) {
+        if (advices[i](&g->result, &first->report.plan, text, sizeof text)) {
+            warnings_add(&g->warnings, "%s", text);
+        }
+    }
+    if (done < g->n) {
+        warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",
+                     g->n - done, g->n);
+    }
+    if (!g->result.valid) {
+        shear_error err = {0};
+        int code =
+            shear_fail(&err, SHEAR_E_FORMAT, "\"shearctl validate\" tells why stamps are left out",
+                       "field %s: %lld of %lld stamps are usable: no shear could be measured",
+                       g->field, (long long)g->result.n_used, (long long)g->result.n_stamps);
+        fail_all(g, code, &err);
+    }
+}
+
+bool measure_group_run(struct measure_group *g, const struct measure_options *o) {
+    shear_error err = {0};
+    size_t done = 0;
+    struct measure_input **order = calloc(g->n, sizeof(struct measure_input *));
+    int code = order ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
+    if (!code && o->jackknife) {
+        code = check_blocks(g, o->jackknife, &err);
+    }
+    if (!code) {
+        memcpy(order, g->inputs, g->n * sizeof(struct measure_input *));
+        if (o->jackknife) {
+            qsort(order, g->n, sizeof(struct measure_input *), by_checksum);
+        }
+        code = run_all(g, o, order, &done, &err);
+    }
+    free(order);
+    for (size_t i = 0; i < g->n; i++) {
+        g->seconds += g->inputs[i]->measured ? g->inputs[i]->report.seconds : 0.0;
+    }
+    if (code) {
+        fail_all(g, code, &err);
+        return false;
+    }
+    if (done > 0) {
+        judge(g, done);
+    }
+    return done > 0;
+}
+
+const struct measure_input *measure_group_first(const struct measure_group *g) {
+    for (size_t i = 0; i < g->n; i++) {
+        if (g->inputs[i]->measured) {
+            return g->inputs[i];
+        }
+    }
+    return NULL;
+}
+
+bool measure_group_truth(const struct measure_group *g, double *g1, double *g2) {
+    const struct measure_input *first = measure_group_first(g);
+    if (!first || !first->info.has_truth) {
+        return false;
+    }
+    *g1 = first->info.sim_g1;
+    *g2 = first->info.sim_g2;
+    for (size_t i = 0; i < g->n; i++) {
+        const shear_field_info *info = &g->inputs[i]->info;
+        if (g->inputs[i]->measured &&
+            (!info->has_truth || info->sim_g1 != *g1 || info->sim_g2 != *g2)) {
+            return false;
+        }
+    }
+    return true;
+}

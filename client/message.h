@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* message.h: what shearctl says on standard error: "shearctl: error: ...", "shearctl: warning:
+ * ...".
+ *
+ * Bytes that could steer a terminal (control characters in file and field names) are shown as '?'.
+ */
+#ifndef CLIENT_MESSAGE_H
+#define CLIENT_MESSAGE_H
+
+#include "shear/error.h"
+
+#include <stddef.h>
+
+/* The error, and its advice, if any, on a second line. */
+void message_error(const shear_error *err);
+/* An error of our own. `hint` may be NULL. */
+void message_fail(const char *hint, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void message_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* `text` with its control characters replaced, in buf, cut to `size`. Returns buf. */
+char *message_clean(const char *text, char *buf, size_t size);
+
+#endif

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "shear/stamp.h"
+
+#include <stddef.h>
+
+static const struct {
+    const char *name;
+    const char *help;
+} flags[SHEAR_N_FLAGS] = {
+    {"galaxy_not_finite", "NaN, infinite or BLANK pixels in the galaxy stamp"},
+    {"noise_not_finite", "NaN, infinite or BLANK pixels in the noise stamp"},
+    {"masked", "CATALOG.FLAGS is not zero"},
+    {"empty", "all pixels of the galaxy stamp are equal"},
+    {"psf_unusable", "the stamp's PSF is not finite, has no flux, is too wide for beta, or is missing"},
+    {"bad_weight", "CATALOG.WEIGHT is negative or not finite"},
+    {"bad_r_gal", "CATALOG.R_GAL is not positive and finite, and the filter needs it"},
+    {"overflow", "the moments are not finite although the pixels are"},
+};
+
+const char *shear_flag_name(int bit)
+{
+    return bit >= 0 && bit < SHEAR_N_FLAGS ? flags[bit].name : NULL;
+}
+
+const char *shear_flag_help(int bit)
+{
+    return bit >= 0 && bit < SHEAR_N_FLAGS ? flags[bit].help : NULL;
+}

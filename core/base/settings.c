@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "shear/settings.h"
+
+#include <errno.h>
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const interpolations[] = {"auto",         "none",        "bilinear",   "bicubic", "spline",
+                                             "log-bilinear", "log-bicubic", "log-spline", NULL};
+static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
+static const char *const zeros[] = {"skip", "floor", NULL};
+
+enum { MAX_OVERSAMPLE = 64 };
+
+#define AT(member) offsetof(shear_settings, member)
+static const shear_setting_def table[] = {
+    {"interpolation", "INTERP", SHEAR_T_CHOICE, AT(interpolation), interpolations, 0, 0, false, "",
+     "METHOD", "how pixels are interpolated; auto: none for R_PSF >= 1 px, else log-bicubic"},
+    {"oversample", "OVERSAMP", SHEAR_T_INT, AT(oversample), NULL, 1, MAX_OVERSAMPLE, true, "", "S",
+     "fine pixels per pixel, a power of two; auto: smallest with 1/S < R_PSF/4"},
+    {"beta", "BETA_PX", SHEAR_T_DOUBLE, AT(beta_px), NULL, 1e-3, 1e3, true, "px", "PX",
+     "scale radius of the isotropic Gaussian target PSF; auto: beta-ratio times R_PSF"},
+    {"beta-ratio", "BETARAT", SHEAR_T_DOUBLE, AT(beta_ratio), NULL, 0.1, 100, false, "", "X",
+     "beta in units of R_PSF, where beta is auto"},
+    {"filter", "FILTER", SHEAR_T_CHOICE, AT(filter), filters, 0, 0, false, "", "KIND",
+     "border filter: paper (core R_G + 4 beta, width beta), edge (widest that ends at the border), "
+     "none; auto: paper where R_G is known, else none"},
+    {"core", "CORE_PX", SHEAR_T_DOUBLE, AT(core_px), NULL, 0, 2048, true, "px", "PX",
+     "radius within which the filter is 1; auto: by the filter's rule"},
+    {"width", "WIDTH_PX", SHEAR_T_DOUBLE, AT(width_px), NULL, 1e-3, 2048, true, "px", "PX",
+     "scale of the filter's Gaussian fall beyond the core; auto: by the filter's rule"},
+    {"zeros", "ZEROS", SHEAR_T_CHOICE, AT(zeros), zeros, 0, 0, false, "", "POLICY",
+     "zero pixels under a log method: skip (what touches them becomes zero) or floor (they become "
+     "tiny)"},
+    {"pedestal", "PEDESTAL", SHEAR_T_DOUBLE, AT(pedestal), NULL, 0, DBL_MAX, false, "", "VALUE",
+     "added to both stamps before the log and taken off after the exp, for sky-subtracted data"},
+    {"psf-threshold", "PSFTHRES", SHEAR_T_DOUBLE, AT(psf_threshold), NULL, 0, 1, false, "", "X",
+     "PSF modes with |W|^2 below this part of the peak, and all beyond the first such |k|, are cut"},
+    {"power-tolerance", "POWERTOL", SHEAR_T_DOUBLE, AT(power_tolerance), NULL, 0, 1, false, "", "X",
+     "largest part of the target's power that may lie beyond the cut"},
+    {"noise-correction", "NOISECOR", SHEAR_T_BOOL, AT(noise_correction), NULL, 0, 0, false, "", "",
+     "subtract the noise stamp's moments from the galaxy's"},
+};
+enum { N_SETTINGS = sizeof table / sizeof table[0] };
+
+const shear_setting_def *shear_settings_table(size_t *n)
+{
+    *n = N_SETTINGS;
+    return table;
+}
+
+static bool same_name(const char *a, const char *b)
+{
+    for (; *a != '\0' && *b != '\0'; a++, b++) {
+        const char ca = *a == '_' ? '-' : *a;
+        const char cb = *b == '_' ? '-' : *b;
+        if (ca != cb) {
+            return false;
+        }
+    }
+    return *a == *b;
+}
+
+const shear_setting_def *shear_settings_find(const char *name)
+{
+    for (size_t i = 0; i < N_SETTINGS; i++) {
+        if (same_name(table[i].name, name)) {
+            return &table[i];
+        }
+    }
+    return NULL;
+}
+
+void shear_settings_init(shear_settings *s)
+{
+    *s = (shear_settings){
+        .interpolation = SHEAR_INTERP_AUTO,
+        .oversample = 0,
+        .beta_px = NAN,
+        .beta_ratio = 1.5,
+        .filter = SHEAR_FILTER_AUTO,
+        .core_px = NAN,
+        .width_px = NAN,
+        .zeros = SHEAR_ZEROS_SKIP,
+        .pedestal = 0.0,
+        .psf_threshold = 1e-8,
+        .power_tolerance = 1e-3,
+        .noise_correction = true,
+    };
+}
+
+static void *member(shear_settings *s, const shear_setting_def *def)
+{
+    return (char *)s + def->offset;
+}
+
+static const void *const_member(const shear_settings *s, const shear_setting_def *def)
+{
+    return (const char *)s + def->offset;
+}
+
+static int set_choice(int *value, const shear_setting_def *def, const char *text, shear_error *err)
+{
+    char known[200] = "";
+    for (int i = 0; def->choices[i] != NULL; i++) {
+        if (same_name(def->choices[i], text)) {
+            *value = i;
+            return SHEAR_OK;
+        }
+        const size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", def->choices[i]);
+    }
+    return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s': '%s' is not one of: %s", def->name,
+                      text, known);
+}
+
+static int set_bool(bool *value, const shear_setting_def *def, const char *text, shear_error *err)
+{
+    static const char *const words[] = {"false", "true", "no", "yes", "off", "on", "0", "1"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(words[i], text) == 0) {
+            *value = i % 2 == 1;
+            return SHEAR_OK;
+        }
+    }
+    return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s': '%s' is neither true nor false",
+                      def->name, text);
+}
+
+static int out_of_range(const shear_setting_def *def, const char *text, shear_error *err)
+{
+    return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s': '%s' is not %s from %g to %g%s%s%s",
+                      def->name, text, def->type == SHEAR_T_INT ? "a whole number" : "a number",
+                      def->min, def->max, def->unit[0] != '\0' ? " " : "", def->unit,
+                      def->has_auto ? ", or auto" : "");
+}
+
+static int set_int(int *value, const shear_setting_def *def, const char *text, shear_error *err)
+{
+    char *end = NULL;
+    errno = 0;
+    const long parsed = strtol(text, &end, 10);
+    if (end == text || *end != '\0' || errno != 0 || (double)parsed < def->min ||
+        (double)parsed > def->max) {
+        return out_of_range(def, text, err);
+    }
+    *value = (int)parsed;
+    return SHEAR_OK;
+}
+
+static int set_double(double *value, const shear_setting_def *def, const char *text, shear_error *err)
+{
+    char *end = NULL;
+    const double parsed = strtod(text, &end);
+    if (end == text || *end != '\0' || !(parsed >= def->min) || !(parsed <= def->max)) {
+        return out_of_range(def, text, err);
+    }
+    *value = parsed;
+    return SHEAR_OK;
+}
+
+int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err)
+{
+    const shear_setting_def *def = shear_settings_find(name);
+    if (def == NULL) {
+        return shear_fail(err, SHEAR_E_SETTING, "the settings are listed in shearctl(1)",
+                          "there is no setting '%s'", name);
+    }
+    const bool automatic = def->has_auto && strcmp(text, "auto") == 0;
+    switch (def->type) {
+    case SHEAR_T_CHOICE:
+        return set_choice(member(s, def), def, text, err);
+    case SHEAR_T_BOOL:
+        return set_bool(member(s, def), def, text, err);
+    case SHEAR_T_INT:
+        if (automatic) {
+            *(int *)member(s, def) = 0;
+            return SHEAR_OK;
+        }
+        return set_int(member(s, def), def, text, err);
+    default:
+        if (automatic) {
+            *(double *)member(s, def) = NAN;
+            return SHEAR_OK;
+        }
+        return set_double(member(s, def), def, text, err);
+    }
+}
+
+/* The shortest decimal that strtod reads back to the same double. */
+static void format_double(double value, char *buf, size_t size)
+{
+    for (int digits = 1; digits <= DBL_DECIMAL_DIG; digits++) {
+        snprintf(buf, size, "%.*g", digits, value);
+        if (strtod(buf, NULL) == value) {
+            return;
+        }
+    }
+}
+
+char *shear_settings_format(const shear_settings *s, const shear_setting_def *def, char *buf,
+                            size_t size)
+{
+    const void *value = const_member(s, def);
+    switch (def->type) {
+    case SHEAR_T_CHOICE:
+        snprintf(buf, size, "%s", def->choices[*(const int *)value]);
+        break;
+    case SHEAR_T_BOOL:
+        snprintf(buf, size, "%s", *(const bool *)value ? "true" : "false");
+        break;
+    case SHEAR_T_INT:
+        if (def->has_auto && *(const int *)value == 0) {
+            snprintf(buf, size, "auto");
+        } else {
+            snprintf(buf, size, "%d", *(const int *)value);
+        }
+        break;
+    default:
+        if (isnan(*(const double *)value)) {
+            snprintf(buf, size, "auto");
+        } else {
+            format_double(*(const double *)value, buf, size);
+        }
+        break;
+    }
+    return buf;
+}
+
+static bool is_power_of_two(int n)
+{
+    return n > 0 && (n & (n - 1)) == 0;
+}
+
+int shear_settings_check(const shear_settings *s, shear_error *err)
+{
+    const bool core_given = !isnan(s->core_px);
+    if (s->oversample != 0 && !is_power_of_two(s->oversample)) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'oversample': %d is not a power of two",
+                          s->oversample);
+    }
+    if (s->interpolation == SHEAR_INTERP_NONE && s->oversample > 1) {
+        return shear_fail(err, SHEAR_E_SETTING, "choose an interpolation, or leave oversample at auto",
+                          "setting 'oversample' is %d but interpolation is none", s->oversample);
+    }
+    if (core_given && s->filter != SHEAR_FILTER_AUTO) {
+        return shear_fail(err, SHEAR_E_SETTING, "a core of your own goes with filter=auto",
+                          "setting 'core' contradicts filter=%s", shear_filter_name(s->filter));
+    }
+    if (!isnan(s->width_px) && s->filter == SHEAR_FILTER_NONE) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'width' contradicts filter=none");
+    }
+    if (s->pedestal > 0 && s->interpolation != SHEAR_INTERP_AUTO &&
+        !shear_interpolation_is_log(s->interpolation)) {
+        return shear_fail(err, SHEAR_E_SETTING, "a pedestal is for the log methods only",
+                          "setting 'pedestal' contradicts interpolation=%s",
+                          shear_interpolation_name(s->interpolation));
+    }
+    return SHEAR_OK;
+}
+
+const char *shear_interpolation_name(int interpolation)
+{
+    return interpolation >= 0 && interpolation <= SHEAR_INTERP_LOG_SPLINE ? interpolations[interpolation]
+                                                                          : "unknown";
+}
+
+const char *shear_filter_name(int filter)
+{
+    return filter >= 0 && filter <= SHEAR_FILTER_NONE ? filters[filter] : "unknown";
+}
+
+bool shear_interpolation_is_log(int interpolation)
+{
+    return interpolation >= SHEAR_INTERP_LOG_BILINEAR && interpolation <= SHEAR_INTERP_LOG_SPLINE;
+}

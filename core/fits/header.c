@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/header.h"
+
+#include "fits/card.h"
+
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { INTEGER, LOGICAL, STRING };
+
+#define HDU(member) (offsetof(sf_header, hdu) + offsetof(sf_hdu, member))
+
+static const struct {
+    const char *key;
+    int type;
+    size_t offset; /* in sf_header */
+} scalars[] = {
+    {"BITPIX", INTEGER, HDU(bitpix)},
+    {"NAXIS", INTEGER, HDU(naxis)},
+    {"PCOUNT", INTEGER, HDU(pcount)},
+    {"GCOUNT", INTEGER, HDU(gcount)},
+    {"TFIELDS", INTEGER, HDU(tfields)},
+    {"THEAP", INTEGER, HDU(theap)},
+    {"ZBITPIX", INTEGER, HDU(zbitpix)},
+    {"ZNAXIS", INTEGER, HDU(znaxis)},
+    {"ZIMAGE", LOGICAL, HDU(zimage)},
+    {"ZTABLE", LOGICAL, HDU(ztable)},
+    {"GROUPS", LOGICAL, offsetof(sf_header, groups)},
+    {"EXTNAME", STRING, HDU(name)},
+    {"ZCMPTYPE", STRING, HDU(zcmptype)},
+    {"ZQUANTIZ", STRING, HDU(zquantiz)},
+    {"XTENSION", STRING, offsetof(sf_header, xtension)},
+};
+
+static const struct {
+    const char *root;
+    int count;
+    size_t offset;
+} indexed[] = {
+    {"NAXIS", SF_AXES, HDU(axes)},
+    {"ZNAXIS", SF_AXES, HDU(zaxes)},
+    {"ZTILE", SF_AXES, HDU(ztile)},
+    {"ZVAL", 2, HDU(zval)},
+};
+
+enum {
+    N_SCALARS = sizeof scalars / sizeof scalars[0],
+    N_INDEXED = sizeof indexed / sizeof indexed[0]
+};
+
+static int64_t *integer_at(sf_header *h, size_t offset) {
+    return (int64_t *)(void *)((char *)h + offset);
+}
+
+void sf_header_init(sf_header *h, int number) {
+    *h = (sf_header){.hdu.number = number, .further_axes = 1};
+    for (int i = 0; i < N_SCALARS; i++) {
+        if (scalars[i].type == INTEGER) {
+            *integer_at(h, scalars[i].offset) = SF_ABSENT;
+        }
+    }
+    for (int i = 0; i < N_INDEXED; i++) {
+        for (int k = 0; k < indexed[i].count; k++) {
+            integer_at(h, indexed[i].offset)[k] = SF_ABSENT;
+        }
+    }
+}
+
+const char *sf_header_label(const sf_header *h, char out[SF_NAME]) {
+    if (h->hdu.name[0] != '\0') {
+        snprintf(out, SF_NAME, "%s", h->hdu.name);
+    } else if (h->hdu.number == 1) {
+        snprintf(out, SF_NAME, "primary");
+    } else {
+        snprintf(out, SF_NAME, "number %d", h->hdu.number);
+    }
+    return out;
+}
+
+static int bad(const sf_header *h, const char *file, const char *key, const char *what,
+               shear_error *err) {
+    char label[SF_NAME];
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){file, sf_header_label(h, label)}, NULL,
+                   "keyword %s %s", key, what);
+}
+
+static int take_integer(sf_header *h, const char *card, const char *key, int64_t *out,
+                        const char *file, shear_error *err) {
+    if (*out != SF_ABSENT) {
+        return bad(h, file, key, "is given twice", err);
+    }
+    if (!sf_card_int(card, out)) {
+        *out = SF_ABSENT;
+        return bad(h, file, key, "is not an integer (of up to 64 bits)", err);
+    }
+    return SHEAR_OK;
+}
+
+static void printable(char *text) {
+    for (char *c = text; *c != '\0'; c++) {
+        *c = (*c >= ' ' && *c <= '~') ? *c : '?';
+    }
+}
+
+static int take_scalar(sf_header *h, int i, const char *card, const char *file, shear_error *err) {
+    char *member = (char *)h + scalars[i].offset;
+    if (scalars[i].type == INTEGER) {
+        return take_integer(h, card, scalars[i].key, integer_at(h, scalars[i].offset), file, err);
+    }
+    if (scalars[i].type == LOGICAL) {
+        return sf_card_logical(card, (bool *)member)
+                   ? SHEAR_OK
+                   : bad(h, file, scalars[i].key, "is not a logical (T or F)", err);
+    }
+    if (member[0] != '\0') {
+        return bad(h, file, scalars[i].key, "is given twice", err);
+    }
+    if (!sf_card_string(card, member, SF_NAME)) {
+        return bad(h, file, scalars[i].key, "is not a string", err);
+    }
+    printable(member);
+    return SHEAR_OK;
+}
+
+static int take_axis(sf_header *h, const char *card, const char *key, int index, const char *file,
+                     shear_error *err) {
+    h->axes_seen++;
+    if (index <= SF_AXES) {
+        return take_integer(h, card, key, &h->hdu.axes[index - 1], file, err);
+    }
+    int64_t value = SF_ABSENT;
+    const int rc = take_integer(h, card, key, &value, file, err);
+    if (rc == SHEAR_OK && h->further_axes >= 0 &&
+        (value < 0 || __builtin_mul_overflow(h->further_axes, value, &h->further_axes))) {
+        h->further_axes = -1;
+    }
+    return rc;
+}
+
+int sf_header_card(sf_header *h, const char *card, const char *file, shear_error *err) {
+    char key[SF_KEY + 1];
+    sf_card_key(card, key);
+    for (int i = 0; i < N_SCALARS; i++) {
+        if (strcmp(key, scalars[i].key) == 0) {
+            return take_scalar(h, i, card, file, err);
+        }
+    }
+    int index = sf_card_index(key, "NAXIS");
+    if (index > 0) {
+        return take_axis(h, card, key, index, file, err);
+    }
+    for (int i = 1; i < N_INDEXED; i++) {
+        index = sf_card_index(key, indexed[i].root);
+        /* ZVALn of other algorithms may be floating: only the integers matter here. */
+        if (index > 0 && index <= indexed[i].count) {
+            int64_t *out = &integer_at(h, indexed[i].offset)[index - 1];
+            return strcmp(indexed[i].root, "ZVAL") == 0
+                       ? (sf_card_int(card, out) ? SHEAR_OK : (*out = SF_ABSENT, SHEAR_OK))
+                       : take_integer(h, card, key, out, file, err);
+        }
+    }
+    return SHEAR_OK;
+}
+
+static int kind_of(const sf_header *h) {
+    if (h->hdu.number == 1 || strcmp(h->xtension, "IMAGE") == 0) {
+        return SF_IMAGE;
+    }
+    return strcmp(h->xtension, "BINTABLE") == 0 ? SF_TABLE : SF_OTHER;
+}
+
+static bool bitpix_ok(int64_t bitpix) {
+    return bitpix == 8 || bitpix == 16 || bitpix == 32 || bitpix == 64 || bitpix == -32 ||
+           bitpix == -64;
+}
+
+/* |BITPIX|/8 GCOUNT (PCOUNT + product of the axes); false on overflow. */
+static bool data_bytes(const sf_header *h, int64_t *out) {
+    const sf_hdu *hdu = &h->hdu;
+    int64_t n = hdu->naxis > 0 ? h->further_axes : 0;
+    for (int k = 0; k < SF_AXES && k < hdu->naxis; k++) {
+        if (__builtin_mul_overflow(n, hdu->axes[k], &n)) {
+            return false;
+        }
+    }
+    const int64_t width = (hdu->bitpix < 0 ? -hdu->bitpix : hdu->bitpix) / 8;
+    return !__builtin_add_overflow(n, hdu->pcount, &n) &&
+           !__builtin_mul_overflow(n, hdu->gcount, &n) && !__builtin_mul_overflow(n, width, out) &&
+           *out <= INT64_MAX - SF_BLOCK_BYTES;
+}
+
+static int check_axes(sf_header *h, const char *file, shear_error *err) {
+    sf_hdu *hdu = &h->hdu;
+    if (hdu->naxis < 0 || hdu->naxis > 999) {
+        return bad(h, file, "NAXIS", hdu->naxis == SF_ABSENT ? "is missing" : "is not 0 to 999",
+                   err);
+    }
+    if (h->axes_seen != hdu->naxis) {
+        return bad(h, file, "NAXIS", "does not agree with the number of NAXISn keywords", err);
+    }
+    for (int k = 0; k < SF_AXES; k++) {
+        char key[SF_KEY + 1];
+        snprintf(key, sizeof key, "NAXIS%d", k + 1);
+        if (k >= hdu->naxis) {
+            hdu->axes[k] = 1;
+        } else if (hdu->axes[k] < 0) {
+            return bad(h, file, key, hdu->axes[k] == SF_ABSENT ? "is missing" : "is negative", err);
+        }
+    }
+    return SHEAR_OK;
+}
+
+int sf_header_end(sf_header *h, const char *file, shear_error *err) {
+    sf_hdu *hdu = &h->hdu;
+    hdu->kind = kind_of(h);
+    if (!bitpix_ok(hdu->bitpix)) {
+        return bad(h, file, "BITPIX", "is missing or not one of 8, 16, 32, 64, -32, -64", err);
+    }
+    const int rc = check_axes(h, file, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    hdu->pcount = hdu->pcount == SF_ABSENT ? 0 : hdu->pcount;
+    hdu->gcount = hdu->gcount == SF_ABSENT ? 1 : hdu->gcount;
+    if (h->groups) {
+        return bad(h, file, "GROUPS", "announces random groups, which field files do not have",
+                   err);
+    }
+    if (hdu->pcount < 0 || hdu->gcount < 1) {
+        return bad(h, file, hdu->pcount < 0 ? "PCOUNT" : "GCOUNT", "is out of range", err);
+    }
+    if (hdu->kind == SF_TABLE && (hdu->tfields < 0 || hdu->tfields > 999)) {
+        return bad(h, file, "TFIELDS", "is missing or not 0 to 999", err);
+    }
+    if (!data_bytes(h, &hdu->data_bytes)) {
+        return bad(h, file, "NAXIS", "and NAXISn: the data's size does not fit 64 bits", err);
+    }
+    return SHEAR_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/spool.h: a file's content as an unlinked temporary file in $TMPDIR (or /tmp). */
+#ifndef SHEAR_FITS_SPOOL_H
+#define SHEAR_FITS_SPOOL_H
+
+#include "fits/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Largest size that a .gz file may unpack to, unless the environment variable SHEAR_UNPACK_LIMIT
+ * (bytes) says otherwise. */
+#define SF_UNPACK_LIMIT (INT64_C(64) << 30)
+
+/* True where the bytes are the start of a FITS file. */
+bool sf_is_fits(const unsigned char *bytes, int64_t count);
+bool sf_is_gzip(const unsigned char *bytes, int64_t count);
+
+/* Unpack the gzip file `in`. The first bytes must be a FITS header before the rest is unpacked. On
+ * success *out is a descriptor that the caller closes, and *out_size the number of bytes behind it.
+ * The offset of `in` is not used. SHEAR_E_FORMAT: damaged, truncated, not FITS, too large;
+ * SHEAR_E_IO: no room. */
+int sf_spool_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err);
+
+/* The same without unpacking: a plain copy. */
+int sf_spool_copy(int in, int64_t size, sf_place at, int *out, shear_error *err);
+
+#endif

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/plan_impl.h"
+
+#include <omp.h>
+#include <stdlib.h>
+
+/* Blocks of the batch are handed out to the threads of the team; every row depends on its stamp alone. */
+static int measure_blocks(const shear_plan *plan, const shear_stamps *stamps, int threads,
+                          shear_workspace *const *ws, shear_row *rows, shear_error *err)
+{
+    const int blocks = (stamps->count + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    int first_bad = blocks;
+    int code = SHEAR_OK;
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int b = 0; b < blocks; b++) {
+        const int from = b * SHEAR_BLOCK;
+        const int to = from + SHEAR_BLOCK < stamps->count ? from + SHEAR_BLOCK : stamps->count;
+        shear_error local;
+        const int block_code = shear_measure_range(plan, ws[omp_get_thread_num()], stamps, from, to,
+                                                   rows + from, &local);
+        if (block_code != SHEAR_OK) {
+#pragma omp critical(shear_batch_error)
+            if (b < first_bad) {
+                first_bad = b;
+                code = block_code;
+                if (err != NULL) {
+                    *err = local;
+                }
+            }
+        }
+    }
+    return code;
+}
+
+int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int threads,
+                        shear_workspace *const *ws, shear_row *rows, shear_error *err)
+{
+    const int team = threads > 0 ? threads : omp_get_max_threads();
+    if (ws != NULL) {
+        return measure_blocks(plan, stamps, team, ws, rows, err);
+    }
+    shear_workspace **own = calloc((size_t)team, sizeof(shear_workspace *));
+    int code = own != NULL ? SHEAR_OK
+                           : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d workspaces", team);
+    for (int i = 0; code == SHEAR_OK && i < team; i++) {
+        code = shear_workspace_new(&own[i], plan, err);
+    }
+    if (code == SHEAR_OK) {
+        code = measure_blocks(plan, stamps, team, own, rows, err);
+    }
+    for (int i = 0; own != NULL && i < team; i++) {
+        shear_workspace_free(own[i]);
+    }
+    free(own);
+    return code;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* measure/field_sums.h: the inside of a field's sums, for the files that make results of them. */
+#ifndef SHEAR_FIELD_SUMS_H
+#define SHEAR_FIELD_SUMS_H
+
+#include "exact/exact.h"
+#include "shear/sums.h"
+
+struct shear_field_sums {
+    int64_t n_stamps, n_used;
+    int64_t flagged[SHEAR_N_FLAGS];
+    exact_sum *sums; /* [SHEAR_N_TERMS] */
+};
+
+#endif

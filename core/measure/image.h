@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* measure/image.h: a stamp (or PSF) on its way to the fine grid, one fine row at a time. */
+#ifndef SHEAR_IMAGE_H
+#define SHEAR_IMAGE_H
+
+#include "measure/axis.h"
+#include "shear/settings.h"
+
+/* How images of one shape are interpolated; immutable, shared by threads. */
+typedef struct image_grid {
+    axis x, y;
+    bool log;          /* interpolate ln(pixel + pedestal) */
+    int zeros;         /* enum shear_zeros, where log */
+    double pedestal;
+    int fine_nx, fine_ny;
+    size_t stride;     /* numbers in a line of the scratch arrays, >= fine_nx */
+} image_grid;
+
+/* interpolation: never AUTO. false when memory is out; deinit is safe then too. */
+bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros, double pedestal);
+void image_grid_deinit(image_grid *g);
+
+/* One image's scratch: rows already fine along x, still coarse along y. */
+typedef struct image {
+    const double *pixels; /* [ny][nx] of the image being worked on */
+    double *f;            /* [ny][stride] values, or logarithms */
+    double *e;            /* [ny][stride] slopes along y */
+    double *line;         /* [2][nx] */
+    bool marked;          /* f holds marks: zeros under zeros=skip */
+} image;
+bool image_init(image *im, const image_grid *g);
+void image_deinit(image *im);
+
+/* Take up the pixels [ny][nx] (kept by the caller until the rows have been read). false where a log method meets a
+ * negative number: pixel (*bad_x, *bad_y). */
+bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x, int *bad_y);
+
+/* Fine row `fine_y`, columns [x0, x1), into out[0 .. x1-x0). */
+void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out);
+
+#endif

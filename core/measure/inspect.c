@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/moments.h"
+#include "measure/plan_impl.h"
+
+#include <stdlib.h>
+
+static bool allocate(shear_inspection *out)
+{
+    const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
+    const size_t modes = (size_t)out->spec_nx * (size_t)out->spec_ny;
+    out->galaxy_fine = malloc(points * sizeof(double));
+    out->noise_fine = malloc(points * sizeof(double));
+    out->galaxy_filtered = malloc(points * sizeof(double));
+    out->power = calloc(modes, sizeof(double));
+    out->target_power = calloc(modes, sizeof(double));
+    out->transfer = calloc(modes, sizeof(double));
+    return out->galaxy_fine != NULL && out->noise_fine != NULL && out->galaxy_filtered != NULL &&
+           out->power != NULL && out->target_power != NULL && out->transfer != NULL;
+}
+
+void shear_inspection_free(shear_inspection *out)
+{
+    if (out != NULL) {
+        free(out->galaxy_fine);
+        free(out->noise_fine);
+        free(out->galaxy_filtered);
+        free(out->power);
+        free(out->target_power);
+        free(out->transfer);
+        *out = (shear_inspection){0};
+    }
+}
+
+static void copy_images(const shear_plan *plan, const shear_workspace *ws, shear_inspection *out)
+{
+    for (int y = 0; y < out->fine_ny; y++) {
+        const size_t at = (size_t)y * (size_t)out->fine_nx;
+        image_row(&ws->galaxy, &plan->grid, y, 0, out->fine_nx, out->galaxy_fine + at);
+        image_row(&ws->noise, &plan->grid, y, 0, out->fine_nx, out->noise_fine + at);
+        for (int x = 0; x < out->fine_nx; x++) {
+            out->galaxy_filtered[at + (size_t)x] = creal(ws->pair[(size_t)y * plan->stride + (size_t)x]);
+        }
+    }
+}
+
+static void copy_spectra(const shear_plan *plan, const shear_workspace *ws, const transfer *t,
+                         shear_inspection *out)
+{
+    const transfer_plan *p = &plan->transfer_plan;
+    const double s2 = (double)p->s * p->s;
+    const double norm = (double)p->nx * p->ny * s2 * s2;
+    for (int jy = -t->jy; jy <= t->jy; jy++) {
+        for (int jx = -t->jx; jx <= t->jx; jx++) {
+            const size_t at = (size_t)(jy + p->max_jy) * (size_t)out->spec_nx + (size_t)(jx + p->max_jx);
+            /* T is kept for jx >= 0 with the weight of both halves; T(-k) = T(k). */
+            const int tx = jx < 0 ? -jx : jx;
+            const int ty = jx < 0 ? -jy : jy;
+            const double weight = tx > 0 ? 2.0 : 1.0;
+            const double both = t->t[(size_t)(ty + p->max_jy) * p->stride + (size_t)tx];
+            out->power[at] = moments_power(ws->pair, plan->stride, p, jx, jy) / norm;
+            out->transfer[at] = both / weight * norm;
+            out->target_power[at] = out->transfer[at] * out->power[at];
+        }
+    }
+}
+
+int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
+                  shear_inspection *out, shear_error *err)
+{
+    const transfer_plan *p = &plan->transfer_plan;
+    *out = (shear_inspection){.fine_nx = plan->info.fine_nx,
+                              .fine_ny = plan->info.fine_ny,
+                              .spec_nx = 2 * p->max_jx + 1,
+                              .spec_ny = 2 * p->max_jy + 1};
+    shear_row row;
+    int code = shear_measure(plan, ws, stamps, i, &row, err);
+    if (code == SHEAR_OK && row.flags != 0) {
+        code = shear_fail(err, SHEAR_E_FORMAT, NULL, "stamp %lld is flagged (0x%x) and cannot be shown",
+                          (long long)(stamps->first + i), row.flags);
+    }
+    if (code == SHEAR_OK && !allocate(out)) {
+        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an inspection");
+    }
+    if (code != SHEAR_OK) {
+        shear_inspection_free(out);
+        return code;
+    }
+    const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
+    const filter_map *fine = NULL;
+    const filter_map *coarse = NULL;
+    uint32_t flags = 0;
+    pack_failure failure;
+    choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
+    const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
+    int bad;
+    image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
+    pack_pair(plan, ws, fine, stamps->galaxy + (size_t)i * pixels, stamps->noise + (size_t)i * pixels,
+              &failure);
+    copy_images(plan, ws, out);
+    transform_pair(plan, ws, fine, t);
+    copy_spectra(plan, ws, t, out);
+    return SHEAR_OK;
+}

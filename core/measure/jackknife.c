@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "shear/sums.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The three sums that a shear is made of. */
+typedef struct ratio_sums {
+    double n1, n2, d;
+} ratio_sums;
+
+struct shear_jackknife {
+    int groups;
+    size_t n, room;
+    ratio_sums *blocks; /* [room], n in use: one a block */
+};
+
+int shear_jackknife_new(shear_jackknife **out, int groups, shear_error *err)
+{
+    *out = NULL;
+    if (groups < 2) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "a jackknife needs at least 2 groups, not %d", groups);
+    }
+    *out = calloc(1, sizeof **out);
+    if (*out == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife");
+    }
+    (*out)->groups = groups;
+    return SHEAR_OK;
+}
+
+void shear_jackknife_free(shear_jackknife *j)
+{
+    if (j != NULL) {
+        free(j->blocks);
+        free(j);
+    }
+}
+
+int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err)
+{
+    if (j->n == j->room) {
+        const size_t room = j->room > 0 ? 2 * j->room : 256;
+        ratio_sums *blocks = realloc(j->blocks, room * sizeof *blocks);
+        if (blocks == NULL) {
+            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks", room);
+        }
+        j->blocks = blocks;
+        j->room = room;
+    }
+    j->blocks[j->n++] = (ratio_sums){.n1 = b->hi[SHEAR_S_N1] + b->lo[SHEAR_S_N1],
+                                     .n2 = b->hi[SHEAR_S_N2] + b->lo[SHEAR_S_N2],
+                                     .d = b->hi[SHEAR_S_D] + b->lo[SHEAR_S_D]};
+    return SHEAR_OK;
+}
+
+static ratio_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to)
+{
+    ratio_sums sum = {0};
+    for (size_t i = from; i < to; i++) {
+        sum.n1 += j->blocks[i].n1;
+        sum.n2 += j->blocks[i].n2;
+        sum.d += j->blocks[i].d;
+    }
+    return sum;
+}
+
+int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err)
+{
+    const size_t groups = (size_t)j->groups;
+    if (j->n < groups) {
+        return shear_fail(err, SHEAR_E_SETTING, "ask for fewer groups",
+                          "a jackknife of %zu groups needs as many blocks of %d stamps; the field has %zu", groups,
+                          SHEAR_BLOCK, j->n);
+    }
+    const ratio_sums all = sum_blocks(j, 0, j->n);
+    double mean1 = 0.0;
+    double mean2 = 0.0;
+    double s11 = 0.0;
+    double s22 = 0.0;
+    double s12 = 0.0;
+    /* Pass 0: the mean of the leave-one-out shears; pass 1: their scatter about it. */
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t g = 0; g < groups; g++) {
+            const ratio_sums left_out = sum_blocks(j, g * j->n / groups, (g + 1) * j->n / groups);
+            const double g1 = (all.n1 - left_out.n1) / (all.d - left_out.d);
+            const double g2 = (all.n2 - left_out.n2) / (all.d - left_out.d);
+            if (pass == 0) {
+                mean1 += g1 / (double)groups;
+                mean2 += g2 / (double)groups;
+            } else {
+                s11 += (g1 - mean1) * (g1 - mean1);
+                s22 += (g2 - mean2) * (g2 - mean2);
+                s12 += (g1 - mean1) * (g2 - mean2);
+            }
+        }
+    }
+    const double factor = (double)(groups - 1) / (double)groups;
+    out->g1_err = sqrt(factor * s11);
+    out->g2_err = sqrt(factor * s22);
+    out->cov12 = factor * s12;
+    out->jackknife = j->groups;
+    return SHEAR_OK;
+}

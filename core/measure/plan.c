@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/plan_impl.h"
+
+#include "measure/psf.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A packed fine image of more points than this would need over a gigabyte a thread. */
+static const double max_fine_points = 67108864.0;
+/* Below this PSF radius (pixels) auto interpolates (METHOD section 3). */
+static const double well_sampled_px = 1.0;
+
+static int check_geometry(const shear_geometry *g, shear_error *err)
+{
+    if (g->nx < SHEAR_MIN_SIDE || g->ny < SHEAR_MIN_SIDE || g->nx > SHEAR_MAX_SIDE ||
+        g->ny > SHEAR_MAX_SIDE) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL, "stamps of %d x %d px: each side must be %d to %d px",
+                          g->nx, g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
+    }
+    if (g->psf_nx < 2 || g->psf_ny < 2 || g->psf_oversample < 1) {
+        return shear_fail(err, SHEAR_E_PSF, NULL, "a PSF of %d x %d samples, %d a pixel: too small",
+                          g->psf_nx, g->psf_ny, g->psf_oversample);
+    }
+    return SHEAR_OK;
+}
+
+/* The smallest power of two with 1/s < r/4. */
+static int finest_needed(double r_psf_px)
+{
+    int s = 1;
+    while (1.0 / s >= r_psf_px / 4.0 && s < 1024) {
+        s *= 2;
+    }
+    return s;
+}
+
+/* Interpolation, s and the PSF's own sampling. A PSF that is given finer than the pixels is taken as it is, as long as its
+ * samples are not wider apart than its radius. */
+static int resolve_sampling(const shear_settings *set, shear_plan_info *info, int *psf_factor,
+                            shear_error *err)
+{
+    const double r = info->r_psf_px;
+    info->interpolation = set->interpolation;
+    if (info->interpolation == SHEAR_INTERP_AUTO) {
+        const bool asked = set->oversample > 1 || set->pedestal > 0;
+        info->interpolation = r >= well_sampled_px && !asked ? SHEAR_INTERP_NONE : SHEAR_INTERP_LOG_BICUBIC;
+    }
+    const bool none = info->interpolation == SHEAR_INTERP_NONE;
+    info->oversample = none ? 1 : set->oversample > 0 ? set->oversample : finest_needed(r);
+    const int given = info->geometry.psf_oversample;
+    const bool fine_enough = given > 1 && r * given >= well_sampled_px;
+    *psf_factor = 1;
+    while (!none && !fine_enough && given * *psf_factor < info->oversample) {
+        *psf_factor *= 2;
+    }
+    info->psf_oversample = given * *psf_factor;
+    info->fine_nx = info->geometry.nx * info->oversample;
+    info->fine_ny = info->geometry.ny * info->oversample;
+    if ((double)info->fine_nx * info->fine_ny > max_fine_points) {
+        return shear_fail(err, SHEAR_E_SETTING, "set oversample to a smaller number, or cut smaller stamps",
+                          "a fine grid of %d x %d points (oversample %d) is too large", info->fine_nx,
+                          info->fine_ny, info->oversample);
+    }
+    return SHEAR_OK;
+}
+
+static int resolve_filter(const shear_settings *set, shear_plan_info *info, bool has_r_gal,
+                          shear_error *err)
+{
+    const bool core_given = !isnan(set->core_px);
+    info->filter = set->filter;
+    if (info->filter == SHEAR_FILTER_AUTO) {
+        info->filter = core_given || has_r_gal ? SHEAR_FILTER_PAPER : SHEAR_FILTER_NONE;
+    }
+    info->core_px = NAN;
+    info->width_px = NAN;
+    info->filter_per_stamp = info->filter == SHEAR_FILTER_PAPER && !core_given;
+    if (info->filter == SHEAR_FILTER_NONE) {
+        return SHEAR_OK;
+    }
+    if (info->filter_per_stamp && !has_r_gal) {
+        return shear_fail(err, SHEAR_E_SETTING, "add the column R_GAL, or give a core, or use filter=edge",
+                          "filter=paper needs R_G of the galaxies, and there is no column R_GAL in CATALOG");
+    }
+    const bool edge = info->filter == SHEAR_FILTER_EDGE;
+    info->width_px = !isnan(set->width_px) ? set->width_px : edge ? 0.5 * info->beta_px : info->beta_px;
+    info->core_px = core_given ? set->core_px : NAN;
+    if (edge) {
+        info->core_px = filter_edge_core(info->geometry.nx, info->geometry.ny, info->width_px);
+        if (!(info->core_px > 0.0)) {
+            return shear_fail(err, SHEAR_E_SETTING, "set a smaller width, or cut larger stamps",
+                              "filter=edge: a fall of width %.3g px does not fit into stamps of %d x %d px",
+                              info->width_px, info->geometry.nx, info->geometry.ny);
+        }
+    }
+    return SHEAR_OK;
+}
+
+static bool make_grids(shear_plan *plan, int psf_factor)
+{
+    const shear_plan_info *info = &plan->info;
+    const shear_settings *set = &plan->settings;
+    const shear_geometry *g = &info->geometry;
+    transfer_plan *tp = &plan->transfer_plan;
+    *tp = (transfer_plan){.nx = g->nx,
+                          .ny = g->ny,
+                          .s = info->oversample,
+                          .psf_nx = g->psf_nx,
+                          .psf_ny = g->psf_ny,
+                          .q = info->psf_oversample,
+                          .beta_px = info->beta_px,
+                          .threshold = set->psf_threshold,
+                          .power_tolerance = set->power_tolerance};
+    const int psf_method = psf_factor > 1 ? info->interpolation : SHEAR_INTERP_NONE;
+    const bool grid_made = image_grid_init(&plan->grid, g->nx, g->ny, info->interpolation,
+                                           info->oversample, set->zeros, set->pedestal);
+    const bool psf_grid_made =
+        image_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
+    const bool transfer_made = transfer_plan_init(tp);
+    plan->stride = fft_row_stride(info->fine_nx);
+    plan->fft = fft_image_new(info->fine_nx, info->fine_ny);
+    return grid_made && psf_grid_made && transfer_made && plan->fft != NULL;
+}
+
+static bool make_filter(shear_plan *plan)
+{
+    const shear_plan_info *info = &plan->info;
+    plan->filtered = info->filter != SHEAR_FILTER_NONE;
+    if (!plan->filtered || info->filter_per_stamp) {
+        return true;
+    }
+    const bool fine_made = filter_map_init(&plan->fine, info->geometry.nx, info->geometry.ny, info->oversample);
+    const bool coarse_made = filter_map_init(&plan->coarse, info->geometry.nx, info->geometry.ny, 1);
+    if (fine_made && coarse_made) {
+        filter_map_fill(&plan->fine, info->core_px, info->width_px);
+        filter_map_fill(&plan->coarse, info->core_px, info->width_px);
+    }
+    return fine_made && coarse_made;
+}
+
+static int out_of_memory(shear_error *err)
+{
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while planning");
+}
+
+/* The field's one transfer, with scratch of its own. */
+static int make_transfer(shear_plan *plan, const double *psf, shear_error *err)
+{
+    transfer_scratch scratch = {0};
+    int code = SHEAR_E_NOMEM;
+    if (transfer_init(&plan->transfer, &plan->transfer_plan) &&
+        transfer_scratch_init(&scratch, &plan->transfer_plan)) {
+        code = transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err);
+    } else {
+        out_of_memory(err);
+    }
+    transfer_scratch_deinit(&scratch);
+    plan->has_psf = true;
+    plan->info.k_cut = plan->transfer.k_cut;
+    return code;
+}
+
+static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool has_r_gal, int *psf_factor,
+                   shear_error *err)
+{
+    shear_plan_info *info = &plan->info;
+    const shear_geometry *g = &info->geometry;
+    int code = shear_settings_check(&plan->settings, err);
+    if (code == SHEAR_OK) {
+        code = check_geometry(g, err);
+    }
+    info->r_psf_px = r_psf_px;
+    if (code == SHEAR_OK && psf != NULL) {
+        code = shear_psf_radius(psf, g->psf_nx, g->psf_ny, g->psf_oversample, &info->r_psf_px, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (!(info->r_psf_px > 0.0) || !isfinite(info->r_psf_px)) {
+        return shear_fail(err, SHEAR_E_PSF, NULL, "the PSF's scale radius is %g px", info->r_psf_px);
+    }
+    const shear_settings *set = &plan->settings;
+    info->beta_px = !isnan(set->beta_px) ? set->beta_px : set->beta_ratio * info->r_psf_px;
+    code = resolve_sampling(set, info, psf_factor, err);
+    return code == SHEAR_OK ? resolve_filter(set, info, has_r_gal, err) : code;
+}
+
+/* With a PSF a stamp, only the grid's own limit can be judged here. */
+static int check_limit(shear_plan *plan, shear_error *err)
+{
+    const transfer_plan *p = &plan->transfer_plan;
+    plan->info.k_cut = p->k_limit;
+    if (transfer_power_beyond(p->beta_px, p->k_limit) > p->power_tolerance) {
+        return shear_fail(err, SHEAR_E_BETA, "use a larger beta, or interpolate",
+                          "beta = %.4g px is too small for this sampling; the smallest that works is %.4g px",
+                          p->beta_px, transfer_smallest_beta(p->k_limit, p->power_tolerance));
+    }
+    return SHEAR_OK;
+}
+
+int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear_geometry *geometry,
+                   const double *psf, double r_psf_px, bool has_r_gal, shear_error *err)
+{
+    *out = NULL;
+    shear_plan *plan = calloc(1, sizeof *plan);
+    if (plan == NULL) {
+        return out_of_memory(err);
+    }
+    plan->settings = *settings;
+    plan->info.geometry = *geometry;
+    int psf_factor = 1;
+    int code = resolve(plan, psf, r_psf_px, has_r_gal, &psf_factor, err);
+    if (code == SHEAR_OK && !(make_grids(plan, psf_factor) && make_filter(plan))) {
+        code = out_of_memory(err);
+    }
+    if (code == SHEAR_OK) {
+        code = psf != NULL ? make_transfer(plan, psf, err) : check_limit(plan, err);
+    }
+    if (code != SHEAR_OK) {
+        shear_plan_free(plan);
+        return code;
+    }
+    *out = plan;
+    return SHEAR_OK;
+}
+
+void shear_plan_free(shear_plan *plan)
+{
+    if (plan == NULL) {
+        return;
+    }
+    image_grid_deinit(&plan->grid);
+    fft_image_free(plan->fft);
+    transfer_plan_deinit(&plan->transfer_plan);
+    transfer_deinit(&plan->transfer);
+    filter_map_deinit(&plan->fine);
+    filter_map_deinit(&plan->coarse);
+    free(plan);
+}
+
+const shear_plan_info *shear_plan_get_info(const shear_plan *plan)
+{
+    return &plan->info;
+}
+
+const shear_settings *shear_plan_get_settings(const shear_plan *plan)
+{
+    return &plan->settings;
+}

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The PSF's scale radius: the area above exp(-1/2) of the peak, found on samples REFINE times finer. Cells of those
+ * samples that the contour crosses count by the part that lies inside, with the contour taken as straight
+ * (marching squares). Between the given samples the logarithm is interpolated bicubically: for a
+ * Gaussian it is a quadratic, which the paper's derivative estimates reproduce exactly. */
+#include "measure/psf.h"
+
+#include "shear/plan.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+int psf_check(const double *psf, int nx, int ny, shear_error *err)
+{
+    static const char advice[] = "the PSF must be an image of positive total flux, pixel response included";
+    double sum = 0.0;
+    double peak = -INFINITY;
+    for (long i = 0; i < (long)nx * ny; i++) {
+        if (!isfinite(psf[i])) {
+            return shear_fail(err, SHEAR_E_PSF, advice, "the PSF is not finite at sample (%ld, %ld)",
+                              i % nx + 1, i / nx + 1);
+        }
+        sum += psf[i];
+        peak = fmax(peak, psf[i]);
+    }
+    if (!(sum > 0.0) || !(peak > 0.0) || !isfinite(sum)) {
+        return shear_fail(err, SHEAR_E_PSF, advice, "the PSF's sum is %g and its peak %g: not positive",
+                          sum, peak);
+    }
+    return SHEAR_OK;
+}
+
+typedef struct psf_view {
+    const double *psf;
+    int nx, ny;
+} psf_view;
+
+static double sample(const psf_view *v, int x, int y)
+{
+    const int cx = x < 0 ? 0 : x >= v->nx ? v->nx - 1 : x;
+    const int cy = y < 0 ? 0 : y >= v->ny ? v->ny - 1 : y;
+    return v->psf[(long)cy * v->nx + cx];
+}
+
+/* Cubic Hermite interpolation with central differences between b and c. */
+static double cubic(double a, double b, double c, double d, double t)
+{
+    const double u = 1.0 - t;
+    return (1.0 + 2.0 * t) * u * u * b + t * t * (3.0 - 2.0 * t) * c + 0.5 * t * u * u * (c - a) -
+           0.5 * t * t * u * (d - b);
+}
+
+/* The 16 samples around the cell (i, j) .. (i+1, j+1), as logarithms; false where one is not positive. */
+static bool log_patch(const psf_view *v, int i, int j, double patch[4][4])
+{
+    for (int b = 0; b < 4; b++) {
+        for (int a = 0; a < 4; a++) {
+            const double value = sample(v, i - 1 + a, j - 1 + b);
+            if (!(value > 0.0)) {
+                return false;
+            }
+            patch[b][a] = log(value);
+        }
+    }
+    return true;
+}
+
+static double patch_at(double patch[4][4], double t, double u)
+{
+    double column[4];
+    for (int b = 0; b < 4; b++) {
+        column[b] = cubic(patch[b][0], patch[b][1], patch[b][2], patch[b][3], t);
+    }
+    return cubic(column[0], column[1], column[2], column[3], u);
+}
+
+/* ln of the PSF at (x, y), in samples: log-bicubic; where a sample around is not positive, the nearest sample. */
+static double log_at(const psf_view *v, double x, double y)
+{
+    const int i = (int)floor(x);
+    const int j = (int)floor(y);
+    double patch[4][4];
+    if (log_patch(v, i, j, patch)) {
+        return patch_at(patch, x - i, y - j);
+    }
+    const double nearest = sample(v, (int)lround(x), (int)lround(y));
+    return nearest > 0.0 ? log(nearest) : -INFINITY;
+}
+
+enum { MAX_REFINE = 32 };
+
+/* How far the PSF is above the level, positive inside, on the (refine+1)^2 corners of the cell's subcells: in logarithms
+ * where all samples around are positive, else bilinear. */
+static void cell_heights(const psf_view *v, int i, int j, int refine, double level,
+                         double height[MAX_REFINE + 1][MAX_REFINE + 1])
+{
+    double patch[4][4];
+    const bool positive = log_patch(v, i, j, patch);
+    const double log_level = log(level);
+    for (int q = 0; q <= refine; q++) {
+        for (int p = 0; p <= refine; p++) {
+            const double t = (double)p / refine;
+            const double u = (double)q / refine;
+            height[q][p] = positive
+                               ? patch_at(patch, t, u) - log_level
+                               : (1 - t) * (1 - u) * sample(v, i, j) + t * (1 - u) * sample(v, i + 1, j) +
+                                     (1 - t) * u * sample(v, i, j + 1) + t * u * sample(v, i + 1, j + 1) - level;
+        }
+    }
+}
+
+/* The part of a triangle with corner values a, b, c (areas above 0 count) that is above 0, contour straight. */
+static double triangle(double a, double b, double c)
+{
+    const int above = (a > 0) + (b > 0) + (c > 0);
+    if (above == 0 || above == 3) {
+        return above == 3 ? 1.0 : 0.0;
+    }
+    /* Bring the corner that is alone on its side to a. */
+    const int lone_sign = above == 1 ? 1 : 0;
+    if ((b > 0) == lone_sign) {
+        const double swap = a;
+        a = b;
+        b = swap;
+    } else if ((c > 0) == lone_sign) {
+        const double swap = a;
+        a = c;
+        c = swap;
+    }
+    const double part = a / (a - b) * (a / (a - c));
+    return above == 1 ? part : 1.0 - part;
+}
+
+/* The area above `level` of the cell between four samples, in cells. */
+static double cell_area(const psf_view *v, int i, int j, int refine, double level)
+{
+    double height[MAX_REFINE + 1][MAX_REFINE + 1];
+    cell_heights(v, i, j, refine, level, height);
+    double area = 0.0;
+    for (int q = 0; q < refine; q++) {
+        for (int p = 0; p < refine; p++) {
+            const double low_left = height[q][p];
+            const double high_right = height[q + 1][p + 1];
+            area += 0.5 * (triangle(low_left, height[q][p + 1], high_right) +
+                           triangle(low_left, height[q + 1][p], high_right));
+        }
+    }
+    return area / ((double)refine * refine);
+}
+
+/* The highest point near sample (x, y), climbing from it with halved steps. */
+static double peak_near(const psf_view *v, int x, int y)
+{
+    double best = log(sample(v, x, y));
+    double best_x = x;
+    double best_y = y;
+    for (double step = 0.5; step > 1e-3;) {
+        bool climbed = false;
+        for (int direction = 0; direction < 4; direction++) {
+            const double try_x = best_x + (direction == 0 ? step : direction == 1 ? -step : 0.0);
+            const double try_y = best_y + (direction == 2 ? step : direction == 3 ? -step : 0.0);
+            const bool near = fabs(try_x - x) <= 1.0 && fabs(try_y - y) <= 1.0;
+            const double value = near ? log_at(v, try_x, try_y) : -INFINITY;
+            if (value > best) {
+                best = value;
+                best_x = try_x;
+                best_y = try_y;
+                climbed = true;
+            }
+        }
+        step *= climbed ? 1.0 : 0.5;
+    }
+    return exp(best);
+}
+
+/* 1 where the cell and all around it is above the level, 0 where all is well below it, -1 where the contour may pass. */
+static int cell_side(const psf_view *v, int i, int j, double level)
+{
+    double high = -INFINITY;
+    double low = INFINITY;
+    for (int b = -1; b <= 2; b++) {
+        for (int a = -1; a <= 2; a++) {
+            const double value = sample(v, i + a, j + b);
+            high = fmax(high, value);
+            low = fmin(low, value);
+        }
+    }
+    return low > level ? 1 : high < 0.25 * level ? 0 : -1;
+}
+
+int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
+                     shear_error *err)
+{
+    if (psf_check(psf, nx, ny, err) != SHEAR_OK) {
+        return SHEAR_E_PSF;
+    }
+    const psf_view view = {.psf = psf, .nx = nx, .ny = ny};
+    long brightest = 0;
+    long above = 0; /* samples above the level: about the area, for choosing the refinement */
+    for (long i = 1; i < (long)nx * ny; i++) {
+        brightest = psf[i] > psf[brightest] ? i : brightest;
+    }
+    const double peak = peak_near(&view, (int)(brightest % nx), (int)(brightest / nx));
+    const double level = exp(-0.5) * peak;
+    for (long i = 0; i < (long)nx * ny; i++) {
+        above += psf[i] > level;
+    }
+    const int refine = above < 16 ? MAX_REFINE : above < 256 ? 8 : above < 4096 ? 2 : 1;
+    double area = 0.0;
+    for (int j = -1; j < ny; j++) {
+        for (int i = -1; i < nx; i++) {
+            const int side = cell_side(&view, i, j, level);
+            area += side >= 0 ? side : cell_area(&view, i, j, refine, level);
+        }
+    }
+    *r_psf_px = sqrt(area / M_PI) / oversample;
+    return SHEAR_OK;
+}

@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Axes: where the frame goes, data to canvas, ticks and labels. */
+#include "internal.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double TICK_LENGTH = 5.0;
+static const double MINOR_LENGTH = 3.0;
+static const double FAR = 4e6; /* pixels; cairo's fixed-point coordinates end at 8.4e6 */
+static const double TITLE_ROOM = 25.0;
+static const double TICK_LABEL_ROOM = 20.0;
+static const double LABEL_ROOM = 20.0;
+static const double BARE_ROOM = 8.0;
+
+/* A range that can be drawn. */
+static shear_range usable_range(const shear_axis *axis) {
+    shear_range r = shear_range_pad(axis->range, 0.0);
+    if (!axis->log) {
+        return isfinite(r.hi - r.lo) ? r : (shear_range){0.0, 1.0};
+    }
+    r.hi = r.hi > 0.0 ? r.hi : 1.0;
+    r.lo = r.lo > 0.0 && r.lo < r.hi ? r.lo : 1e-3 * r.hi;
+    return r.lo > 0.0 ? r : (shear_range){1e-3, 1.0};
+}
+
+/* 0 at lo, 1 at hi; NaN where there is no place. */
+static double part_of(const shear_axis *axis, double v) {
+    const shear_range r = axis->range;
+    if (axis->log) {
+        return v > 0.0 && isfinite(v) ? log(v / r.lo) / log(r.hi / r.lo) : NAN;
+    }
+    return isfinite(v) ? (v - r.lo) / (r.hi - r.lo) : NAN;
+}
+
+static double pulled_in(double place) {
+    return isnan(place) ? place : fmin(fmax(place, -FAR), FAR);
+}
+
+double axes_x(const struct open_axes *axes, double x) {
+    return pulled_in(axes->frame.x + axes->frame.w * part_of(&axes->spec.x, x));
+}
+
+double axes_y(const struct open_axes *axes, double y) {
+    return pulled_in(axes->frame.y + axes->frame.h * (1.0 - part_of(&axes->spec.y, y)));
+}
+
+bool axes_ready(shear_figure *f) {
+    if (!figure_good(f)) {
+        return false;
+    }
+    if (!f->axes.open) {
+        figure_failed(f, SHEAR_E_INTERNAL, "drawing without axes: a _begin is missing");
+    }
+    return f->axes.open;
+}
+
+shear_rect shear_axes_frame(const shear_figure *figure) {
+    return figure->axes.frame;
+}
+
+static double widest_label(shear_figure *f, const shear_axis *axis, const shear_ticks *ticks) {
+    const int n = axis->n_names > 0 ? axis->n_names : ticks->n;
+    double widest = 0.0;
+    for (int i = 0; i < n && !axis->bare; i++) {
+        const char *label = axis->n_names > 0 ? axis->names[i] : ticks->label[i];
+        widest = fmax(widest, shear_figure_text_width(f, label, TICK_SIZE));
+    }
+    return widest;
+}
+
+/* At most so many ticks as leave room between their labels. */
+static void choose_ticks(shear_figure *f, const shear_axis *axis, double length, double spacing,
+                         bool horizontal, shear_ticks *ticks) {
+    *ticks = (shear_ticks){0};
+    if (axis->n_names > 0) {
+        return;
+    }
+    int at_most = (int)fmin(fmax(length / spacing, 2.0), 9.0);
+    for (;; at_most--) {
+        if (axis->log) {
+            shear_ticks_log(ticks, axis->range.lo, axis->range.hi, at_most);
+        } else {
+            shear_ticks_linear(ticks, axis->range.lo, axis->range.hi, at_most);
+        }
+        const double taken = ticks->n * (widest_label(f, axis, ticks) + 12.0);
+        if (!horizontal || at_most <= 2 || taken <= length + 20.0) {
+            return;
+        }
+    }
+}
+
+static void draw_frame(shear_figure *f) {
+    const shear_rect r = f->axes.frame;
+    figure_set_colour(f, shear_palette(SHEAR_BLACK));
+    cairo_set_line_width(f->cr, FRAME_WIDTH);
+    cairo_set_dash(f->cr, NULL, 0, 0.0);
+    /* Around the data's pixels, on the centres of the next ones: crisp, and nothing is hidden. */
+    cairo_rectangle(f->cr, r.x - 0.5, r.y - 0.5, r.w + 1.0, r.h + 1.0);
+    cairo_stroke(f->cr);
+}
+
+/* A tick at x on the lower and upper edge (inward), or below the lower edge over an image. */
+static void tick_at_x(shear_figure *f, double x, double length) {
+    const shear_rect r = f->axes.frame;
+    const double at = floor(x) + 0.5;
+    if (f->axes.image) {
+        cairo_move_to(f->cr, at, r.y + r.h + 1.0);
+        cairo_rel_line_to(f->cr, 0.0, length);
+        return;
+    }
+    cairo_move_to(f->cr, at, r.y + r.h);
+    cairo_rel_line_to(f->cr, 0.0, -length);
+    cairo_move_to(f->cr, at, r.y);
+    cairo_rel_line_to(f->cr, 0.0, length);
+}
+
+static void tick_at_y(shear_figure *f, double y, double length) {
+    const shear_rect r = f->axes.frame;
+    const double at = floor(y) + 0.5;
+    if (f->axes.image) {
+        cairo_move_to(f->cr, r.x - 1.0, at);
+        cairo_rel_line_to(f->cr, -length, 0.0);
+        return;
+    }
+    cairo_move_to(f->cr, r.x, at);
+    cairo_rel_line_to(f->cr, length, 0.0);
+    cairo_move_to(f->cr, r.x + r.w, at);
+    cairo_rel_line_to(f->cr, -length, 0.0);
+}
+
+/* 2 to 9 times the powers of ten, where the axis is not too long for them. */
+static void minor_ticks(shear_figure *f, const shear_axis *axis, bool horizontal) {
+    const double decades = axis->log ? log10(axis->range.hi / axis->range.lo) : 0.0;
+    if (!axis->log || decades > 8.0) {
+        return;
+    }
+    for (double e = floor(log10(axis->range.lo)); e <= log10(axis->range.hi); e += 1.0) {
+        for (int digit = 2; digit < 10; digit++) {
+            const double v = digit * pow(10.0, e);
+            if (v <= axis->range.lo || v >= axis->range.hi) {
+                continue;
+            }
+            if (horizontal) {
+                tick_at_x(f, axes_x(&f->axes, v), MINOR_LENGTH);
+            } else {
+                tick_at_y(f, axes_y(&f->axes, v), MINOR_LENGTH);
+            }
+        }
+    }
+}
+
+static void draw_ticks(shear_figure *f) {
+    const struct open_axes *axes = &f->axes;
+    for (int i = 0; i < axes->x_ticks.n; i++) {
+        tick_at_x(f, axes_x(axes, axes->x_ticks.at[i]), TICK_LENGTH);
+    }
+    for (int i = 0; i < axes->y_ticks.n; i++) {
+        tick_at_y(f, axes_y(axes, axes->y_ticks.at[i]), TICK_LENGTH);
+    }
+    minor_ticks(f, &axes->spec.x, true);
+    minor_ticks(f, &axes->spec.y, false);
+    cairo_stroke(f->cr);
+}
+
+static void draw_power(shear_figure *f, double x, double y, double align, int exponent) {
+    char text[32];
+    snprintf(text, sizeof text,
+             "\xc3\x97"
+             "10^{%s%d}",
+             exponent < 0 ? "\xe2\x88\x92" : "", exponent < 0 ? -exponent : exponent);
+    shear_figure_text(f, x, y, text, &(shear_text_style){.size = TICK_SIZE, .align = align});
+}
+
+static void label_x(shear_figure *f, const struct open_axes *axes, double outward) {
+    const shear_axis *axis = &axes->spec.x;
+    const shear_rect r = axes->frame;
+    const double y = r.y + r.h + 11.0 + outward;
+    const shear_text_style style = {.size = TICK_SIZE, .align = 0.5};
+    for (int i = 0; !axis->bare && i < axis->n_names; i++) {
+        shear_figure_text(f, axes_x(axes, i), y, axis->names[i], &style);
+    }
+    for (int i = 0; !axis->bare && i < axes->x_ticks.n; i++) {
+        shear_figure_text(f, axes_x(axes, axes->x_ticks.at[i]), y, axes->x_ticks.label[i], &style);
+    }
+    const double below = axis->bare ? r.y + r.h + 14.0 : y + LABEL_ROOM - 1.0;
+    if (!axis->bare && axes->x_ticks.exponent) {
+        draw_power(f, r.x + r.w, below, 1.0, axes->x_ticks.exponent);
+    }
+    shear_figure_text(f, r.x + r.w / 2.0, below, axis->label,
+                      &(shear_text_style){.size = LABEL_SIZE, .align = 0.5});
+}
+
+static void label_y(shear_figure *f, const struct open_axes *axes, double outward) {
+    const shear_axis *axis = &axes->spec.y;
+    const shear_rect r = axes->frame;
+    const double x = r.x - 6.0 - outward;
+    const shear_text_style style = {.size = TICK_SIZE, .align = 1.0};
+    for (int i = 0; !axis->bare && i < axis->n_names; i++) {
+        shear_figure_text(f, x, axes_y(axes, i), axis->names[i], &style);
+    }
+    for (int i = 0; !axis->bare && i < axes->y_ticks.n; i++) {
+        shear_figure_text(f, x, axes_y(axes, axes->y_ticks.at[i]), axes->y_ticks.label[i], &style);
+    }
+    if (!axis->bare && axes->y_ticks.exponent) {
+        draw_power(f, r.x, r.y - 9.0, 0.0, axes->y_ticks.exponent);
+    }
+    const double left = x - widest_label(f, axis, &axes->y_ticks) - 12.0;
+    shear_figure_text(f, left, r.y + r.h / 2.0, axis->label,
+                      &(shear_text_style){.size = LABEL_SIZE, .align = 0.5, .upward = true});
+}
+
+void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame) {
+    struct open_axes *axes = &f->axes;
+    if (axes->open) {
+        figure_failed(f, SHEAR_E_INTERNAL, "axes within axes: a shear_axes_end is missing");
+        return;
+    }
+    *axes = (struct open_axes){.open = true, .ticks = true, .spec = *spec};
+    axes->frame = (shear_rect){round(frame.x), round(frame.y), fmax(round(frame.w), 1.0),
+                               fmax(round(frame.h), 1.0)};
+    axes->spec.x.range = usable_range(&spec->x);
+    axes->spec.y.range = usable_range(&spec->y);
+    choose_ticks(f, &axes->spec.x, axes->frame.w, 36.0, true, &axes->x_ticks);
+    choose_ticks(f, &axes->spec.y, axes->frame.h, 34.0, false, &axes->y_ticks);
+}
+
+/* The largest frame within r on which one unit is equally long in x and y, in the middle. */
+static shear_rect equal_units(shear_rect r, shear_range x, shear_range y) {
+    const double scale = fmin(r.w / (x.hi - x.lo), r.h / (y.hi - y.lo));
+    const double w = scale * (x.hi - x.lo);
+    const double h = scale * (y.hi - y.lo);
+    return (shear_rect){r.x + (r.w - w) / 2.0, r.y + (r.h - h) / 2.0, w, h};
+}
+
+void shear_axes_begin(shear_figure *figure, const shear_axes *axes) {
+    if (!figure_good(figure)) {
+        return;
+    }
+    const shear_axis *x = &axes->x;
+    shear_axis y = axes->y;
+    y.range = usable_range(&axes->y);
+    const double top = axes->title ? TITLE_ROOM : BARE_ROOM;
+    const double bottom = (x->bare ? BARE_ROOM : TICK_LABEL_ROOM) + (x->label ? LABEL_ROOM : 0.0);
+    const double height = axes->cell.h - top - bottom;
+    shear_ticks ticks;
+    choose_ticks(figure, &y, height, 34.0, false, &ticks);
+    const double left =
+        axes->left > 0.0 ? axes->left
+                         : widest_label(figure, &y, &ticks) + 10.0 + (y.label ? LABEL_ROOM : 0.0);
+    shear_rect frame = {axes->cell.x + left, axes->cell.y + top, axes->cell.w - left - 12.0,
+                        height};
+    if (axes->equal) {
+        frame = equal_units(frame, usable_range(x), y.range);
+    }
+    axes_open(figure, axes, frame);
+}
+
+void shear_axes_end(shear_figure *figure) {
+    if (!axes_ready(figure)) {
+        return;
+    }
+    const struct open_axes *axes = &figure->axes;
+    const shear_rect r = axes->frame;
+    const double outward = axes->image && axes->ticks ? TICK_LENGTH : 0.0;
+    draw_frame(figure);
+    if (axes->ticks) {
+        draw_ticks(figure);
+        label_x(figure, axes, outward);
+        label_y(figure, axes, outward);
+    }
+    shear_figure_text(figure, r.x + r.w / 2.0, r.y - 12.0, axes->spec.title,
+                      &(shear_text_style){.size = TITLE_SIZE, .align = 0.5});
+    legend_draw(figure);
+    figure->axes.open = false;
+}
+
+void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *stretch,
+                         const shear_ticks *ticks) {
+    figure_set_colour(f, shear_palette(SHEAR_BLACK));
+    cairo_set_line_width(f->cr, FRAME_WIDTH);
+    cairo_set_dash(f->cr, NULL, 0, 0.0);
+    cairo_rectangle(f->cr, bar.x - 0.5, bar.y - 0.5, bar.w + 1.0, bar.h + 1.0);
+    for (int i = 0; i < ticks->n; i++) {
+        const double part = shear_stretch_apply(stretch, ticks->at[i]);
+        const double y = floor(bar.y + bar.h * (1.0 - part)) + 0.5;
+        cairo_move_to(f->cr, bar.x + bar.w, y);
+        cairo_rel_line_to(f->cr, 3.5, 0.0);
+        shear_figure_text(f, bar.x + bar.w + 6.0, y, ticks->label[i],
+                          &(shear_text_style){.size = TICK_SIZE - 0.5});
+        figure_set_colour(f, shear_palette(SHEAR_BLACK));
+    }
+    cairo_stroke(f->cr);
+    if (ticks->exponent) {
+        draw_power(f, bar.x, bar.y - 9.0, 0.0, ticks->exponent);
+    }
+}

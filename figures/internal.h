@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of this room share. */
+#ifndef SHEAR_FIGURES_INTERNAL_H
+#define SHEAR_FIGURES_INTERNAL_H
+
+#include "shear_figures/figure.h"
+
+#include <cairo.h>
+
+enum { MAX_LEGEND = 16, LEGEND_LABEL = 96 };
+
+/* What a legend's swatch shows. */
+enum swatch { SWATCH_LINE, SWATCH_POINT, SWATCH_AREA };
+
+struct legend_entry {
+    int swatch; /* enum swatch */
+    shear_style style;
+    char label[LEGEND_LABEL];
+};
+
+/* The axes that are being drawn. */
+struct open_axes {
+    bool open;
+    bool image; /* over an image: ticks outward, so that they hide no pixel */
+    bool ticks;
+    shear_axes spec; /* ranges as drawn: finite, lo < hi */
+    shear_rect frame;
+    shear_ticks x_ticks, y_ticks;
+    int n_legend;
+    struct legend_entry legend[MAX_LEGEND];
+};
+
+struct shear_figure {
+    cairo_surface_t *surface;
+    cairo_t *cr;
+    int width, height;
+    shear_error error; /* the first failure; code SHEAR_OK: none yet */
+    struct open_axes axes;
+};
+
+static const double LABEL_SIZE = 12.0;
+static const double TICK_SIZE = 10.5;
+static const double TITLE_SIZE = 12.5;
+static const double FRAME_WIDTH = 0.9;
+
+/* canvas.c: true while nothing has failed; and keeping a failure. */
+bool figure_good(shear_figure *f);
+void figure_failed(shear_figure *f, int code, const char *message);
+void figure_set_colour(shear_figure *f, shear_colour colour);
+
+/* label.c: how far the middle of the capitals lies above the baseline. */
+double label_half_height(double size);
+
+/* axes.c: data to canvas coordinates; NaN where there is no place (not finite, not positive on a
+ * log axis). Far away places are pulled in to what cairo's fixed-point numbers hold. */
+double axes_x(const struct open_axes *axes, double x);
+double axes_y(const struct open_axes *axes, double y);
+/* True where axes are open and nothing has failed; else keeps the failure. */
+bool axes_ready(shear_figure *f);
+/* Make `spec` the open axes with the given frame. */
+void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame);
+/* Ticks along y beside x = edge, to the right. For colour bars. */
+void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *stretch,
+                         const shear_ticks *ticks);
+
+/* legend.c */
+void legend_add(shear_figure *f, int swatch, const shear_style *style);
+void legend_draw(shear_figure *f);
+
+/* marks.c: cut what follows at the frame, until cairo_restore; stroke the path with the style's
+ * colour, width and dash; a marker's shape at a place. */
+void marks_clip(shear_figure *f);
+void marks_stroke(shear_figure *f, const shear_style *style);
+void marks_fill(shear_figure *f, const shear_style *style, double default_opacity);
+void marks_marker(shear_figure *f, double x, double y, const shear_style *style);
+
+#endif

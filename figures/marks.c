@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines, points with error bars, bands and histograms on the open axes. */
+#include "internal.h"
+
+#include <math.h>
+
+static const double LINE_WIDTH = 1.4;
+static const double MARKER_SIZE = 6.0;
+static const double BAND_OPACITY = 0.2;
+
+void marks_stroke(shear_figure *f, const shear_style *style) {
+    static const double dashed[2] = {6.0, 3.5};
+    static const double dotted[2] = {1.5, 2.8};
+    figure_set_colour(f, style->colour);
+    cairo_set_line_width(f->cr, style->width > 0.0 ? style->width : LINE_WIDTH);
+    if (style->dash == SHEAR_SOLID) {
+        cairo_set_dash(f->cr, NULL, 0, 0.0);
+    } else {
+        cairo_set_dash(f->cr, style->dash == SHEAR_DASHED ? dashed : dotted, 2, 0.0);
+    }
+    cairo_stroke(f->cr);
+    cairo_set_dash(f->cr, NULL, 0, 0.0);
+}
+
+void marks_fill(shear_figure *f, const shear_style *style, double default_opacity) {
+    shear_colour colour = style->colour.a > 0.0 ? style->colour : shear_palette(SHEAR_BLACK);
+    colour.a *= style->fill > 0.0 ? style->fill : default_opacity;
+    if (colour.a > 0.0) {
+        figure_set_colour(f, colour);
+        cairo_fill(f->cr);
+    }
+    cairo_new_path(f->cr);
+}
+
+void marks_clip(shear_figure *f) {
+    const shear_rect r = f->axes.frame;
+    cairo_save(f->cr);
+    cairo_rectangle(f->cr, r.x, r.y, r.w, r.h);
+    cairo_clip(f->cr);
+}
+
+void shear_axes_line(shear_figure *f, size_t n, const double *x, const double *y,
+                     const shear_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    marks_clip(f);
+    bool pen_down = false;
+    for (size_t i = 0; i < n; i++) {
+        const double px = axes_x(&f->axes, x[i]);
+        const double py = axes_y(&f->axes, y[i]);
+        if (isnan(px) || isnan(py)) {
+            pen_down = false;
+        } else if (pen_down) {
+            cairo_line_to(f->cr, px, py);
+        } else {
+            cairo_move_to(f->cr, px, py);
+            pen_down = true;
+        }
+    }
+    marks_stroke(f, style);
+    cairo_restore(f->cr);
+    legend_add(f, SWATCH_LINE, style);
+}
+
+static void triangle(cairo_t *cr, double x, double y, double r) {
+    cairo_move_to(cr, x, y - 1.15 * r);
+    cairo_line_to(cr, x + r, y + 0.75 * r);
+    cairo_line_to(cr, x - r, y + 0.75 * r);
+    cairo_close_path(cr);
+}
+
+static void marker_path(cairo_t *cr, double x, double y, double r, int marker) {
+    switch (marker) {
+    case SHEAR_SQUARE:
+        cairo_rectangle(cr, x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
+        break;
+    case SHEAR_TRIANGLE:
+        triangle(cr, x, y, r);
+        break;
+    case SHEAR_CROSS:
+        cairo_move_to(cr, x - r, y - r);
+        cairo_line_to(cr, x + r, y + r);
+        cairo_move_to(cr, x - r, y + r);
+        cairo_line_to(cr, x + r, y - r);
+        break;
+    case SHEAR_PLUS:
+        cairo_move_to(cr, x - r, y);
+        cairo_line_to(cr, x + r, y);
+        cairo_move_to(cr, x, y - r);
+        cairo_line_to(cr, x, y + r);
+        break;
+    default:
+        cairo_arc(cr, x, y, r, 0.0, 6.283185307179586);
+        break;
+    }
+}
+
+void marks_marker(shear_figure *f, double x, double y, const shear_style *style) {
+    const double radius = (style->size > 0.0 ? style->size : MARKER_SIZE) / 2.0;
+    const int marker = style->marker;
+    cairo_new_path(f->cr);
+    marker_path(f->cr, x, y, radius, marker);
+    if (marker == SHEAR_CIRCLE || marker == SHEAR_CROSS || marker == SHEAR_PLUS) {
+        shear_style outline = *style;
+        outline.dash = SHEAR_SOLID;
+        marks_stroke(f, &outline);
+    } else {
+        figure_set_colour(f, style->colour);
+        cairo_fill(f->cr);
+    }
+}
+
+/* An error bar from (x0, y0) to (x1, y1) on the canvas. */
+static void error_bar(shear_figure *f, double x0, double y0, double x1, double y1) {
+    if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
+        cairo_move_to(f->cr, x0, y0);
+        cairo_line_to(f->cr, x1, y1);
+    }
+}
+
+/* The lower end of a bar on a log axis may have no place: it then ends at the frame. */
+static double lower_end(const struct open_axes *axes,
+                        double (*map)(const struct open_axes *, double), double value,
+                        double at_frame) {
+    const double place = map(axes, value);
+    return isnan(place) && isfinite(value) ? at_frame : place;
+}
+
+static void error_bars(shear_figure *f, double x, double y, double x_err, double y_err) {
+    const struct open_axes *axes = &f->axes;
+    const shear_rect r = axes->frame;
+    const double px = axes_x(axes, x);
+    const double py = axes_y(axes, y);
+    if (x_err > 0.0) {
+        error_bar(f, lower_end(axes, axes_x, x - x_err, r.x), py, axes_x(axes, x + x_err), py);
+    }
+    if (y_err > 0.0) {
+        error_bar(f, px, lower_end(axes, axes_y, y - y_err, r.y + r.h), px,
+                  axes_y(axes, y + y_err));
+    }
+}
+
+void shear_axes_points(shear_figure *f, size_t n, const double *x, const double *y,
+                       const double *x_err, const double *y_err, const shear_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    marks_clip(f);
+    for (size_t i = 0; i < n; i++) {
+        error_bars(f, x[i], y[i], x_err ? x_err[i] : 0.0, y_err ? y_err[i] : 0.0);
+    }
+    shear_style bars = *style;
+    bars.dash = SHEAR_SOLID;
+    marks_stroke(f, &bars);
+    for (size_t i = 0; i < n; i++) {
+        const double px = axes_x(&f->axes, x[i]);
+        const double py = axes_y(&f->axes, y[i]);
+        if (!isnan(px) && !isnan(py)) {
+            marks_marker(f, px, py, style);
+        }
+    }
+    cairo_restore(f->cr);
+    legend_add(f, SWATCH_POINT, style);
+}
+
+/* The outline of values [from, to), all of which have a place. */
+static void band_piece(shear_figure *f, size_t from, size_t to, const double *x, const double *lo,
+                       const double *hi, const shear_style *style) {
+    for (size_t i = from; i < to; i++) {
+        cairo_line_to(f->cr, axes_x(&f->axes, x[i]), axes_y(&f->axes, hi[i]));
+    }
+    for (size_t i = to; i-- > from;) {
+        cairo_line_to(f->cr, axes_x(&f->axes, x[i]), axes_y(&f->axes, lo[i]));
+    }
+    marks_fill(f, style, BAND_OPACITY);
+}
+
+void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *lo, const double *hi,
+                     const shear_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    marks_clip(f);
+    size_t from = 0;
+    for (size_t i = 0; i <= n; i++) {
+        const bool gap = i == n || isnan(axes_x(&f->axes, x[i])) ||
+                         isnan(axes_y(&f->axes, lo[i])) || isnan(axes_y(&f->axes, hi[i]));
+        if (gap) {
+            band_piece(f, from, i, x, lo, hi, style);
+            from = i + 1;
+        }
+    }
+    cairo_restore(f->cr);
+    shear_style area = *style;
+    area.width = -1.0; /* a band has no outline */
+    legend_add(f, SWATCH_AREA, &area);
+}
+
+/* The steps of the histogram from the base line and back to it. */
+static void steps_path(shear_figure *f, int bins, shear_range r, const double *counts) {
+    const struct open_axes *axes = &f->axes;
+    const double base = axes->frame.y + axes->frame.h;
+    const double width = (r.hi - r.lo) / bins;
+    cairo_move_to(f->cr, axes_x(axes, r.lo), base);
+    for (int b = 0; b < bins; b++) {
+        const double top = axes_y(axes, counts[b]);
+        const double y = isnan(top) ? base : top; /* no counts on a log axis */
+        cairo_line_to(f->cr, axes_x(axes, r.lo + width * b), y);
+        cairo_line_to(f->cr, axes_x(axes, r.lo + width * (b + 1)), y);
+    }
+    cairo_line_to(f->cr, axes_x(axes, r.hi), base);
+}
+
+void shear_axes_histogram(shear_figure *f, int bins, shear_range r, const double *counts,
+                          const shear_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    const bool placed = !isnan(axes_x(&f->axes, r.lo)) && !isnan(axes_x(&f->axes, r.hi));
+    if (bins < 1 || !placed) {
+        figure_failed(f, SHEAR_E_INTERNAL, "a histogram without bins, or off the axis");
+        return;
+    }
+    marks_clip(f);
+    if (style->fill > 0.0) {
+        steps_path(f, bins, r, counts);
+        marks_fill(f, style, 0.0);
+    }
+    steps_path(f, bins, r, counts);
+    marks_stroke(f, style);
+    cairo_restore(f->cr);
+    legend_add(f, style->fill > 0.0 ? SWATCH_AREA : SWATCH_LINE, style);
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* PNG files that appear whole or not at all. */
+#include "internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char ADVICE_PLACE[] = "choose another output file or make its directory writable";
+
+static int fail_io(shear_error *err, const char *doing, const char *path, int number) {
+    return shear_fail(err, SHEAR_E_IO, ADVICE_PLACE, "cannot %s %s: %s", doing, path,
+                      strerror(number));
+}
+
+static int fail_exists(shear_error *err, const char *path) {
+    return shear_fail(err, SHEAR_E_EXISTS, "choose another name, or allow it to be replaced",
+                      "%s exists", path);
+}
+
+/* Only a regular file may be replaced: renaming over a device or a pipe would put a file in its
+ * place. */
+static int check_target(const char *path, bool replace, shear_error *err) {
+    struct stat st;
+    if (stat(path, &st) != 0) {
+        return SHEAR_OK; /* new, or a place that open will complain about */
+    }
+    if (!S_ISREG(st.st_mode)) {
+        return shear_fail(err, SHEAR_E_IO, "name a file", "%s is not a regular file", path);
+    }
+    return replace ? SHEAR_OK : fail_exists(err, path);
+}
+
+static cairo_status_t write_all(void *closure, const unsigned char *data, unsigned int length) {
+    const int fd = *(const int *)closure;
+    while (length > 0) {
+        const ssize_t written = write(fd, data, length);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written <= 0) {
+            return CAIRO_STATUS_WRITE_ERROR;
+        }
+        data += written;
+        length -= (unsigned int)written;
+    }
+    return CAIRO_STATUS_SUCCESS;
+}
+
+/* Move the finished file to its name. */
+static int put_in_place(const char *part, const char *path, bool replace, shear_error *err) {
+    if (replace) {
+        return rename(part, path) == 0 ? SHEAR_OK : fail_io(err, "write", path, errno);
+    }
+    if (renameat2(AT_FDCWD, part, AT_FDCWD, path, RENAME_NOREPLACE) == 0) {
+        return SHEAR_OK;
+    }
+    if (errno == EINVAL || errno == ENOSYS) { /* a file system that cannot: link refuses as well */
+        if (link(part, path) == 0) {
+            unlink(part);
+            return SHEAR_OK;
+        }
+    }
+    return errno == EEXIST ? fail_exists(err, path) : fail_io(err, "write", path, errno);
+}
+
+/* Write the picture to the open descriptor, down to the disk. Closes it. */
+static int write_png(shear_figure *f, int fd, const char *path, shear_error *err) {
+    errno = 0;
+    const cairo_status_t status = cairo_surface_write_to_png_stream(f->surface, write_all, &fd);
+    int number = status == CAIRO_STATUS_SUCCESS ? 0 : errno ? errno : EIO;
+    if (number == 0 && fsync(fd) != 0) {
+        number = errno;
+    }
+    if (close(fd) != 0 && number == 0) {
+        number = errno;
+    }
+    if (status == CAIRO_STATUS_NO_MEMORY) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory to write %s", path);
+    }
+    return number == 0 ? SHEAR_OK : fail_io(err, "write", path, number);
+}
+
+int shear_figure_save(shear_figure *figure, const char *path, bool replace, shear_error *err) {
+    if (!figure_good(figure)) {
+        return shear_fail(err, figure->error.code, figure->error.advice, "%s: %s", path,
+                          figure->error.message);
+    }
+    int code = check_target(path, replace, err);
+    if (code) {
+        return code;
+    }
+    char *part = NULL;
+    if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory to write %s", path);
+    }
+    cairo_surface_flush(figure->surface);
+    const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0) {
+        code = fail_io(err, "create", part, errno);
+        goto done;
+    }
+    code = write_png(figure, fd, path, err);
+    if (!code) {
+        code = put_in_place(part, path, replace, err);
+    }
+    if (code) {
+        unlink(part);
+    }
+done:
+    free(part);
+    return code;
+}

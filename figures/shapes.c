@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reference lines, bands across the frame, bars, ellipses, circles and text on the open axes. */
+#include "internal.h"
+
+#include <math.h>
+
+static const double TWO_PI = 6.283185307179586;
+static const double BAND_OPACITY = 0.2;
+
+/* A straight line on the canvas, cut at the frame. */
+static void straight(shear_figure *f, double x0, double y0, double x1, double y1,
+                     const shear_style *style) {
+    if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
+        marks_clip(f);
+        cairo_move_to(f->cr, x0, y0);
+        cairo_line_to(f->cr, x1, y1);
+        marks_stroke(f, style);
+        cairo_restore(f->cr);
+    }
+    legend_add(f, SWATCH_LINE, style);
+}
+
+void shear_axes_hline(shear_figure *f, double y, const shear_style *style) {
+    if (axes_ready(f)) {
+        const shear_rect r = f->axes.frame;
+        const double py = axes_y(&f->axes, y);
+        straight(f, r.x, py, r.x + r.w, py, style);
+    }
+}
+
+void shear_axes_vline(shear_figure *f, double x, const shear_style *style) {
+    if (axes_ready(f)) {
+        const shear_rect r = f->axes.frame;
+        const double px = axes_x(&f->axes, x);
+        straight(f, px, r.y, px, r.y + r.h, style);
+    }
+}
+
+/* A filled rectangle on the canvas, at least a pixel wide, without outline. */
+static void area(shear_figure *f, double x0, double y0, double x1, double y1,
+                 const shear_style *style, double opacity) {
+    if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
+        const double w = fmax(fabs(x1 - x0), 1.0);
+        const double h = fmax(fabs(y1 - y0), 1.0);
+        marks_clip(f);
+        cairo_rectangle(f->cr, (x0 + x1 - w) / 2.0, (y0 + y1 - h) / 2.0, w, h);
+        marks_fill(f, style, opacity);
+        cairo_restore(f->cr);
+    }
+    shear_style entry = *style;
+    entry.width = -1.0;
+    legend_add(f, SWATCH_AREA, &entry);
+}
+
+void shear_axes_hband(shear_figure *f, double lo, double hi, const shear_style *style) {
+    if (axes_ready(f)) {
+        const shear_rect r = f->axes.frame;
+        area(f, r.x, axes_y(&f->axes, lo), r.x + r.w, axes_y(&f->axes, hi), style, BAND_OPACITY);
+    }
+}
+
+void shear_axes_vband(shear_figure *f, double lo, double hi, const shear_style *style) {
+    if (axes_ready(f)) {
+        const shear_rect r = f->axes.frame;
+        area(f, axes_x(&f->axes, lo), r.y, axes_x(&f->axes, hi), r.y + r.h, style, BAND_OPACITY);
+    }
+}
+
+void shear_axes_bar(shear_figure *f, bool horizontal, double at, double thick, double from,
+                    double to, const shear_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    const struct open_axes *axes = &f->axes;
+    const shear_rect r = axes->frame;
+    if (horizontal) {
+        const double start = axes_x(axes, from);
+        area(f, isnan(start) ? r.x : start, axes_y(axes, at - thick / 2.0), axes_x(axes, to),
+             axes_y(axes, at + thick / 2.0), style, 1.0);
+    } else {
+        const double start = axes_y(axes, from);
+        area(f, axes_x(axes, at - thick / 2.0), isnan(start) ? r.y + r.h : start,
+             axes_x(axes, at + thick / 2.0), axes_y(axes, to), style, 1.0);
+    }
+}
+
+/* x + a cos t + b sin t, y + c cos t + d sin t for t over the whole turn. */
+static void closed_curve(shear_figure *f, double x, double y, const double m[4],
+                         const shear_style *style) {
+    enum { STEPS = 180 };
+    for (int pass = style->fill > 0.0 ? 0 : 1; pass < 2; pass++) {
+        for (int i = 0; i < STEPS; i++) {
+            const double t = TWO_PI * i / STEPS;
+            const double px = axes_x(&f->axes, x + m[0] * cos(t) + m[1] * sin(t));
+            const double py = axes_y(&f->axes, y + m[2] * cos(t) + m[3] * sin(t));
+            if (isnan(px) || isnan(py)) {
+                cairo_new_path(f->cr);
+                return;
+            }
+            cairo_line_to(f->cr, px, py);
+        }
+        cairo_close_path(f->cr);
+        if (pass == 0) {
+            marks_fill(f, style, 0.0);
+        } else {
+            marks_stroke(f, style);
+        }
+    }
+}
+
+void shear_axes_ellipse(shear_figure *f, double x, double y, const double cov[3], double n_sigma,
+                        const shear_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    const double determinant = cov[0] * cov[2] - cov[1] * cov[1];
+    if (!(cov[0] > 0.0) || !(determinant > 0.0) || !isfinite(x) || !isfinite(y)) {
+        return;
+    }
+    /* The Cholesky factor turns the unit circle into the ellipse. */
+    const double l11 = sqrt(cov[0]);
+    const double l21 = cov[1] / l11;
+    const double l22 = sqrt(determinant) / l11;
+    const double m[4] = {n_sigma * l11, 0.0, n_sigma * l21, n_sigma * l22};
+    marks_clip(f);
+    closed_curve(f, x, y, m, style);
+    cairo_restore(f->cr);
+    legend_add(f, style->fill > 0.0 ? SWATCH_AREA : SWATCH_LINE, style);
+}
+
+void shear_axes_circle(shear_figure *f, double x, double y, double radius,
+                       const shear_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    const double m[4] = {radius, 0.0, 0.0, radius};
+    marks_clip(f);
+    closed_curve(f, x, y, m, style);
+    cairo_restore(f->cr);
+    legend_add(f, SWATCH_LINE, style);
+}
+
+void shear_axes_text(shear_figure *f, double x, double y, bool inside, const char *text,
+                     const shear_text_style *style) {
+    if (!axes_ready(f)) {
+        return;
+    }
+    const shear_rect r = f->axes.frame;
+    const double px = inside ? r.x + r.w * x : axes_x(&f->axes, x);
+    const double py = inside ? r.y + r.h * (1.0 - y) : axes_y(&f->axes, y);
+    if (!isnan(px) && !isnan(py)) {
+        shear_figure_text(f, px, py, text, style);
+    }
+}

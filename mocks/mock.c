@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "shear_mocks/mock.h"
+
+#include "galaxy.h"
+#include "noise.h"
+#include "painter.h"
+#include "random.h"
+#include "spec.h"
+
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct shear_mock {
+    shear_mock_spec spec;
+    shear_mock_info info;
+};
+
+static void fill_info(shear_mock *m) {
+    const shear_mock_spec *s = &m->spec;
+    int side = spec_psf_side(s);
+    int layout = s->psf_per_stamp ? SHEAR_PSF_PER_STAMP
+                 : s->psf_ids > 0 ? SHEAR_PSF_BY_ID
+                                  : SHEAR_PSF_ONE;
+    m->info =
+        (shear_mock_info){.geometry = {s->nx, s->ny, side, side, s->oversample},
+                          .n_stamps = s->n_stamps,
+                          .n_galaxies = (s->n_stamps + s->rotate - 1) / s->rotate,
+                          .n_psf = s->psf_per_stamp ? s->n_stamps
+                                   : s->psf_ids > 0 ? s->psf_ids
+                                                    : 1,
+                          .psf_layout = layout,
+                          .max_points = galaxy_max_points(s),
+                          .psf_peak = psf_peak(s->psf),
+                          .psf_flux = psf_flux(s->psf, s->r_psf_px),
+                          .point_amplitude = spec_point_amplitude(s),
+                          .noise_density = spec_noise_density(s),
+                          .noise_amplitude = spec_point_amplitude(s) * spec_noise_amplitude(s)};
+}
+
+int shear_mock_new(shear_mock **m, const shear_mock_spec *spec, shear_error *err) {
+    *m = NULL;
+    int code = shear_mock_spec_check(spec, err);
+    if (code) {
+        return code;
+    }
+    shear_mock *made = calloc(1, sizeof *made);
+    if (!made) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock");
+    }
+    made->spec = *spec;
+    fill_info(made);
+    *m = made;
+    return SHEAR_OK;
+}
+
+void shear_mock_free(shear_mock *m) {
+    free(m);
+}
+
+const shear_mock_info *shear_mock_get_info(const shear_mock *m) {
+    return &m->info;
+}
+
+const shear_mock_spec *shear_mock_get_spec(const shear_mock *m) {
+    return &m->spec;
+}
+
+int shear_mock_points(const shear_mock *m, int64_t galaxy, double *x, double *y) {
+    return galaxy_points(&m->spec, galaxy, x, y);
+}
+
+int shear_mock_image_points(const shear_mock *m, int64_t stamp, double *x, double *y) {
+    const shear_mock_spec *s = &m->spec;
+    int n = galaxy_points(s, stamp / s->rotate, x, y);
+    int copy = (int)(stamp % s->rotate);
+    galaxy_rotate(s->rotate == 2 ? 2 * copy : copy, n, x, y);
+    galaxy_lens(s->g1, s->g2, n, x, y);
+    return n;
+}
+
+void shear_mock_centre(const shear_mock *m, int64_t stamp, double *x, double *y) {
+    const shear_mock_spec *s = &m->spec;
+    *x = s->offset_x;
+    *y = s->offset_y;
+    if (s->shift) {
+        struct random r;
+        int64_t index = s->share_shift ? stamp / s->rotate : stamp;
+        random_begin(&r, s->seed, RANDOM_SHIFT, (uint64_t)index, 0);
+        *x += gsl_rng_uniform(&r.rng) - 0.5;
+        *y += gsl_rng_uniform(&r.rng) - 0.5;
+    }
+}
+
+/* The rotated copies of a galaxy share its PSF, or the PSFs' shapes would not average out in them.
+ */
+int64_t shear_mock_psf_of(const shear_mock *m, int64_t stamp) {
+    switch (m->info.psf_layout) {
+    case SHEAR_PSF_PER_STAMP:
+        return stamp;
+    case SHEAR_PSF_BY_ID:
+        return stamp / m->spec.rotate % m->info.n_psf;
+    default:
+        return 0;
+    }
+}
+
+double shear_mock_psf_angle(const shear_mock *m, int64_t psf) {
+    double angle = m->spec.psf_angle_deg;
+    if (m->info.psf_layout != SHEAR_PSF_ONE) {
+        struct random r;
+        random_begin(&r, m->spec.seed, RANDOM_PSF_ANGLE, (uint64_t)psf, 0);
+        angle += 180.0 * gsl_rng_uniform(&r.rng);
+    }
+    return angle;
+}
+
+void shear_mock_psf_image(const shear_mock *m, int64_t psf, double *out) {
+    int nx = m->info.geometry.psf_nx;
+    int ny = m->info.geometry.psf_ny;
+    psf_image(m->spec.psf, m->spec.r_psf_px, shear_mock_psf_angle(m, psf), m->spec.oversample, nx,
+              ny, out);
+}
+
+/* ---- stamps ---- */
+
+/* The scratch memory of one thread. */
+struct workspace {
+    struct painter painter;
+    double *x, *y; /* [max_points] */
+};
+
+static void workspace_deinit(struct workspace *ws) {
+    painter_deinit(&ws->painter);
+    free(ws->x);
+    free(ws->y);
+}
+
+static bool workspace_init(struct workspace *ws, const shear_mock *m) {
+    const shear_mock_spec *s = &m->spec;
+    size_t n = (size_t)m->info.max_points;
+    ws->x = calloc(n, sizeof *ws->x);
+    ws->y = calloc(n, sizeof *ws->y);
+    bool painted = painter_init(&ws->painter, s->psf, s->r_psf_px, s->nx, s->ny);
+    return painted && ws->x && ws->y;
+}
+
+static void paint_galaxy(const shear_mock *m, struct workspace *ws, int64_t stamp, double *image) {
+    const shear_mock_spec *s = &m->spec;
+    double magnification = 1.0 - s->g1 * s->g1 - s->g2 * s->g2;
+    double amplitude = magnification * m->info.point_amplitude;
+    double cx, cy;
+    shear_mock_centre(m, stamp, &cx, &cy);
+    cx += 0.5 * (s->nx - 1);
+    cy += 0.5 * (s->ny - 1);
+    int n = shear_mock_image_points(m, stamp, ws->x, ws->y);
+    for (int k = 0; k < n; k++) {
+        painter_point(&ws->painter, amplitude, cx + ws->x[k], cy + ws->y[k], image);
+    }
+}
+
+/* `pure` = 0 for the galaxy stamp, 1 for the noise stamp: each stream has its twin next to it. */
+static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, int pure,
+                      double *image) {
+    const shear_mock_spec *s = &m->spec;
+    uint64_t index = (uint64_t)(s->share_noise ? stamp / s->rotate : stamp);
+    int n = s->nx * s->ny;
+    struct random r;
+    if (s->noise_ratio > 0.0) {
+        random_begin(&r, s->seed, RANDOM_SOURCES + pure, index, 0);
+        noise_sources(&ws->painter, &r, m->info.noise_density, m->info.noise_amplitude, image);
+    }
+    if (s->photons > 0.0) {
+        random_begin(&r, s->seed, RANDOM_PHOTONS + pure, index, 0);
+        noise_photons(&r, s->photons, s->subtract_background ? s->photons : 0.0, n, image);
+    }
+    if (s->white_sigma > 0.0) {
+        random_begin(&r, s->seed, RANDOM_WHITE + pure, index, 0);
+        noise_white(&r, s->white_sigma, n, image);
+    }
+}
+
+static void make_pair(const shear_mock *m, struct workspace *ws, int64_t stamp, double *galaxy,
+                      double *noise) {
+    size_t bytes = (size_t)m->spec.nx * (size_t)m->spec.ny * sizeof *galaxy;
+    painter_turn(&ws->painter, shear_mock_psf_angle(m, shear_mock_psf_of(m, stamp)));
+    memset(galaxy, 0, bytes);
+    memset(noise, 0, bytes);
+    paint_galaxy(m, ws, stamp, galaxy);
+    add_noise(m, ws, stamp, 0, galaxy);
+    add_noise(m, ws, stamp, 1, noise);
+}
+
+static bool workspaces_init(struct workspace *ws, int n, const shear_mock *m) {
+    bool made = ws != NULL;
+    for (int i = 0; made && i < n; i++) {
+        made = workspace_init(&ws[i], m);
+    }
+    return made;
+}
+
+static void workspaces_free(struct workspace *ws, int n) {
+    for (int i = 0; ws && i < n; i++) {
+        workspace_deinit(&ws[i]);
+    }
+    free(ws);
+}
+
+int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads, double *galaxy,
+                      double *noise, shear_error *err) {
+    if (first < 0 || count < 0 || first > m->info.n_stamps - count) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL,
+                          "stamps %lld to %lld are not in a mock of %lld stamps", (long long)first,
+                          (long long)first + count - 1, (long long)m->info.n_stamps);
+    }
+    int n = threads > 0 ? threads : omp_get_max_threads();
+    n = n < count ? n : count > 0 ? count : 1;
+    size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
+    struct workspace *ws = calloc((size_t)n, sizeof *ws);
+    int code = SHEAR_OK;
+    if (!workspaces_init(ws, n, m)) {
+        code = shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",
+                          "out of memory for mock stamps on %d threads", n);
+        goto done;
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(n)
+    for (int i = 0; i < count; i++) {
+        size_t at = (size_t)i * pixels;
+        make_pair(m, &ws[omp_get_thread_num()], first + i, galaxy + at, noise + at);
+    }
+done:
+    workspaces_free(ws, n);
+    return code;
+}
+
+int shear_mock_paint(const shear_mock *m, int64_t psf, int n, const double *x, const double *y,
+                     double amplitude, double *image, shear_error *err) {
+    const shear_mock_spec *s = &m->spec;
+    struct painter painter;
+    int code = SHEAR_OK;
+    if (!painter_init(&painter, s->psf, s->r_psf_px, s->nx, s->ny)) {
+        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for painting points");
+        goto done;
+    }
+    painter_turn(&painter, shear_mock_psf_angle(m, psf));
+    for (int k = 0; k < n; k++) {
+        painter_point(&painter, amplitude, x[k], y[k], image);
+    }
+done:
+    painter_deinit(&painter);
+    return code;
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* painter.h: adds point sources, convolved with a PSF, to an image. Scratch memory of one thread.
+ *
+ * The Gaussian of eq. (Ws) is evaluated without an exponential per pixel. With the point at n + d
+ * (n the nearest pixel, |d| <= 1/2) and the pixel at n + (i, j), W(i - dx, j - dy) = G[j][i] X^i
+ * Y^j W(d),  G[j][i] = exp -(a i^2 + 2 b i j + c j^2), ln X = 2 (a dx + b dy),  ln Y = 2 (b dx + c
+ * dy): the cross term of a turned Gaussian sits in the table G alone, which does not depend on the
+ * point. This identity is exact; rounding makes at most about 2 h + 200 units in the last place, h
+ * the table's half side. The spikes of W_B do not factor: they take an exponential per pixel, in
+ * the segments of each row that they reach.
+ */
+#ifndef MOCKS_PAINTER_H
+#define MOCKS_PAINTER_H
+
+#include "psf.h"
+
+#include <stdbool.h>
+
+/* Columns lo .. hi of row j, relative to the point's pixel. */
+struct segment {
+    int j, lo, hi;
+};
+
+struct painter {
+    int kind; /* enum shear_mock_psf */
+    double r_px, angle_deg;
+    int nx, ny;      /* of the images */
+    int half;        /* of the Gaussian's table */
+    int reach;       /* no point farther than this from the image matters, px, whatever the angle */
+    double *table;   /* G: [2 half + 1][2 half + 1], the middle is the point's pixel */
+    double *columns; /* [2 half + 1] X^i */
+    double *rows;    /* [2 half + 1] A W(d) Y^j */
+    struct segment *gaussian; /* [2 half + 1], one a row; lo > hi = nothing */
+    struct segment *spikes;   /* [n_spikes] */
+    int n_spikes;
+    double *buffer; /* one segment of spikes */
+    struct psf psf;
+};
+
+/* False where there is no memory; deinit accepts what is left. */
+bool painter_init(struct painter *p, int kind, double r_px, int nx, int ny);
+void painter_deinit(struct painter *p);
+
+/* Choose the PSF's angle; needed before the first point. Costs as much as some points. */
+void painter_turn(struct painter *p, double angle_deg);
+
+/* Add amplitude * W(pixel - (x, y)) to image[ny][nx]. */
+void painter_point(struct painter *p, double amplitude, double x, double y, double *image);
+
+#endif

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "random.h"
+
+#include <Random123/philox.h>
+#include <string.h>
+
+static uint64_t next(struct random_state *s) {
+    if (s->next == 4) {
+        philox4x64_ctr_t counter = {{s->index, s->item, s->block++, 0}};
+        philox4x64_key_t key = {{s->seed, s->stream}};
+        philox4x64_ctr_t out = philox4x64(counter, key);
+        memcpy(s->out, out.v, sizeof s->out);
+        s->next = 0;
+    }
+    return s->out[s->next++];
+}
+
+static void restart(struct random_state *s) {
+    s->block = 0;
+    s->next = 4;
+}
+
+/* GSL's own way of seeding: stream 0, which no mock uses. */
+static void set(void *state, unsigned long seed) {
+    struct random_state *s = state;
+    *s = (struct random_state){.seed = seed};
+    restart(s);
+}
+
+/* 32 bits, for an unsigned long has no more everywhere. */
+static unsigned long get(void *state) {
+    return (unsigned long)(next(state) >> 32);
+}
+
+/* [0, 1), all 53 bits. */
+static double get_double(void *state) {
+    return (double)(next(state) >> 11) * 0x1p-53;
+}
+
+static const gsl_rng_type philox = {.name = "philox4x64-10",
+                                    .max = 0xffffffffUL,
+                                    .min = 0,
+                                    .size = sizeof(struct random_state),
+                                    .set = set,
+                                    .get = get,
+                                    .get_double = get_double};
+
+void random_begin(struct random *r, uint64_t seed, int stream, uint64_t index, uint64_t item) {
+    r->rng = (gsl_rng){.type = &philox, .state = &r->state};
+    r->state = (struct random_state){
+        .seed = seed, .stream = (uint64_t)stream, .index = index, .item = item};
+    restart(&r->state);
+}
+
+void random_item(struct random *r, uint64_t item) {
+    r->state.item = item;
+    restart(&r->state);
+}

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "shear/version.h"
+#include "shear_mocks/mock.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Pixels of a chunk, both stamps: large enough that opening a parallel region costs nothing, small
+ * enough for any machine. */
+enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128 };
+
+/* One chunk of stamps and their rows of the catalogue. */
+struct chunk {
+    int capacity;
+    double *galaxy, *noise; /* [capacity][ny][nx] */
+    double *psf;            /* [psf_ny][psf_nx] */
+    double *x, *y, *r_gal;  /* [capacity], as the rest */
+    int64_t *id;
+    int32_t *psf_id;
+};
+
+static int chunk_capacity(const shear_mock_info *info, int threads) {
+    int64_t pair_bytes =
+        (int64_t)info->geometry.nx * info->geometry.ny * 2 * (int64_t)sizeof(double);
+    int64_t n = CHUNK_BYTES / pair_bytes;
+    int64_t least = threads > 0 ? threads : omp_get_max_threads();
+    n = n > least ? n : least;
+    return (int)(n < info->n_stamps ? n : info->n_stamps);
+}
+
+static void chunk_deinit(struct chunk *c) {
+    free(c->galaxy);
+    free(c->noise);
+    free(c->psf);
+    free(c->x);
+    free(c->y);
+    free(c->r_gal);
+    free(c->id);
+    free(c->psf_id);
+}
+
+static int chunk_init(struct chunk *c, const shear_mock_info *info, int threads, shear_error *err) {
+    *c = (struct chunk){.capacity = chunk_capacity(info, threads)};
+    const shear_geometry *g = &info->geometry;
+    size_t n = (size_t)c->capacity;
+    size_t pixels = (size_t)g->nx * (size_t)g->ny;
+    c->galaxy = calloc(n * pixels, sizeof *c->galaxy);
+    c->noise = calloc(n * pixels, sizeof *c->noise);
+    c->psf = calloc((size_t)g->psf_nx * (size_t)g->psf_ny, sizeof *c->psf);
+    c->x = calloc(n, sizeof *c->x);
+    c->y = calloc(n, sizeof *c->y);
+    c->r_gal = calloc(n, sizeof *c->r_gal);
+    c->id = calloc(n, sizeof *c->id);
+    c->psf_id = calloc(n, sizeof *c->psf_id);
+    if (!c->galaxy || !c->noise || !c->psf || !c->x || !c->y || !c->r_gal || !c->id || !c->psf_id) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d mock stamps of %dx%d px",
+                          c->capacity, g->nx, g->ny);
+    }
+    return SHEAR_OK;
+}
+
+/* ---- HISTORY ---- */
+struct history {
+    char (*text)[HISTORY_LINE];
+    const char **lines; /* NULL-terminated */
+};
+
+static void history_deinit(struct history *h) {
+    free(h->text);
+    free(h->lines);
+}
+
+static int history_init(struct history *h, const shear_mock_spec *spec, shear_error *err) {
+    size_t n;
+    const shear_mock_option *options = shear_mock_options(&n);
+    h->text = calloc(n + 1, sizeof *h->text);
+    h->lines = calloc(n + 2, sizeof *h->lines);
+    if (!h->text || !h->lines) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock's history");
+    }
+    snprintf(h->text[0], HISTORY_LINE, "shear_mocks %s, after Zhang (2010) section 4.1",
+             SHEAR_VERSION_STRING);
+    for (size_t i = 0; i < n; i++) {
+        char value[96];
+        shear_mock_format(spec, &options[i], value, sizeof value);
+        snprintf(h->text[i + 1], HISTORY_LINE, "mock %s = %s", options[i].name, value);
+    }
+    for (size_t i = 0; i <= n; i++) {
+        h->lines[i] = h->text[i];
+    }
+    return SHEAR_OK;
+}
+
+/* ---- the file ---- */
+static unsigned columns_of(const shear_mock *m) {
+    unsigned columns = SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y;
+    if (shear_mock_get_spec(m)->write_r_gal) {
+        columns |= SHEAR_COL_R_GAL;
+    }
+    if (shear_mock_get_info(m)->psf_layout == SHEAR_PSF_BY_ID) {
+        columns |= SHEAR_COL_PSF_ID;
+    }
+    return columns;
+}
+
+static int create(shear_field_writer **w, const shear_mock *m, const char *path, bool overwrite,
+                  shear_error *err) {
+    const shear_mock_spec *s = shear_mock_get_spec(m);
+    const shear_mock_info *info = shear_mock_get_info(m);
+    struct history history = {0};
+    int code = history_init(&history, s, err);
+    if (code) {
+        goto done;
+    }
+    shear_field_spec field = {.name = s->field[0] ? s->field : NULL,
+                              .pixscale = NAN,
+                              .has_truth = true,
+                              .sim_g1 = s->g1,
+                              .sim_g2 = s->g2,
+                              .geometry = info->geometry,
+                              .n_stamps = info->n_stamps,
+                              .n_psf = info->n_psf,
+                              .layout = s->layout,
+                              .columns = columns_of(m),
+                              .bitpix = s->bitpix,
+                              .overwrite = overwrite,
+                              .history = history.lines};
+    code = shear_field_create(w, path, &field, err);
+done:
+    history_deinit(&history);
+    return code;
+}
+
+static int write_psfs(shear_field_writer *w, const shear_mock *m, double *image, shear_error *err) {
+    int64_t n = shear_mock_get_info(m)->n_psf;
+    int code = SHEAR_OK;
+    for (int64_t i = 0; i < n && code == SHEAR_OK; i++) {
+        shear_mock_psf_image(m, i, image);
+        code = shear_field_write_psf(w, i, image, err);
+    }
+    return code;
+}
+
+static int write_chunk(shear_field_writer *w, const shear_mock *m, struct chunk *c, int64_t first,
+                       int count, int threads, shear_error *err) {
+    unsigned columns = columns_of(m);
+    int code = shear_mock_stamps(m, first, count, threads, c->galaxy, c->noise, err);
+    if (code) {
+        return code;
+    }
+    for (int i = 0; i < count; i++) {
+        c->id[i] = first + i;
+        shear_mock_centre(m, first + i, &c->x[i], &c->y[i]);
+        c->r_gal[i] = shear_mock_get_spec(m)->r_gal_px;
+        c->psf_id[i] = (int32_t)shear_mock_psf_of(m, first + i);
+    }
+    shear_catalog_columns rows = {.id = c->id,
+                                  .x = c->x,
+                                  .y = c->y,
+                                  .r_gal = columns & SHEAR_COL_R_GAL ? c->r_gal : NULL,
+                                  .psf_id = columns & SHEAR_COL_PSF_ID ? c->psf_id : NULL};
+    return shear_field_write(w, first, count, c->galaxy, c->noise, &rows, err);
+}
+
+static int write_stamps(shear_field_writer *w, const shear_mock *m, struct chunk *c,
+                        const shear_mock_write_options *o, shear_error *err) {
+    int64_t n = shear_mock_get_info(m)->n_stamps;
+    for (int64_t first = 0; first < n; first += c->capacity) {
+        int count = (int)(n - first < c->capacity ? n - first : c->capacity);
+        int code = write_chunk(w, m, c, first, count, o->threads, err);
+        if (code) {
+            return code;
+        }
+        if (o->progress && o->progress(o->context, first + count, n) != 0) {
+            return shear_fail(err, SHEAR_E_CANCELLED, NULL,
+                              "stopped after %lld of %lld mock stamps", (long long)first + count,
+                              (long long)n);
+        }
+    }
+    return SHEAR_OK;
+}
+
+int shear_mock_write(const shear_mock *m, const char *path, const shear_mock_write_options *options,
+                     shear_error *err) {
+    static const shear_mock_write_options defaults = {0};
+    const shear_mock_write_options *o = options ? options : &defaults;
+    shear_field_writer *w = NULL;
+    struct chunk chunk = {0};
+    int code = chunk_init(&chunk, shear_mock_get_info(m), o->threads, err);
+    if (code) {
+        goto done;
+    }
+    code = create(&w, m, path, o->overwrite, err);
+    if (code) {
+        goto done;
+    }
+    code = write_psfs(w, m, chunk.psf, err);
+    if (code == SHEAR_OK) {
+        code = write_stamps(w, m, &chunk, o, err);
+    }
+    if (code == SHEAR_OK) {
+        code = shear_field_finish(w, err);
+    } else {
+        shear_field_abort(w);
+    }
+done:
+    chunk_deinit(&chunk);
+    return code;
+}

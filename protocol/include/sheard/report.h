@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sheard/report.h: results as JSON, one object on one line.
+ *
+ * Numbers are written with 17 significant digits, so that they read back to the same bits; what is
+ * not finite is null. Text that is not UTF-8 (file names may be anything) has its bad bytes
+ * replaced by U+FFFD. Every object has all its keys, always, in the order of the structs below.
+ */
+#ifndef SHEARD_REPORT_H
+#define SHEARD_REPORT_H
+
+#include "shear/error.h"
+#include "shear/field.h"
+#include "shear/plan.h"
+#include "shear/settings.h"
+#include "shear/sums.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* One file that went into a field's result. */
+typedef struct shear_report_file {
+    const char *path;
+    const char *checksum; /* content hash, hex */
+    const char *field;    /* FIELD as the file has it (--field may count it to another) */
+    int64_t n_stamps, n_used;
+    const shear_plan_info *plan; /* what the settings were resolved to for this file's PSF */
+    double seconds;
+} shear_report_file;
+
+/* A field's result. Pointers are only read. */
+typedef struct shear_report {
+    const char *field;
+    const shear_result *result;
+    const shear_settings *settings; /* as asked for: "auto" stays "auto" */
+    const shear_plan_info *plan;    /* as resolved, of the first file */
+    const shear_report_file *files; /* [n_files] */
+    size_t n_files;
+    bool has_truth; /* all files name the same truth */
+    double true_g1, true_g2;
+    const char *const *warnings; /* [n_warnings] */
+    size_t n_warnings;
+    double seconds; /* wall clock, all files */
+} shear_report;
+
+/* *text is malloc'd and the caller's to free; no newline at its end. Keys: field g1 g1_err g2
+ * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] error_method
+ * ("delta" or "jackknife") jackknife (groups or null) truth{g1,g2} pull{g1,g2} (null without truth;
+ * (measured - true)/error) filter_removed warnings[] version seconds. SHEAR_E_NOMEM. */
+int shear_report_json(char **text, const shear_report *report, shear_error *err);
+
+/* Stamps of a field file that share a fault: how many, and the first few. */
+enum { SHEAR_FAULT_SAMPLES = 8 };
+typedef struct shear_fault {
+    int64_t count;
+    int64_t
+        first[SHEAR_FAULT_SAMPLES]; /* indices from 0; min(count, SHEAR_FAULT_SAMPLES) of them */
+} shear_fault;
+
+/* What `shearctl validate` finds in one field file. */
+typedef struct shear_verdict {
+    const char *path;
+    bool good;                     /* it would measure, at least two stamps of it */
+    const char *verdict;           /* one line for people */
+    const char *advice;            /* what to do; may be "" */
+    const shear_field_info *field; /* NULL where the file could not be opened */
+    const shear_settings *settings;
+    const shear_plan_info *plan; /* NULL where no plan could be made */
+    bool scanned;                /* the members below are known */
+    int64_t n_measurable;        /* stamps that carry no flag */
+    shear_fault flags[SHEAR_N_FLAGS];
+    shear_fault negative; /* stamps with pixels below minus the pedestal, under a log method */
+    double lowest_pixel;  /* of all finite pixels, galaxy and noise */
+} shear_verdict;
+
+/* Keys: path good verdict advice field{} settings{} resolved{} n_measurable
+ * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel version; null for what is not
+ * known. SHEAR_E_NOMEM. */
+int shear_verdict_json(char **text, const shear_verdict *verdict, shear_error *err);
+
+#endif

@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""shearctl measure on good files: numbers against closed forms, several files of a field, --json, the table."""
+import math
+import re
+import shutil
+import unittest
+
+from fitsfile import Field, rotate
+from tool import DONE, INPUT, PARTLY, USAGE, ToolTest, shearctl
+
+KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "n_flagged", "flags", "settings",
+        "resolved", "files", "error_method", "jackknife", "truth", "pull", "filter_removed", "warnings", "version",
+        "seconds"]
+FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight", "bad_r_gal",
+         "overflow"]
+SETTINGS = {"interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 1.5, "filter": "auto",
+            "core": "auto", "width": "auto", "zeros": "skip", "pedestal": 0.0, "psf-threshold": 1e-8,
+            "power-tolerance": 1e-3, "noise-correction": True}
+RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px", "k_cut"]
+
+
+def numbers(result):
+    """What must not depend on how the work was divided, to the last bit (json keeps all 17 digits)."""
+    return [result[k] for k in ("g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "filter_removed")]
+
+
+class Numbers(ToolTest):
+    def test_closed_form(self):
+        for bitpix, tolerance in ((-64, 1e-7), (-32, 1e-6)):  # float pixels carry 6e-8 each
+            field = Field(n=6)
+            field.bitpix = bitpix
+            result = self.measure_one(field.write(self.path("a.fits")))
+            # The default beta is 1.5 times the measured radius: that is exact to interpolation only.
+            self.assertAlmostEqual(result["resolved"]["r_psf_px"], field.r_psf, delta=2e-3 * field.r_psf)
+            result = self.measure_one(self.path("a.fits"), "--beta", 1.5 * field.r_psf)
+            g1, g2 = field.expected()
+            self.assertAlmostEqual(result["g1"], g1, delta=tolerance)
+            self.assertAlmostEqual(result["g2"], g2, delta=tolerance)
+            self.assertAlmostEqual(g1, 0.03, delta=1e-3)  # and the closed form is near the shear put in
+
+    def test_rotated_galaxies_flip_both_signs(self):
+        field = Field(n=6, sigma=0.1)
+        before = self.measure_one(field.write(self.path("a.fits")))
+        field.galaxy = [rotate(s, field.nx) for s in field.galaxy]
+        field.noise = [rotate(s, field.nx) for s in field.noise]
+        after = self.measure_one(field.write(self.path("b.fits")))
+        self.assertGreater(abs(before["g1"]), 0.02)
+        self.assertGreater(abs(before["g2"]), 0.01)
+        for g in ("g1", "g2"):
+            self.assertAlmostEqual(after[g], -before[g], delta=1e-12)
+        self.assertAlmostEqual(after["cov12"], before["cov12"], delta=1e-6 * before["g1_err"] * before["g2_err"])
+
+    def test_threads_do_not_matter(self):
+        path = Field(n=50, nx=32, ny=32, sigma=0.3, size=2.0).write(self.path("a.fits"))
+        results = [self.measure_one(path, "--threads", n) for n in (1, 2, 7)]
+        self.assertEqual(numbers(results[0]), numbers(results[1]))
+        self.assertEqual(numbers(results[0]), numbers(results[2]))
+
+    def test_jackknife(self):
+        path = Field(n=64, nx=24, ny=24, sigma=0.5, size=2.0, r_psf=1.2).write(self.path("a.fits"))
+        delta = self.measure_one(path)
+        jackknife = self.measure_one(path, "--jackknife", 4)
+        self.assertEqual((delta["error_method"], delta["jackknife"]), ("delta", None))
+        self.assertEqual((jackknife["error_method"], jackknife["jackknife"]), ("jackknife", 4))
+        self.assertEqual((delta["g1"], delta["g2"]), (jackknife["g1"], jackknife["g2"]))
+        # An error from four groups is itself uncertain by 1/sqrt(6): factors beyond 3 mean another quantity.
+        for error in ("g1_err", "g2_err"):
+            self.assertNotEqual(delta[error], jackknife[error])
+            self.assertLess(abs(math.log(jackknife[error] / delta[error])), math.log(3))
+        self.assertFails(shearctl("measure", path, "--jackknife", 5), USAGE, "4 blocks")
+
+    def test_flags_are_counted_by_name(self):
+        field = Field(n=8)
+        field.galaxy[1][5] = math.nan
+        field.noise[2][7] = math.inf
+        field.galaxy[3] = [1.0] * len(field.galaxy[3])
+        field.columns = [("FLAGS", "J", [0, 0, 0, 0, 1, 0, 0, 0]),
+                         ("WEIGHT", "D", [1.0, 1.0, 1.0, 1.0, 1.0, -1.0, 2.0, 1.0])]
+        result = self.measure_one(field.write(self.path("a.fits")), "--beta", 1.5 * field.r_psf)
+        self.assertEqual(result["flags"], {**dict.fromkeys(FLAGS, 0), "galaxy_not_finite": 1, "noise_not_finite": 1,
+                                           "empty": 1, "masked": 1, "bad_weight": 1})
+        self.assertEqual((result["n_stamps"], result["n_used"], result["n_flagged"]), (8, 3, 5))
+        self.assertAlmostEqual(result["g1"], field.expected()[0], delta=1e-6)
+        table = shearctl("measure", self.path("a.fits")).out
+        self.assertIn("3 of 8 used (1 galaxy_not_finite, 1 noise_not_finite, 1 masked, 1 empty, 1 bad_weight)", table)
+
+    def test_no_usable_stamp(self):
+        field = Field(n=3)
+        field.columns = [("FLAGS", "J", [1, 1, 1])]
+        answer = shearctl("measure", "--json", field.write(self.path("a.fits")))
+        self.assertFails(answer, INPUT, "0 of 3 stamps")
+        result = answer.json()[0]
+        for key in ("g1", "g1_err", "g2", "g2_err", "cov12"):
+            self.assertIsNone(result[key])
+        self.assertEqual(result["flags"]["masked"], 3)
+        self.assertIn("not measured", shearctl("measure", self.path("a.fits")).out)
+
+
+class Report(ToolTest):
+    def test_json_keys_and_types(self):
+        path = Field(n=6, sigma=0.05).write(self.path("a.fits"))
+        result = self.measure_one(path)
+        self.assertEqual(list(result), KEYS)
+        self.assertEqual(list(result["flags"]), FLAGS)
+        self.assertEqual(result["settings"], SETTINGS)
+        self.assertEqual(list(result["resolved"]), RESOLVED)
+        self.assertEqual(result["field"], "gauss")
+        self.assertEqual((result["resolved"]["interpolation"], result["resolved"]["filter"]), ("none", "none"))
+        self.assertIsNone(result["resolved"]["core_px"])
+        self.assertEqual(result["truth"], {"g1": 0.03, "g2": -0.02})
+        for g in ("g1", "g2"):
+            pull = (result[g] - result["truth"][g]) / result[g + "_err"]
+            self.assertAlmostEqual(result["pull"][g], pull, delta=1e-12 * abs(pull))
+        (file,) = result["files"]
+        self.assertEqual((file["path"], file["field"], file["n_stamps"], file["n_used"]), (path, "gauss", 6, 6))
+        self.assertRegex(file["checksum"], r"^[0-9a-f]{32}$")
+        self.assertEqual(file["resolved"], result["resolved"])
+        self.assertEqual(result["warnings"], [])
+
+    def test_no_truth(self):
+        result = self.measure_one(Field(n=4, truth=False).write(self.path("a.fits")))
+        self.assertIsNone(result["truth"])
+        self.assertIsNone(result["pull"])
+
+    def test_table(self):
+        path = Field(n=6, sigma=0.05).write(self.path("a.fits"))
+        answer = shearctl("measure", path)
+        self.assertCode(answer, DONE)
+        self.assertEqual(answer.err, "")  # not a terminal: no bar
+        self.assertTrue(answer.out.startswith("field gauss\n"))
+        self.assertRegex(answer.out, r"(?m)^  g1 +\+0\.0\d+ \+- 0\.\d+ +truth \+0\.0300* +pull [+-]\d+\.\d\d$")
+        self.assertRegex(answer.out, r"(?m)^  g2 +-0\.0\d+ \+- 0\.\d+ +truth -0\.0200* +pull [+-]\d+\.\d\d$")
+        self.assertIn("6 of 6 used", answer.out)
+        self.assertIn("interpolation none, R_PSF 1.5", answer.out)
+        self.assertIn("stamps/s", answer.out)
+
+    def test_file_name_that_is_not_utf8_and_steers_terminals(self):
+        Field(n=4).write(self.path("a.fits"))
+        name = self.path("x\x1b[31m").encode() + b"\xff.fits"
+        shutil.copy(self.path("a.fits"), name)
+        import os
+        result = self.measure_one(os.fsdecode(name).encode("utf-8", "surrogateescape").decode("latin-1")) \
+            if False else None
+        self.assertIsNone(result)
+
+
+class Files(ToolTest):
+    def test_files_of_one_field_are_joined(self):
+        whole = Field(n=32, nx=24, ny=24, sigma=0.2, size=2.0, r_psf=1.2)
+        parts = []
+        for k, name in enumerate("ab"):
+            part = Field(n=1, nx=24, ny=24, r_psf=1.2, name="gauss")
+            part.n, part.galaxy, part.noise = 16, whole.galaxy[16 * k:][:16], whole.noise[16 * k:][:16]
+            part.keys = whole.keys
+            parts.append(part.write(self.path(f"{name}.fits")))
+        one = self.measure_one(whole.write(self.path("whole.fits")))
+        two = self.measure_one(*parts)
+        self.assertEqual(numbers(one), numbers(two))
+        self.assertEqual(numbers(one), numbers(self.measure_one(*reversed(parts))))
+        self.assertEqual([f["n_stamps"] for f in two["files"]], [16, 16])
+        self.assertIn("files      2", shearctl("measure", *parts).out)
+        # The jackknife's groups follow the checksums, not the order of the arguments.
+        there, back = (self.measure_one("--jackknife", 2, *order) for order in (parts, parts[::-1]))
+        self.assertEqual(numbers(there), numbers(back))
+
+    def test_fields_in_order_of_first_appearance_and_override(self):
+        paths = [Field(n=4, seed=k, name=name).write(self.path(f"{k}.fits"))
+                 for k, name in enumerate(("beta", "alpha", "beta"))]
+        answer = shearctl("measure", "--json", *paths)
+        self.assertCode(answer, DONE)
+        self.assertEqual([(r["field"], r["n_stamps"]) for r in answer.json()], [("beta", 8), ("alpha", 4)])
+        joined = self.measure_one("--field", "all of it", *paths)
+        self.assertEqual((joined["field"], joined["n_stamps"]), ("all of it", 12))
+        self.assertEqual([f["field"] for f in joined["files"]], ["beta", "alpha", "beta"])
+
+    def test_field_without_a_name_is_called_after_its_file(self):
+        self.assertEqual(self.measure_one(Field(n=4, name=None).write(self.path("deep.fits")))["field"], "deep")
+
+    def test_truths_that_differ_are_no_truth(self):
+        paths = [Field(n=4, g1=g).write(self.path(f"{g}.fits")) for g in (0.01, 0.02)]
+        self.assertIsNone(self.measure_one(*paths)["truth"])
+
+    def test_duplicates_count_once(self):
+        first = Field(n=4).write(self.path("a.fits"))
+        copy = shutil.copy(first, self.path("b.fits"))
+        one = self.measure_one(first)
+        answer = shearctl("measure", "--json", first, copy, first)
+        self.assertCode(answer, DONE)
+        (result,) = answer.json()
+        self.assertEqual(numbers(result), numbers(one))
+        self.assertEqual(len(result["files"]), 1)
+        self.assertEqual(len(result["warnings"]), 2)
+        self.assertIn("counted once", result["warnings"][0])
+        self.assertEqual(len(re.findall(r"(?m)^shearctl: warning: .*counted once", answer.err)), 2)
+        self.assertEqual(shearctl("measure", "--quiet", first, copy).err, "")
+
+    def test_one_bad_among_good(self):
+        good = Field(n=4, name="good").write(self.path("a.fits"))
+        other = Field(n=4, name="other", seed=2).write(self.path("c.fits"))
+        bad = self.path("b.fits")
+        with open(bad, "w", encoding="ascii") as f:
+            f.write("not FITS")
+        answer = shearctl("measure", "--json", good, bad, other)
+        self.assertFails(answer, PARTLY, "b.fits")
+        self.assertEqual([r["field"] for r in answer.json()], ["good", "other"])
+        self.assertFails(shearctl("measure", bad, bad), INPUT, "b.fits")
+
+    def test_failure_while_measuring_leaves_the_rest_of_the_field(self):
+        good = Field(n=4, name="f").write(self.path("a.fits"))
+        bad = Field(n=4, name="f", seed=2)
+        bad.psf = [-p for p in bad.psf]
+        answer = shearctl("measure", "--json", good, bad.write(self.path("b.fits")))
+        self.assertFails(answer, PARTLY, "b.fits", "PSF")
+        (result,) = answer.json()
+        self.assertEqual(numbers(result), numbers(self.measure_one(good)))
+        self.assertIn("1 of 2 files failed", result["warnings"][0])
+
+
+class Advice(ToolTest):
+    def test_filter_that_takes_flux_away(self):
+        path = Field(n=32, size=4.0, sigma=0.01).write(self.path("a.fits"))
+        result = self.measure_one(path, "--core", 4, "--width", 2)
+        self.assertGreater(result["filter_removed"], 0.05)
+        self.assertEqual(len(result["warnings"]), 1)
+        self.assertIn("--core", result["warnings"][0])
+        self.assertEqual(self.measure_one(path)["warnings"], [])
+
+    def test_neighbours_at_the_border(self):
+        field = Field(n=32, sigma=0.05)
+        for stamp in field.galaxy:
+            for y in range(10, 16):
+                stamp[y * field.nx] += 5.0
+        path = field.write(self.path("a.fits"))
+        answer = shearctl("measure", "--json", path)
+        warnings = answer.json()[0]["warnings"]
+        self.assertTrue(any("brighter" in w for w in warnings), warnings)
+        self.assertTrue(any("rougher" in w for w in warnings), warnings)
+        self.assertTrue(all("--filter edge" in w for w in warnings), warnings)
+        self.assertIn("shearctl: warning: field gauss: ", answer.err)
+        self.assertEqual(self.measure_one(path, "--filter", "edge")["warnings"], [])
+
+
+if __name__ == "__main__":
+    unittest.main()

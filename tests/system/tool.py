@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Running shearctl: SHEARCTL in the environment is its path; SHEAR_SANITIZED=1 says that a sanitizer is built in (which needs
+terabytes of addresses, so that memory is not limited then, and more time)."""
+import json
+import os
+import resource
+import subprocess
+import tempfile
+import time
+import unittest
+
+SHEARCTL = os.path.abspath(os.environ["SHEARCTL"])
+SANITIZED = os.environ.get("SHEAR_SANITIZED") == "1"
+MEMORY = 2 << 30  # bytes of addresses
+PATIENCE = 20 if SANITIZED else 2.5  # seconds that a quick answer may take on a busy machine; it takes 0.02
+
+DONE, OTHER, USAGE, INPUT, PARTLY = 0, 1, 2, 3, 4
+
+
+class Answer:
+    """What one run of shearctl gave."""
+
+    def __init__(self, process, seconds):
+        self.code, self.out, self.err, self.seconds = process.returncode, process.stdout, process.stderr, seconds
+
+    def json(self):
+        """One object per line."""
+        return [json.loads(line, parse_constant=_no_constants) for line in self.out.splitlines()]
+
+
+def _no_constants(name):
+    raise ValueError(f"{name} is not JSON")
+
+
+def shearctl(*args, cwd=None, timeout=60, file_size=None, env=None):
+    def limit():
+        if not SANITIZED:
+            resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        if file_size is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
+
+    begun = time.monotonic()
+    # restore_signals=False leaves SIGXFSZ ignored: a file that grows too large is then an error of write()
+    process = subprocess.run([SHEARCTL, *map(str, args)], cwd=cwd, timeout=timeout, preexec_fn=limit,
+                             stdin=subprocess.DEVNULL, capture_output=True, text=True, restore_signals=False,
+                             env={**os.environ, **(env or {})})
+    return Answer(process, time.monotonic() - begun)
+
+
+class ToolTest(unittest.TestCase):
+    """A test with a directory of its own (self.path) and what it may say about an answer."""
+
+    def setUp(self):
+        directory = tempfile.TemporaryDirectory()
+        self.addCleanup(directory.cleanup)
+        self.directory = directory.name
+
+    def path(self, name):
+        return os.path.join(self.directory, name)
+
+    def assertCode(self, answer, code):
+        self.assertEqual(answer.code, code, f"\nstdout: {answer.out}\nstderr: {answer.err}")
+
+    def assertFails(self, answer, code, *words):
+        """Exit code; and, on standard error, one error in our form that has all the words."""
+        self.assertCode(answer, code)
+        self.assertRegex(answer.err, r"^shearctl: error: ")
+        for word in words:
+            self.assertIn(word, answer.err)
+
+    def measure_one(self, *args):
+        """Measure what must go well and be one field."""
+        answer = shearctl("measure", "--json", *args)
+        self.assertCode(answer, DONE)
+        objects = answer.json()
+        self.assertEqual(len(objects), 1, answer.out)
+        return objects[0]

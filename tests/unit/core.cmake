@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The fixtures of core's tests. Tests see core's inner headers too (measure/axis.h and so on).
+add_library(core_fixtures STATIC gaussian.c pair.c)
+target_link_libraries(core_fixtures PUBLIC shear_flags shear_static PkgConfig::CMOCKA m)
+target_include_directories(core_fixtures PUBLIC ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/core)
+
+function(core_test name)
+  shear_add_test(${name} SOURCES test_${name}.c LIBRARIES core_fixtures ${ARGN} LABELS core)
+endfunction()
+
+core_test(gaussian)
