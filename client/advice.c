@@ -15,17 +15,19 @@ const char *advice_filter(const shear_result *r, const shear_plan_info *plan, ch
         return NULL;
     }
     if (plan->filter_per_stamp) {
-        snprintf(buf, size,
-                 "the filter removes %.1f %% of the stacked flux, which biases the shear: the "
-                 "R_GAL column is "
-                 "too small for these galaxies, or use --filter edge or none",
-                 100.0 * r->filter_removed);
+        snprintf(
+            buf, size,
+            "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
+            "not their neighbours', the shear is biased: R_GAL is too small, or use --filter edge "
+            "or none",
+            100.0 * r->filter_removed);
     } else {
-        snprintf(buf, size,
-                 "the filter removes %.1f %% of the stacked flux, which biases the shear: use a "
-                 "--core larger "
-                 "than %.3g px, larger stamps, or --filter none",
-                 100.0 * r->filter_removed, plan->core_px);
+        snprintf(
+            buf, size,
+            "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
+            "not their neighbours', the shear is biased: use a --core larger than %.3g px, larger "
+            "stamps, or --filter none",
+            100.0 * r->filter_removed, plan->core_px);
     }
     return buf;
 }

@@ -68,6 +68,18 @@ static int check_existing(const char *path, const struct stat *st,
     return EXIT_CODE_DONE;
 }
 
+/* Why no file can be made in `directory`: an errno, or 0. */
+static int unwritable(const char *directory) {
+    struct stat st;
+    if (stat(directory, &st) != 0) {
+        return errno;
+    }
+    if (!S_ISDIR(st.st_mode)) {
+        return ENOTDIR;
+    }
+    return access(directory, W_OK | X_OK) == 0 ? 0 : errno;
+}
+
 static int check_parent(const char *path) {
     char *copy = strdup(path); /* dirname may write to it */
     if (!copy) {
@@ -75,15 +87,13 @@ static int check_parent(const char *path) {
         return EXIT_CODE_OTHER;
     }
     const char *parent = dirname(copy);
-    int code = EXIT_CODE_DONE;
-    if (access(parent, W_OK | X_OK) != 0) {
+    int why = unwritable(parent);
+    if (why) {
         message_fail("choose a directory that you may write to",
-                     "--catalog %s: cannot write in directory %s: %s", path, parent,
-                     strerror(errno));
-        code = EXIT_CODE_OTHER;
+                     "--catalog %s: cannot write in %s: %s", path, parent, strerror(why));
     }
     free(copy);
-    return code;
+    return why ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
 static int check_path(const char *path, const struct measure_input *inputs, size_t n, bool force) {

@@ -1,31 +1,43 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl help [SUBCOMMAND]; the hidden --settings-man feeds the manual page (man/CMakeLists.txt).
- */
+/* shearctl help [SUBCOMMAND]. Two hidden forms feed the manual page (man/paste.cmake):
+ * --settings-man, and --man SUBCOMMAND, which is the help text with a reference to the page's
+ * SETTINGS. */
 #include "command.h"
 #include "message.h"
 #include "settings_options.h"
 
 #include <string.h>
 
-static int run(int argc, char **argv) {
-    if (argc > 2) {
-        message_fail("\"shearctl help SUBCOMMAND\"", "help: expected one name, got %d", argc - 1);
+static void refer_to_settings(FILE *out) {
+    fputs("  all options of SETTINGS\n", out);
+}
+
+static int explain(const char *name, void (*settings)(FILE *out)) {
+    const struct command *command = command_find(name);
+    if (!command) {
         return EXIT_CODE_USAGE;
     }
+    command_print_usage(command, settings, stdout);
+    return EXIT_CODE_DONE;
+}
+
+static int run(int argc, char **argv) {
     if (argc < 2) {
         command_print_list(stdout);
         return EXIT_CODE_DONE;
     }
-    if (strcmp(argv[1], "--settings-man") == 0) {
+    if (argc == 2 && strcmp(argv[1], "--settings-man") == 0) {
         settings_options_man(stdout);
         return EXIT_CODE_DONE;
     }
-    const struct command *command = command_find(argv[1]);
-    if (!command) {
+    if (argc == 3 && strcmp(argv[1], "--man") == 0) {
+        return explain(argv[2], refer_to_settings);
+    }
+    if (argc > 2) {
+        message_fail("\"shearctl help SUBCOMMAND\"", "help: expected one name, got %d", argc - 1);
         return EXIT_CODE_USAGE;
     }
-    command_print_usage(command, stdout);
-    return EXIT_CODE_DONE;
+    return explain(argv[1], settings_options_help);
 }
 
 const struct command cmd_help = {

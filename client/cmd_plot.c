@@ -134,10 +134,9 @@ static int draw_catalog(shear_figure **figure, const struct plot_command *c,
             message_error(&err);
             return measure_failure_of(err.code, false);
         }
-        message_fail("shearctl validate tells what is in a file",
-                     "%s is neither a field file nor a result catalogue", c->path);
-        message_fail(NULL, "as a field file: %s", as_field->message);
-        message_fail(NULL, "as a catalogue: %s", err.message);
+        message_fail("\"shearctl validate\" tells what is in a field file",
+                     "%s is neither a field file (%s) nor a result catalogue (%s)", c->path,
+                     as_field->message, err.message);
         return EXIT_CODE_INPUT;
     }
     int code = refuse_field_options(c);

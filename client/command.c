@@ -3,7 +3,6 @@
 
 #include "message.h"
 #include "options.h"
-#include "settings_options.h"
 
 #include <string.h>
 
@@ -27,12 +26,12 @@ const struct command *command_find(const char *name) {
     return NULL;
 }
 
-void command_print_usage(const struct command *command, FILE *out) {
+void command_print_usage(const struct command *command, void (*settings)(FILE *out), FILE *out) {
     static const char mark[] = COMMAND_SETTINGS_MARK "\n";
     const char *text = command->usage;
     for (const char *at; (at = strstr(text, mark)); text = at + strlen(mark)) {
         fwrite(text, 1, (size_t)(at - text), out);
-        settings_options_help(out);
+        settings(out);
     }
     fputs(text, out);
     size_t length = strlen(text);

@@ -39,8 +39,10 @@ extern const struct command cmd_version;
 const struct command *const *command_table(void);
 /* The entry called `name`, or NULL; then an error with the nearest name has been printed. */
 const struct command *command_find(const char *name);
-/* Print the help text of one subcommand, or the short list of all. */
-void command_print_usage(const struct command *command, FILE *out);
+/* Print the help text of one subcommand; `settings` prints the options of the settings
+ * (settings_options_help). */
+void command_print_usage(const struct command *command, void (*settings)(FILE *out), FILE *out);
+/* Print the short list of all subcommands. */
 void command_print_list(FILE *out);
 
 #endif

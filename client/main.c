@@ -2,6 +2,7 @@
 /* shearctl: the table of subcommands and the choice of one. */
 #include "command.h"
 #include "message.h"
+#include "settings_options.h"
 
 #include <errno.h>
 #include <locale.h>
@@ -39,7 +40,7 @@ static int run(int argc, char **argv) {
         return EXIT_CODE_USAGE;
     }
     if (asks_for_help(argc - 1, argv + 1)) {
-        command_print_usage(command, stdout);
+        command_print_usage(command, settings_options_help, stdout);
         return EXIT_CODE_DONE;
     }
     return command->run(argc - 1, argv + 1);

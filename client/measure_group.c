@@ -31,7 +31,7 @@ bool measure_groups_new(struct measure_input *inputs, size_t n, struct measure_g
         if (!g) {
             g = &(*groups)[(*n_groups)++];
             g->field = inputs[i].field;
-            g->inputs = calloc(n, sizeof *g->inputs);
+            g->inputs = calloc(n, sizeof(struct measure_input *));
             if (!g->inputs) {
                 measure_groups_free(*groups, *n_groups);
                 *groups = NULL;
@@ -165,19 +165,29 @@ static void judge(struct measure_group *g, size_t done) {
     }
 }
 
+/* The order of measuring: that of the arguments, or, for the jackknife, of the checksums. NULL: no
+ * memory. malloc'd. */
+static struct measure_input **order_of(const struct measure_group *g, bool jackknife) {
+    struct measure_input **order = calloc(g->n, sizeof(struct measure_input *));
+    if (!order) {
+        return NULL;
+    }
+    memcpy(order, g->inputs, g->n * sizeof(struct measure_input *));
+    if (jackknife) {
+        qsort(order, g->n, sizeof(struct measure_input *), by_checksum);
+    }
+    return order;
+}
+
 bool measure_group_run(struct measure_group *g, const struct measure_options *o) {
     shear_error err = {0};
     size_t done = 0;
-    struct measure_input **order = calloc(g->n, sizeof(struct measure_input *));
+    struct measure_input **order = order_of(g, o->jackknife > 0);
     int code = order ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
     if (!code && o->jackknife) {
         code = check_blocks(g, o->jackknife, &err);
     }
     if (!code) {
-        memcpy(order, g->inputs, g->n * sizeof(struct measure_input *));
-        if (o->jackknife) {
-            qsort(order, g->n, sizeof(struct measure_input *), by_checksum);
-        }
         code = run_all(g, o, order, &done, &err);
     }
     free(order);

@@ -7,7 +7,10 @@ char *message_clean(const char *text, char *buf, size_t size) {
     size_t i = 0;
     for (; text[i] && i + 1 < size; i++) {
         unsigned char c = (unsigned char)text[i];
-        buf[i] = c < 0x20 || c == 0x7F ? '?' : text[i];
+        buf[i] = text[i];
+        if (c < 0x20 || c == 0x7F) {
+            buf[i] = '?';
+        }
     }
     buf[i] = '\0';
     return buf;

@@ -90,11 +90,26 @@ static void shear_title(char title[PLOT_CELL], const shear_result *r, bool secon
                second ? r->g2 : r->g1, second ? r->g2_err : r->g1_err);
 }
 
-/* The middle 98 % and some room: a few wild stamps must not squeeze the rest. */
+/* Five robust sigmas about the middle, but no further than the values go: a few wild stamps must
+ * not squeeze the rest. */
 static int robust_range(shear_range *r, const struct column *c, shear_error *err) {
-    const int code = shear_range_percentile(r, c->values, c->n, 1.0, 99.0, err);
-    *r = shear_range_pad(*r, 0.25);
+    shear_range inner;
+    const int code = shear_range_percentile(&inner, c->values, c->n, 15.87, 84.13, err);
+    const shear_range all = shear_range_of(c->values, c->n);
+    const double middle = 0.5 * (inner.lo + inner.hi);
+    const double sigma = 0.5 * (inner.hi - inner.lo);
+    r->lo = fmax(middle - 5.0 * sigma, all.lo);
+    r->hi = fmin(middle + 5.0 * sigma, all.hi);
+    *r = shear_range_pad(*r, 0.02);
     return code;
+}
+
+static void draw_beyond(shear_figure *f, size_t n) {
+    char text[32];
+    snprintf(text, sizeof text, "%zu beyond", n);
+    if (n > 0) {
+        shear_axes_text(f, 0.96, 0.83, true, text, &(shear_text_style){.size = 10.5, .align = 1.0});
+    }
 }
 
 static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_table *t, bool second,
@@ -102,7 +117,6 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
     double counts[BINS];
     char title[PLOT_CELL];
     char label[PLOT_CELL];
-    char outside[PLOT_CELL];
     shear_range r;
     take_terms(c, t, second);
     const int code = robust_range(&r, c, err);
@@ -117,7 +131,6 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
              "D\xe2\x9f\xa9",
              second ? 2 : 1);
     shear_title(title, &t->result, second);
-    snprintf(outside, sizeof outside, "%zu beyond", beyond);
     const shear_axes axes = {.cell = cell,
                              .title = title,
                              .x = {.range = r, .label = label},
@@ -126,9 +139,7 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
     shear_axes_histogram(f, bins, r, counts,
                          &(shear_style){.colour = shear_palette(SHEAR_BLUE), .fill = 0.2});
     mark_shear(f, t, second);
-    if (beyond > 0) {
-        shear_axes_text(f, 0.03, 0.94, true, outside, &(shear_text_style){.size = 10.5});
-    }
+    draw_beyond(f, beyond);
     shear_axes_end(f);
     return SHEAR_OK;
 }
@@ -176,7 +187,9 @@ static void draw_plane(shear_figure *f, shear_rect cell, const shear_catalog_tab
 static void flag_words(char name[PLOT_CELL], int bit) {
     snprintf(name, PLOT_CELL, "%s", shear_flag_name(bit));
     for (char *p = name; *p; p++) {
-        *p = *p == '_' ? ' ' : *p;
+        if (*p == '_') {
+            *p = ' ';
+        }
     }
 }
 
@@ -255,7 +268,7 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
         r.lo = fmax(r.lo, 0.0); /* no room for what cannot be */
     }
     const int bins = bins_for(c->n);
-    shear_histogram(counts, bins, r, c->values, c->n);
+    const size_t beyond = shear_histogram(counts, bins, r, c->values, c->n);
     const double top = shear_range_of(counts, (size_t)bins).hi;
     const shear_axes axes = {.cell = cell,
                              .title = title,
@@ -266,6 +279,7 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
                          &(shear_style){.colour = shear_palette(SHEAR_GREEN), .fill = 0.2});
     plot_print(text, sizeof text, "median %.3g", median.lo);
     shear_axes_vline(f, median.lo, &(shear_style){.dash = SHEAR_DASHED, .label = text});
+    draw_beyond(f, beyond);
     shear_axes_end(f);
     return SHEAR_OK;
 }

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { TEXT_SIZE = 256 }; /* before the signs grow */
+
 /* A hyphen within a word ("log-bicubic") stays one. */
 static bool is_minus(const char *text, size_t i) {
     const bool begins = i == 0 || !isalnum((unsigned char)text[i - 1]) || text[i - 1] == 'e';
@@ -26,18 +28,13 @@ static void copy_with_minus(char *buf, size_t size, const char *text) {
     buf[used] = '\0';
 }
 
-__attribute__((format(printf, 3, 0))) static void print(char *buf, size_t size, const char *format,
-                                                        va_list args) {
-    char text[256];
-    vsnprintf(text, sizeof text, format, args);
-    copy_with_minus(buf, size, text);
-}
-
 char *plot_print(char *buf, size_t size, const char *format, ...) {
+    char text[TEXT_SIZE];
     va_list args;
     va_start(args, format);
-    print(buf, size, format, args);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    copy_with_minus(buf, size, text);
     return buf;
 }
 
@@ -45,10 +42,12 @@ void plot_table_add(struct plot_table *t, const char *key, const char *format, .
     if (t->n == PLOT_TABLE_ROWS) {
         return;
     }
+    char text[TEXT_SIZE];
     va_list args;
     va_start(args, format);
-    print(t->values[t->n], sizeof t->values[0], format, args);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    copy_with_minus(t->values[t->n], sizeof t->values[0], text);
     snprintf(t->keys[t->n], sizeof t->keys[0], "%s", key);
     t->n++;
 }

@@ -2,6 +2,7 @@
 /* Axes: where the frame goes, data to canvas, ticks and labels. */
 #include "internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -21,7 +22,7 @@ static shear_range usable_range(const shear_axis *axis) {
     }
     r.hi = r.hi > 0.0 ? r.hi : 1.0;
     r.lo = r.lo > 0.0 && r.lo < r.hi ? r.lo : 1e-3 * r.hi;
-    return r.lo > 0.0 ? r : (shear_range){1e-3, 1.0};
+    return r.lo >= DBL_MIN ? r : (shear_range){1e-3, 1.0}; /* below, powers of ten lose digits */
 }
 
 /* 0 at lo, 1 at hi; NaN where there is no place. */
@@ -129,23 +130,26 @@ static void tick_at_y(shear_figure *f, double y, double length) {
     cairo_rel_line_to(f->cr, -length, 0.0);
 }
 
-/* 2 to 9 times the powers of ten, where the axis is not too long for them. */
-static void minor_ticks(shear_figure *f, const shear_axis *axis, bool horizontal) {
-    const double decades = axis->log ? log10(axis->range.hi / axis->range.lo) : 0.0;
-    if (!axis->log || decades > 8.0) {
+static void minor_tick(shear_figure *f, const shear_axis *axis, double v, bool horizontal) {
+    if (v <= axis->range.lo || v >= axis->range.hi) {
         return;
     }
-    for (double e = floor(log10(axis->range.lo)); e <= log10(axis->range.hi); e += 1.0) {
+    if (horizontal) {
+        tick_at_x(f, axes_x(&f->axes, v), MINOR_LENGTH);
+    } else {
+        tick_at_y(f, axes_y(&f->axes, v), MINOR_LENGTH);
+    }
+}
+
+/* 2 to 9 times the powers of ten, where the axis is not too long for them. */
+static void minor_ticks(shear_figure *f, const shear_axis *axis, bool horizontal) {
+    if (!axis->log || log10(axis->range.hi / axis->range.lo) > 8.0) {
+        return;
+    }
+    const int last = (int)floor(log10(axis->range.hi));
+    for (int e = (int)floor(log10(axis->range.lo)); e <= last; e++) {
         for (int digit = 2; digit < 10; digit++) {
-            const double v = digit * pow(10.0, e);
-            if (v <= axis->range.lo || v >= axis->range.hi) {
-                continue;
-            }
-            if (horizontal) {
-                tick_at_x(f, axes_x(&f->axes, v), MINOR_LENGTH);
-            } else {
-                tick_at_y(f, axes_y(&f->axes, v), MINOR_LENGTH);
-            }
+            minor_tick(f, axis, digit * pow(10.0, e), horizontal);
         }
     }
 }

@@ -22,7 +22,7 @@ static uint32_t packed(shear_colour c) {
 static shear_colour pixel_colour(const shear_image *image, const shear_stretch *stretch,
                                  double value) {
     if (!isfinite(value)) {
-        return shear_map_not_finite();
+        return image->not_finite.a > 0.0 ? image->not_finite : shear_map_not_finite();
     }
     if (image->mark_negative && value < 0.0) {
         return shear_map_negative();
@@ -102,6 +102,10 @@ static void draw_bar(shear_figure *f, const shear_image *image, const shear_stre
     axes_draw_bar_ticks(f, bar, stretch, &ticks);
 }
 
+static shear_range outer_edges(shear_range given, int n) {
+    return given.lo != given.hi ? given : (shear_range){-0.5, n - 0.5};
+}
+
 /* Room for titles, labels and colour bar taken off the cell; then the largest frame with square
  * pixels. */
 static shear_rect frame_of(const shear_image *image) {
@@ -116,15 +120,15 @@ static shear_rect frame_of(const shear_image *image) {
     }
     const double w = fmax(image->cell.w - left - right, 1.0);
     const double h = fmax(image->cell.h - top - bottom, 1.0);
-    const double scale = fmin(w / image->nx, h / image->ny);
-    const double fw = scale * image->nx;
-    const double fh = scale * image->ny;
+    const shear_range x = outer_edges(image->x, image->nx);
+    const shear_range y = outer_edges(image->y, image->ny);
+    const double wide = image->equal ? fabs(x.hi - x.lo) : image->nx;
+    const double high = image->equal ? fabs(y.hi - y.lo) : image->ny;
+    const double scale = fmin(w / wide, h / high);
+    const double fw = scale * wide;
+    const double fh = scale * high;
     return (shear_rect){image->cell.x + left + (w - fw) / 2.0, image->cell.y + top + (h - fh) / 2.0,
                         fw, fh};
-}
-
-static shear_range outer_edges(shear_range given, int n) {
-    return given.lo != given.hi ? given : (shear_range){-0.5, n - 0.5};
 }
 
 void shear_image_begin(shear_figure *figure, const shear_image *image) {

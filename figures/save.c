@@ -101,7 +101,7 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
     cairo_surface_flush(figure->surface);
     const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
-        code = fail_io(err, "create", part, errno);
+        code = fail_io(err, "create", path, errno);
         goto done;
     }
     code = write_png(figure, fd, path, err);

@@ -2,6 +2,7 @@
 /* Ticks at round numbers, and how they are written. */
 #include "shear_figures/scale.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -17,8 +18,9 @@ typedef struct step {
     double last;
 } step;
 
+/* 1/10^n rounds once, and so prints better than 10^-n; beyond 10^300 it would be 1/infinity. */
 static double power_of_ten(int exponent) {
-    return exponent < 0 ? 1.0 / pow(10.0, -exponent) : pow(10.0, exponent);
+    return exponent < 0 && exponent > -300 ? 1.0 / pow(10.0, -exponent) : pow(10.0, exponent);
 }
 
 static double step_size(const step *s) {
@@ -77,12 +79,13 @@ void shear_ticks_linear(shear_ticks *t, double lo, double hi, int at_most) {
         t->exponent = (int)floor(log10(largest) + SLACK);
     }
     const int decimals = s.exponent < t->exponent ? t->exponent - s.exponent : 0;
-    for (double m = s.first; m <= s.last && t->n < at_most; m += 1.0) {
-        t->at[t->n] = m * s.digit * power_of_ten(s.exponent);
+    const int n = (int)fmin(s.last - s.first + 1.0, at_most);
+    for (t->n = 0; t->n < n; t->n++) {
+        const double multiple = (s.first + t->n) * s.digit;
+        t->at[t->n] = multiple * power_of_ten(s.exponent);
         /* Scaled through the exponents' difference: 10^exponent itself may be out of range. */
-        write_number(t->label[t->n], m * s.digit * power_of_ten(s.exponent - t->exponent),
+        write_number(t->label[t->n], multiple * power_of_ten(s.exponent - t->exponent),
                      decimals < 12 ? decimals : 12);
-        t->n++;
     }
 }
 
@@ -118,7 +121,7 @@ static int log_candidates(shear_ticks *t, double lo, double hi, int at_most, int
 
 void shear_ticks_log(shear_ticks *t, double lo, double hi, int at_most) {
     *t = (shear_ticks){0};
-    if (!(lo > 0.0) || !(hi > lo) || !isfinite(hi)) {
+    if (!(lo >= DBL_MIN) || !(hi > lo) || !isfinite(hi)) {
         return;
     }
     at_most = at_most < 2 ? 2 : at_most > SHEAR_MAX_TICKS ? SHEAR_MAX_TICKS : at_most;

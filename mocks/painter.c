@@ -5,16 +5,19 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A point is at most this far from the centre of its pixel. */
 static const double cell_radius = 0.70710678118654757;
 
 /* A row crosses a four-armed star in three pieces at most; one more for the grid's raggedness. */
-enum { PIECES = 4, ALIGNMENT = 64 };
+enum { PIECES = 4, BLOCK = 4, ALIGNMENT = 64 };
 
+/* Zeros. */
 static double *new_doubles(size_t n) {
     size_t bytes = (n * sizeof(double) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
-    return aligned_alloc(ALIGNMENT, bytes);
+    double *made = aligned_alloc(ALIGNMENT, bytes);
+    return made ? memset(made, 0, bytes) : NULL;
 }
 
 static int side_of(int half) {
@@ -29,9 +32,11 @@ bool painter_init(struct painter *p, int kind, double r_px, int nx, int ny) {
     *p = (struct painter){.kind = kind, .r_px = r_px, .angle_deg = NAN, .nx = nx, .ny = ny};
     p->half = (int)ceil(psf_gaussian_reach(r_px) + cell_radius);
     p->reach = (int)ceil(psf_reach(kind, r_px) + cell_radius);
+    p->stride = side_of(p->half) + BLOCK - 1;
     size_t side = (size_t)side_of(p->half);
-    p->table = new_doubles(side * side);
-    p->columns = new_doubles(side);
+    size_t stride = (size_t)p->stride;
+    p->table = new_doubles(side * stride);
+    p->columns = new_doubles(stride);
     p->rows = new_doubles(side);
     p->gaussian = calloc(side, sizeof *p->gaussian);
     if (kind == SHEAR_MOCK_PSF_B) {
@@ -103,20 +108,22 @@ void painter_turn(struct painter *p, double angle_deg) {
     int side = side_of(p->half);
     for (int j = -p->half; j <= p->half; j++) {
         psf_gaussian_row(&p->psf, 1.0, -p->half, j, 1.0, side,
-                         p->table + (size_t)(j + p->half) * (size_t)side);
+                         p->table + (size_t)(j + p->half) * (size_t)p->stride);
     }
     find_gaussian_segments(p);
     find_spike_segments(p);
 }
 
-/* middle[i] = first * exp(i s), i = -half .. half. */
-static void fill_powers(double *middle, int half, double first, double s) {
+/* middle[i] = first * exp(i s), at least for i = lo .. hi. */
+static void fill_powers(double *middle, int lo, int hi, double first, double s) {
     double up = exp(s);
-    double down = exp(-s);
+    double down = 1.0 / up;
     middle[0] = first;
-    for (int i = 1; i <= half; i++) {
+    for (int i = 1; i <= hi; i++) {
         middle[i] = middle[i - 1] * up;
-        middle[-i] = middle[1 - i] * down;
+    }
+    for (int i = -1; i >= lo; i--) {
+        middle[i] = middle[i + 1] * down;
     }
 }
 
@@ -128,11 +135,39 @@ static int min_int(int a, int b) {
     return a < b ? a : b;
 }
 
-static void add_scaled(double *restrict row, double scale, const double *restrict columns,
-                       const double *restrict table, int n) {
-#pragma omp simd
+/* row[i] += scale columns[i] table[i]. */
+static void add_product(double *restrict row, double scale, const double *restrict columns,
+                        const double *restrict table, int n) {
     for (int i = 0; i < n; i++) {
         row[i] += scale * (columns[i] * table[i]);
+    }
+}
+
+/* The same for whole blocks: without the odd pixels at a row's end this is twice as fast. */
+static void add_product_blocks(double *restrict row, double scale, const double *restrict columns,
+                               const double *restrict table, int blocks) {
+    for (int b = 0; b < blocks; b++) {
+#pragma omp simd
+        for (int i = 0; i < BLOCK; i++) { /* a constant count: no loop at all */
+            int k = b * BLOCK + i;
+            row[k] += scale * (columns[k] * table[k]);
+        }
+    }
+}
+
+/* One row: n pixels from column `lo` (relative to the point's), the first of which is image column
+ * x. Rounds n up to blocks where the image has room for that: what lies beyond the segment is
+ * fainter, but right. */
+static void add_row(struct painter *p, int j, int lo, int n, int x, double *image_row) {
+    size_t at = (size_t)(j + p->half) * (size_t)p->stride + (size_t)(lo + p->half);
+    const double *table = p->table + at;
+    const double *columns = p->columns + p->half + lo;
+    double scale = p->rows[j + p->half];
+    int blocks = (n + BLOCK - 1) / BLOCK;
+    if (x + blocks * BLOCK <= p->nx) {
+        add_product_blocks(image_row + x, scale, columns, table, blocks);
+    } else {
+        add_product(image_row + x, scale, columns, table, n);
     }
 }
 
@@ -140,17 +175,20 @@ static void add_gaussian(struct painter *p, double amplitude, int px, int py, do
                          double *image) {
     const struct psf *w = &p->psf;
     int h = p->half;
-    int side = side_of(h);
+    int i_first = max_int(-h, -px);
+    int i_last = min_int(h, p->nx - 1 - px);
+    int j_first = max_int(-h, -py);
+    int j_last = min_int(h, p->ny - 1 - py);
     double at_centre = exp(-((w->a * dx + 2.0 * w->b * dy) * dx + w->c * dy * dy));
-    fill_powers(p->columns + h, h, 1.0, 2.0 * (w->a * dx + w->b * dy));
-    fill_powers(p->rows + h, h, amplitude * at_centre, 2.0 * (w->b * dx + w->c * dy));
-    int j_end = min_int(h, p->ny - 1 - py);
-    for (int j = max_int(-h, -py); j <= j_end; j++) {
+    fill_powers(p->columns + h, i_first, i_last, 1.0, 2.0 * (w->a * dx + w->b * dy));
+    fill_powers(p->rows + h, j_first, j_last, amplitude * at_centre, 2.0 * (w->b * dx + w->c * dy));
+    for (int j = j_first; j <= j_last; j++) {
         const struct segment *s = &p->gaussian[j + h];
-        int lo = max_int(s->lo, -px);
-        int n = min_int(s->hi, p->nx - 1 - px) - lo + 1;
-        add_scaled(image + (size_t)(py + j) * (size_t)p->nx + (px + lo), p->rows[j + h],
-                   p->columns + h + lo, p->table + (size_t)(j + h) * (size_t)side + (h + lo), n);
+        int lo = max_int(s->lo, i_first);
+        int n = min_int(s->hi, i_last) - lo + 1;
+        if (n > 0) {
+            add_row(p, j, lo, n, px + lo, image + (size_t)(py + j) * (size_t)p->nx);
+        }
     }
 }
 

@@ -26,9 +26,10 @@ struct painter {
     double r_px, angle_deg;
     int nx, ny;      /* of the images */
     int half;        /* of the Gaussian's table */
+    int stride;      /* of the table: zeros to its right make room for whole blocks */
     int reach;       /* no point farther than this from the image matters, px, whatever the angle */
-    double *table;   /* G: [2 half + 1][2 half + 1], the middle is the point's pixel */
-    double *columns; /* [2 half + 1] X^i */
+    double *table;   /* G: [2 half + 1][stride], the middle is the point's pixel */
+    double *columns; /* [stride] X^i */
     double *rows;    /* [2 half + 1] A W(d) Y^j */
     struct segment *gaussian; /* [2 half + 1], one a row; lo > hi = nothing */
     struct segment *spikes;   /* [n_spikes] */

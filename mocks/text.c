@@ -79,6 +79,9 @@ bool text_size(const char *text, int value[2]) {
         value[1] = value[0];
         return good;
     }
+    if (x - text >= (ptrdiff_t)sizeof first) {
+        return false;
+    }
     snprintf(first, sizeof first, "%.*s", (int)(x - text), text);
     return text_int(first, &value[0]) && text_int(x + 1, &value[1]);
 }

@@ -118,8 +118,24 @@ json_t *json_text_whole(json_t *object, bool failed) {
     return object;
 }
 
+/* json_dumps of jansson 2.14 loses text, without a word, where its buffer cannot grow: so the size
+ * is asked for first, and the buffer is ours. NULL: no memory. */
+static char *dump(const json_t *object) {
+    enum { FLAGS = JSON_COMPACT | JSON_REAL_PRECISION(17) };
+    size_t size = json_dumpb(object, NULL, 0, FLAGS);
+    char *text = size > 0 ? malloc(size + 1) : NULL;
+    if (text && json_dumpb(object, text, size, FLAGS) != size) {
+        free(text);
+        return NULL;
+    }
+    if (text) {
+        text[size] = '\0';
+    }
+    return text;
+}
+
 int json_text_finish(char **text, json_t *object, bool failed, shear_error *err) {
-    *text = failed ? NULL : json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    *text = failed ? NULL : dump(object);
     json_decref(object);
     if (!*text) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while writing JSON");

@@ -14,7 +14,7 @@ static const struct {
     {"psf_unusable", "the stamp's PSF is not finite, has no flux, is too wide for beta, or is missing"},
     {"bad_weight", "CATALOG.WEIGHT is negative or not finite"},
     {"bad_r_gal", "CATALOG.R_GAL is not positive and finite, and the filter needs it"},
-    {"overflow", "the moments are not finite although the pixels are"},
+    {"overflow", "the pixels are finite, but the moments, or the sums made of them, are not"},
 };
 
 const char *shear_flag_name(int bit)

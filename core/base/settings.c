@@ -236,8 +236,46 @@ static bool is_power_of_two(int n)
     return n > 0 && (n & (n - 1)) == 0;
 }
 
+static bool in_range(const shear_settings *s, const shear_setting_def *def)
+{
+    const void *value = const_member(s, def);
+    switch (def->type) {
+    case SHEAR_T_CHOICE: {
+        int n = 0;
+        while (def->choices[n] != NULL) {
+            n++;
+        }
+        return *(const int *)value >= 0 && *(const int *)value < n;
+    }
+    case SHEAR_T_INT: {
+        const int number = *(const int *)value;
+        return (def->has_auto && number == 0) || (number >= def->min && number <= def->max);
+    }
+    case SHEAR_T_DOUBLE: {
+        const double number = *(const double *)value;
+        return (def->has_auto && isnan(number)) || (number >= def->min && number <= def->max);
+    }
+    default:
+        return true;
+    }
+}
+
+/* Values set by hand, not through shear_settings_set. */
+static int check_ranges(const shear_settings *s, shear_error *err)
+{
+    for (size_t i = 0; i < N_SETTINGS; i++) {
+        if (!in_range(s, &table[i])) {
+            return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s' is out of range", table[i].name);
+        }
+    }
+    return SHEAR_OK;
+}
+
 int shear_settings_check(const shear_settings *s, shear_error *err)
 {
+    if (check_ranges(s, err) != SHEAR_OK) {
+        return SHEAR_E_SETTING;
+    }
     const bool core_given = !isnan(s->core_px);
     if (s->oversample != 0 && !is_power_of_two(s->oversample)) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'oversample': %d is not a power of two",

@@ -68,8 +68,8 @@ void sf_header_init(sf_header *h, int number) {
 }
 
 const char *sf_header_label(const sf_header *h, char out[SF_NAME]) {
-    if (h->hdu.name[0] != '\0') {
-        snprintf(out, SF_NAME, "%s", h->hdu.name);
+    if (h->label[0] != '\0') {
+        snprintf(out, SF_NAME, "%s", h->label);
     } else if (h->hdu.number == 1) {
         snprintf(out, SF_NAME, "primary");
     } else {
@@ -100,6 +100,16 @@ static int take_integer(sf_header *h, const char *card, const char *key, int64_t
 static void printable(char *text) {
     for (char *c = text; *c != '\0'; c++) {
         *c = (*c >= ' ' && *c <= '~') ? *c : '?';
+    }
+}
+
+void sf_header_find_label(sf_header *h, const char *block) {
+    for (int i = 0; i < SF_BLOCK_BYTES && h->label[0] == '\0'; i += SF_CARD) {
+        char key[SF_KEY + 1];
+        sf_card_key(block + i, key);
+        if (strcmp(key, "EXTNAME") == 0 && sf_card_string(block + i, h->label, SF_NAME)) {
+            printable(h->label);
+        }
     }
 }
 

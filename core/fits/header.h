@@ -8,6 +8,7 @@
 /* One header while it is being read. */
 typedef struct sf_header {
     sf_hdu hdu;
+    char label[SF_NAME];    /* EXTNAME, known as soon as its block is: for messages */
     char xtension[SF_NAME]; /* "" in the primary header */
     bool groups;
     int64_t axes_seen;    /* NAXISn cards */
@@ -15,6 +16,9 @@ typedef struct sf_header {
 } sf_header;
 
 void sf_header_init(sf_header *h, int number);
+
+/* Look for the name in a block of cards, before they are taken in one by one. */
+void sf_header_find_label(sf_header *h, const char *block);
 
 /* Take in one card. SHEAR_E_FORMAT for a structural keyword that is ill-typed or given twice. */
 int sf_header_card(sf_header *h, const char *card, const char *file, shear_error *err);

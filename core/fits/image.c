@@ -114,11 +114,12 @@ int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t s
         high[k] = (long)(first[k] + size[k]);
     }
     int status = 0;
+    int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it unasked where a pixel is undefined */
     if (contiguous(image, size)) {
-        fits_read_pix(image->fits, TDOUBLE, low, size[0] * size[1] * size[2], &null, out, NULL,
+        fits_read_pix(image->fits, TDOUBLE, low, size[0] * size[1] * size[2], &null, out, &any_null,
                       &status);
     } else {
-        fits_read_subset(image->fits, TDOUBLE, low, high, step, &null, out, NULL, &status);
+        fits_read_subset(image->fits, TDOUBLE, low, high, step, &null, out, &any_null, &status);
     }
     return status == 0 ? SHEAR_OK
                        : sf_fail_status(err, image->at, status, "its pixels cannot be read");

@@ -2,6 +2,7 @@
 #include "fits/keys.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +14,8 @@ int sf_key_double(fitsfile *fits, sf_place at, const char *key, double *value, b
                   shear_error *err) {
     int status = 0;
     double v = NAN;
+    char text[FLEN_VALUE] = "";
+    fits_read_keyword(fits, key, text, NULL, &status);
     fits_read_key(fits, TDOUBLE, key, &v, NULL, &status);
     *found = status == 0;
     if (status != 0) {
@@ -21,7 +24,7 @@ int sf_key_double(fitsfile *fits, sf_place at, const char *key, double *value, b
     if (absent(status)) {
         return SHEAR_OK;
     }
-    if (status != 0 || !isfinite(v)) {
+    if (status != 0 || !isfinite(v) || text[0] == '\'') { /* CFITSIO would take '12 px' for 12 */
         return sf_fail(err, SHEAR_E_FORMAT, at, "correct the keyword, or leave it out",
                        "keyword %s is not a finite number", key);
     }
@@ -68,4 +71,17 @@ int sf_key_string(fitsfile *fits, sf_place at, const char *key, char **text, she
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "keyword %s cannot be read as a string", key);
     }
     return SHEAR_OK;
+}
+
+void sf_write_double(fitsfile *fits, const char *key, double value, const char *comment,
+                     int *status) {
+    if (!isfinite(value)) {
+        return;
+    }
+    char text[40];
+    int digits = 15;
+    do {
+        snprintf(text, sizeof text, "%.*G", digits, value);
+    } while (strtod(text, NULL) != value && ++digits < 17);
+    fits_write_key_dbl(fits, key, value, -digits, comment, status); /* negative: %G */
 }

@@ -18,4 +18,9 @@ int sf_key_int(fitsfile *fits, sf_place at, const char *key, int64_t min, int64_
 /* Strings may continue over several cards; *text is malloc'd, NULL where not found. */
 int sf_key_string(fitsfile *fits, sf_place at, const char *key, char **text, shear_error *err);
 
+/* Write a number with as few digits as give it back to the last bit; nothing where it is not
+ * finite, which FITS cannot say. */
+void sf_write_double(fitsfile *fits, const char *key, double value, const char *comment,
+                     int *status);
+
 #endif

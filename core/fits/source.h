@@ -6,6 +6,7 @@
 #include "fits/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 typedef struct sf_source {

@@ -46,13 +46,21 @@ static int truncated(const reader *r, const sf_header *h, const char *part, int6
     char label[SF_NAME];
     return sf_fail(err, SHEAR_E_FORMAT, (sf_place){r->file, sf_header_label(h, label)},
                    "the file is truncated, or its header is wrong: copy or make it again",
-                   "its %s needs the file to have at least %lld bytes, but it has %lld", part,
+                   "its %s would end at byte %lld, but the file has %lld bytes", part,
                    (long long)needed, (long long)r->size);
+}
+
+static int endless(const reader *r, const sf_header *h, shear_error *err) {
+    char label[SF_NAME];
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){r->file, sf_header_label(h, label)}, NULL,
+                   "its header has more than %d cards without an END",
+                   MAX_HEADER_BLOCKS * (SF_BLOCK_BYTES / SF_CARD));
 }
 
 /* One block's cards; *ended at END. */
 static int take_block(sf_header *h, const char *block, bool *ended, const char *file,
                       shear_error *err) {
+    sf_header_find_label(h, block);
     for (int i = 0; i < SF_BLOCK_BYTES && !*ended; i += SF_CARD) {
         char key[SF_KEY + 1];
         sf_card_key(block + i, key);
@@ -68,17 +76,18 @@ static int take_block(sf_header *h, const char *block, bool *ended, const char *
     return SHEAR_OK;
 }
 
-/* The header at `offset`; *next becomes the offset behind the HDU's data. */
-static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
+/* The cards of the header at `offset`, up to END; *end becomes the offset behind its blocks. */
+static int read_cards(reader *r, sf_header *h, int64_t offset, int64_t *end, shear_error *err) {
     bool ended = false;
-    int blocks = 0;
-    for (; !ended; blocks++) {
+    *end = offset;
+    for (int blocks = 0; !ended; blocks++) {
         const char *block = NULL;
-        int rc = read_block(r, offset + (int64_t)blocks * SF_BLOCK_BYTES, &block, err);
-        if (rc == SHEAR_OK && (block == NULL || blocks == MAX_HEADER_BLOCKS)) {
-            rc = truncated(
-                r, h, block == NULL ? "header (no END card so far)" : "header (over 140,000 cards)",
-                offset + (int64_t)(blocks + 1) * SF_BLOCK_BYTES, err);
+        int rc = read_block(r, *end, &block, err);
+        *end += SF_BLOCK_BYTES;
+        if (rc == SHEAR_OK && block == NULL) {
+            rc = truncated(r, h, "header (no END card so far)", *end, err);
+        } else if (rc == SHEAR_OK && blocks == MAX_HEADER_BLOCKS) {
+            rc = endless(r, h, err);
         }
         if (rc == SHEAR_OK) {
             rc = take_block(h, block, &ended, r->file, err);
@@ -87,19 +96,24 @@ static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shea
             return rc;
         }
     }
-    const int rc = sf_header_end(h, r->file, err);
+    return SHEAR_OK;
+}
+
+/* The HDU at `offset`; *next becomes the offset behind its data. */
+static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
+    sf_hdu *hdu = &h->hdu;
+    int rc = read_cards(r, h, offset, &hdu->data_offset, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_header_end(h, r->file, err);
+    }
     if (rc != SHEAR_OK) {
         return rc;
     }
-    sf_hdu *hdu = &h->hdu;
-    hdu->data_offset = offset + (int64_t)blocks * SF_BLOCK_BYTES;
     const int64_t padded = (hdu->data_bytes + SF_BLOCK_BYTES - 1) / SF_BLOCK_BYTES * SF_BLOCK_BYTES;
-    if (__builtin_add_overflow(hdu->data_offset, padded, next) || *next > r->size) {
-        const int64_t end =
-            padded > INT64_MAX - hdu->data_offset ? INT64_MAX : hdu->data_offset + padded;
-        return truncated(r, h, "data", end, err);
+    if (__builtin_add_overflow(hdu->data_offset, padded, next)) {
+        *next = INT64_MAX;
     }
-    return SHEAR_OK;
+    return *next <= r->size ? SHEAR_OK : truncated(r, h, "data", *next, err);
 }
 
 static int append(sf_survey *s, const sf_hdu *hdu, shear_error *err) {

@@ -12,5 +12,6 @@
 #include "shear/stamp.h"
 #include "shear/sums.h"
 #include "shear/version.h"
+#include "shear/work.h"
 
 #endif

@@ -139,17 +139,17 @@ static bool is_mark(double f)
     return f == -INFINITY;
 }
 
-void axis_slopes_marked(const axis *ax, const double *f, double *e, size_t stride)
+void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e, size_t stride)
 {
     int i = 0;
     while (i < ax->n) {
         e[(size_t)i * stride] = 0.0;
-        if (is_mark(f[(size_t)i * stride])) {
+        if (is_mark(marks[(size_t)i * stride])) {
             i++;
             continue;
         }
         int end = i + 1;
-        while (end < ax->n && !is_mark(f[(size_t)end * stride])) {
+        while (end < ax->n && !is_mark(marks[(size_t)end * stride])) {
             end++;
         }
         const double *run_f = f + (size_t)i * stride;

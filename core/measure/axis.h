@@ -39,9 +39,10 @@ axis_weights axis_at(const axis *ax, int fine, int *left, int *right);
 /* e of `lanes` lines at once: point i of lane l is f[i * stride + l]. No point may be -INFINITY. */
 void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes);
 
-/* The same for one line in which -INFINITY marks a zero pixel under a log method with zeros=skip: differences are
- * one-sided beside a mark, and splines run over the unbroken stretches. e is 0 at marks. */
-void axis_slopes_marked(const axis *ax, const double *f, double *e, size_t stride);
+/* The same for one line in which -INFINITY in `marks` (f itself, or the values that f was made of) marks a zero pixel under a log
+ * method with zeros=skip: differences are one-sided beside a mark, and splines run over the unbroken stretches. e is 0 at
+ * marks. */
+void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e, size_t stride);
 
 /* The fine line [n s] of one line (stride 1) with its slopes. marked: cells that touch a mark become marks. */
 void axis_expand(const axis *ax, const double *f, const double *e, bool marked, double *fine);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "shear/sums.h"
+#include "measure/block_sums.h"
 
 #include <math.h>
 
@@ -16,20 +16,15 @@ static void add_term(shear_block_sums *b, int term, double x)
     b->hi[term] = sum;
 }
 
-void shear_block_sums_add(shear_block_sums *b, const shear_row *row)
+/* N and D up to its root, summed over 1e10 stamps and multiplied with each other, stay finite. */
+static const double largest_term = 1e280;
+
+bool block_terms(const shear_row *row, double *terms)
 {
-    b->n_stamps++;
-    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
-        b->flagged[bit] += (row->flags >> bit) & 1u;
-    }
-    if (row->flags != 0) {
-        return;
-    }
-    b->n_used++;
     const double n1 = row->weight * row->n1;
     const double n2 = row->weight * row->n2;
     const double d = row->weight * row->d;
-    const double terms[SHEAR_N_TERMS] = {
+    const double values[SHEAR_N_TERMS] = {
         [SHEAR_S_W] = row->weight,
         [SHEAR_S_N1] = n1,
         [SHEAR_S_N2] = n2,
@@ -49,6 +44,27 @@ void shear_block_sums_add(shear_block_sums *b, const shear_row *row)
         [SHEAR_S_BORDER_VAR2] = row->border_var * row->border_var,
         [SHEAR_S_BORDER_NOISE] = row->border_var_noise,
     };
+    bool good = true;
+    for (int term = 0; term < SHEAR_N_TERMS; term++) {
+        terms[term] = values[term];
+        good = good && fabs(values[term]) < largest_term;
+    }
+    return good;
+}
+
+void shear_block_sums_add(shear_block_sums *b, const shear_row *row)
+{
+    double terms[SHEAR_N_TERMS];
+    const bool summable = block_terms(row, terms);
+    const uint32_t flags = row->flags == 0 && !summable ? (uint32_t)SHEAR_FLAG_OVERFLOW : row->flags;
+    b->n_stamps++;
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+        b->flagged[bit] += (flags >> bit) & 1u;
+    }
+    if (flags != 0) {
+        return;
+    }
+    b->n_used++;
     for (int term = 0; term < SHEAR_N_TERMS; term++) {
         add_term(b, term, terms[term]);
     }

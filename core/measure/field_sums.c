@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/field_sums.h"
 
+#include <ctype.h>
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -100,18 +102,19 @@ static bool read_count(char **rest, int64_t *count)
 {
     const char *word = next_word(rest);
     char *end = NULL;
-    if (word == NULL || *word == '\0') {
+    if (word == NULL || !isdigit((unsigned char)*word)) {
         return false;
     }
+    errno = 0;
     *count = strtoll(word, &end, 10);
-    return *end == '\0' && *count >= 0;
+    return *end == '\0' && errno == 0;
 }
 
 static bool read_text(shear_field_sums *f, char *rest)
 {
-    bool good = read_count(&rest, &f->n_stamps) && read_count(&rest, &f->n_used);
+    bool good = read_count(&rest, &f->n_stamps) && read_count(&rest, &f->n_used) && f->n_used <= f->n_stamps;
     for (int i = 0; good && i < SHEAR_N_FLAGS; i++) {
-        good = read_count(&rest, &f->flagged[i]);
+        good = read_count(&rest, &f->flagged[i]) && f->flagged[i] <= f->n_stamps - f->n_used;
     }
     for (int i = 0; good && i < SHEAR_N_TERMS; i++) {
         const char *word = next_word(&rest);
@@ -129,8 +132,14 @@ int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error
     const size_t head = sizeof magic - 1;
     bool good = strncmp(text, magic, head) == 0 && text[head] == ' ';
     char *copy = good ? strdup(text + head + 1) : NULL;
-    good = good && copy != NULL && read_text(*out, copy);
+    const bool no_memory = good && copy == NULL;
+    good = copy != NULL && read_text(*out, copy);
     free(copy);
+    if (no_memory) {
+        shear_field_sums_free(*out);
+        *out = NULL;
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
+    }
     if (!good) {
         shear_field_sums_free(*out);
         *out = NULL;

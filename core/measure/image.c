@@ -27,6 +27,9 @@ static int axis_kind_of(int interpolation)
     }
 }
 
+/* What a marked image needs at each pixel: the value, the slopes along x and y, the mixed one, and room for its second half. */
+enum { SURFACE_PARTS = 5 };
+
 bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros, double pedestal)
 {
     const int kind = axis_kind_of(interpolation);
@@ -57,7 +60,10 @@ bool image_init(image *im, const image_grid *g)
     im->f = fft_alloc(numbers * sizeof *im->f);
     im->e = fft_alloc(numbers * sizeof *im->e);
     im->line = fft_alloc(2 * (size_t)g->x.n * sizeof *im->line);
-    return im->f != NULL && im->e != NULL && im->line != NULL;
+    if (g->log) {
+        im->surface = fft_alloc(SURFACE_PARTS * (size_t)g->x.n * (size_t)g->y.n * sizeof *im->surface);
+    }
+    return im->f != NULL && im->e != NULL && im->line != NULL && (im->surface != NULL || !g->log);
 }
 
 void image_deinit(image *im)
@@ -65,6 +71,7 @@ void image_deinit(image *im)
     fft_free(im->f);
     fft_free(im->e);
     fft_free(im->line);
+    fft_free(im->surface);
     *im = (image){0};
 }
 
@@ -82,10 +89,10 @@ static void extremes(const double *pixels, size_t n, double *low, double *high)
 }
 
 /* ln of a row of pixels. Zeros become marks (ln 0) or, under zeros=floor, the logarithm of `tiny`. */
-static void take_log(const double *pixels, int n, double pedestal, double tiny, double *out)
+static void take_log(const double *pixels, size_t n, double pedestal, double tiny, double *out)
 {
 #pragma omp simd
-    for (int i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         const double value = pixels[i] + pedestal;
         out[i] = log(value > tiny ? value : tiny);
     }
@@ -107,16 +114,48 @@ static void expand_row(image *im, const image_grid *g, const double *pixels, dou
     double *values = im->line;
     double *slopes = im->line + g->x.n;
     if (g->log) {
-        take_log(pixels, g->x.n, g->pedestal, tiny, values);
+        take_log(pixels, (size_t)g->x.n, g->pedestal, tiny, values);
     } else {
         memcpy(values, pixels, (size_t)g->x.n * sizeof *values);
     }
-    if (im->marked) {
-        axis_slopes_marked(&g->x, values, slopes, 1);
-    } else {
-        axis_slopes(&g->x, values, slopes, 1, 1);
+    axis_slopes(&g->x, values, slopes, 1, 1);
+    axis_expand(&g->x, values, slopes, false, out);
+}
+
+/* All lines of one direction: along x for step 1, along y for step nx. */
+static void mark_slopes(const image_grid *g, const double *marks, const double *f, double *e, bool along_x)
+{
+    const size_t nx = (size_t)g->x.n;
+    const int lines = along_x ? g->y.n : g->x.n;
+    for (int i = 0; i < lines; i++) {
+        const size_t at = (size_t)i * (along_x ? nx : 1u);
+        axis_slopes_marked(along_x ? &g->x : &g->y, marks + at, f + at, e + at, along_x ? 1u : nx);
     }
-    axis_expand(&g->x, values, slopes, im->marked, out);
+}
+
+/* Beside marks the two directions do not commute: fine rows first, then columns, would be another surface than columns first,
+ * and imprint a shape. So all slopes are fixed at the pixels, and the mixed one is the mean of both orders. */
+static void load_marked(image *im, const image_grid *g, const double *pixels)
+{
+    const size_t n = (size_t)g->x.n * (size_t)g->y.n;
+    double *f = im->surface;
+    double *fx = f + n;
+    double *fy = fx + n;
+    double *mixed = fy + n;
+    double *other = mixed + n;
+    take_log(pixels, n, g->pedestal, 0.0, f);
+    mark_slopes(g, f, f, fx, true);
+    mark_slopes(g, f, f, fy, false);
+    mark_slopes(g, f, fx, mixed, false);
+    mark_slopes(g, f, fy, other, true);
+    for (size_t i = 0; i < n; i++) {
+        mixed[i] = 0.5 * (mixed[i] + other[i]);
+    }
+    for (int j = 0; j < g->y.n; j++) {
+        const size_t row = (size_t)j * (size_t)g->x.n;
+        axis_expand(&g->x, f + row, fx + row, true, im->f + (size_t)j * g->stride);
+        axis_expand(&g->x, fy + row, mixed + row, false, im->e + (size_t)j * g->stride);
+    }
 }
 
 bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x, int *bad_y)
@@ -137,18 +176,16 @@ bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x
         }
         const bool has_zeros = low + g->pedestal == 0.0;
         im->marked = has_zeros && (g->zeros == SHEAR_ZEROS_SKIP || high + g->pedestal == 0.0);
-        tiny = has_zeros && !im->marked ? floor_of_peak * (high + g->pedestal) : 0.0;
+        tiny = has_zeros ? floor_of_peak * (high + g->pedestal) : 0.0;
+    }
+    if (im->marked) {
+        load_marked(im, g, pixels);
+        return true;
     }
     for (int j = 0; j < g->y.n; j++) {
         expand_row(im, g, pixels + (size_t)j * (size_t)g->x.n, tiny, im->f + (size_t)j * g->stride);
     }
-    if (!im->marked) {
-        axis_slopes(&g->y, im->f, im->e, g->stride, g->fine_nx);
-    } else {
-        for (int i = 0; i < g->fine_nx; i++) {
-            axis_slopes_marked(&g->y, im->f + i, im->e + i, g->stride);
-        }
-    }
+    axis_slopes(&g->y, im->f, im->e, g->stride, g->fine_nx);
     return true;
 }
 

@@ -26,6 +26,7 @@ typedef struct image {
     double *f;            /* [ny][stride] values, or logarithms */
     double *e;            /* [ny][stride] slopes along y */
     double *line;         /* [2][nx] */
+    double *surface;      /* [5][ny][nx] where marked: value, slopes and mixed slopes at the pixels */
     bool marked;          /* f holds marks: zeros under zeros=skip */
 } image;
 bool image_init(image *im, const image_grid *g);

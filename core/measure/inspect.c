@@ -2,6 +2,7 @@
 #include "measure/moments.h"
 #include "measure/plan_impl.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static bool allocate(shear_inspection *out)
@@ -31,13 +32,17 @@ void shear_inspection_free(shear_inspection *out)
     }
 }
 
-static void copy_images(const shear_plan *plan, const shear_workspace *ws, shear_inspection *out)
+/* A noise stamp that is not corrected for may be negative under a log method: then there is no picture of it. */
+static void copy_images(const shear_plan *plan, const shear_workspace *ws, bool has_noise, shear_inspection *out)
 {
     for (int y = 0; y < out->fine_ny; y++) {
         const size_t at = (size_t)y * (size_t)out->fine_nx;
         image_row(&ws->galaxy, &plan->grid, y, 0, out->fine_nx, out->galaxy_fine + at);
-        image_row(&ws->noise, &plan->grid, y, 0, out->fine_nx, out->noise_fine + at);
+        if (has_noise) {
+            image_row(&ws->noise, &plan->grid, y, 0, out->fine_nx, out->noise_fine + at);
+        }
         for (int x = 0; x < out->fine_nx; x++) {
+            out->noise_fine[at + (size_t)x] = has_noise ? out->noise_fine[at + (size_t)x] : NAN;
             out->galaxy_filtered[at + (size_t)x] = creal(ws->pair[(size_t)y * plan->stride + (size_t)x]);
         }
     }
@@ -93,10 +98,10 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
     const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
     int bad;
-    image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
+    const bool has_noise = image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
     pack_pair(plan, ws, fine, stamps->galaxy + (size_t)i * pixels, stamps->noise + (size_t)i * pixels,
               &failure);
-    copy_images(plan, ws, out);
+    copy_images(plan, ws, has_noise, out);
     transform_pair(plan, ws, fine, t);
     copy_spectra(plan, ws, t, out);
     return SHEAR_OK;

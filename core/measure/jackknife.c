@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The three sums that a shear is made of. */
 typedef struct ratio_sums {
@@ -37,21 +38,40 @@ void shear_jackknife_free(shear_jackknife *j)
     }
 }
 
+static int make_room(shear_jackknife *j, size_t n, shear_error *err)
+{
+    size_t room = j->room > 0 ? j->room : 256;
+    while (room < n) {
+        room *= 2;
+    }
+    ratio_sums *blocks = room > j->room ? realloc(j->blocks, room * sizeof *blocks) : j->blocks;
+    if (blocks == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks", n);
+    }
+    j->blocks = blocks;
+    j->room = room;
+    return SHEAR_OK;
+}
+
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err)
 {
-    if (j->n == j->room) {
-        const size_t room = j->room > 0 ? 2 * j->room : 256;
-        ratio_sums *blocks = realloc(j->blocks, room * sizeof *blocks);
-        if (blocks == NULL) {
-            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks", room);
-        }
-        j->blocks = blocks;
-        j->room = room;
+    const int code = make_room(j, j->n + 1, err);
+    if (code == SHEAR_OK) {
+        j->blocks[j->n++] = (ratio_sums){.n1 = b->hi[SHEAR_S_N1] + b->lo[SHEAR_S_N1],
+                                         .n2 = b->hi[SHEAR_S_N2] + b->lo[SHEAR_S_N2],
+                                         .d = b->hi[SHEAR_S_D] + b->lo[SHEAR_S_D]};
     }
-    j->blocks[j->n++] = (ratio_sums){.n1 = b->hi[SHEAR_S_N1] + b->lo[SHEAR_S_N1],
-                                     .n2 = b->hi[SHEAR_S_N2] + b->lo[SHEAR_S_N2],
-                                     .d = b->hi[SHEAR_S_D] + b->lo[SHEAR_S_D]};
-    return SHEAR_OK;
+    return code;
+}
+
+int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err)
+{
+    const int code = make_room(j, j->n + other->n, err);
+    if (code == SHEAR_OK && other->n > 0) {
+        memcpy(j->blocks + j->n, other->blocks, other->n * sizeof *other->blocks);
+        j->n += other->n;
+    }
+    return code;
 }
 
 static ratio_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to)
@@ -96,9 +116,11 @@ int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_er
         }
     }
     const double factor = (double)(groups - 1) / (double)groups;
-    out->g1_err = sqrt(factor * s11);
-    out->g2_err = sqrt(factor * s22);
-    out->cov12 = factor * s12;
     out->jackknife = j->groups;
+    /* No shear, no error; nor where leaving out a group leaves nothing to divide by. */
+    const bool known = out->valid && isfinite(s11) && isfinite(s22);
+    out->g1_err = known ? sqrt(factor * s11) : NAN;
+    out->g2_err = known ? sqrt(factor * s22) : NAN;
+    out->cov12 = known ? factor * s12 : NAN;
     return SHEAR_OK;
 }

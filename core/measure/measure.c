@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/block_sums.h"
 #include "measure/moments.h"
 #include "measure/plan_impl.h"
 
@@ -6,27 +7,34 @@
 
 /* What one pass over a stamp's pixels tells. */
 typedef struct pixel_scan {
-    double sum, sum2, low, high;
+    double sum, low, high;
+    double var; /* about the mean */
     bool finite;
 } pixel_scan;
 
 static pixel_scan scan_pixels(const double *pixels, size_t n)
 {
+    /* Squares are taken about one of the pixels: about zero, a bright sky would swallow its own noise. */
+    const double origin = pixels[0];
     double sum = 0.0;
+    double sum1 = 0.0;
     double sum2 = 0.0;
     double low = INFINITY;
     double high = -INFINITY;
     double not_finite = 0.0; /* becomes NaN with the first NaN or infinity */
-#pragma omp simd reduction(+ : sum, sum2, not_finite) reduction(min : low) reduction(max : high)
+#pragma omp simd reduction(+ : sum, sum1, sum2, not_finite) reduction(min : low) reduction(max : high)
     for (size_t i = 0; i < n; i++) {
         const double p = pixels[i];
         sum += p;
-        sum2 += p * p;
+        sum1 += p - origin;
+        sum2 += (p - origin) * (p - origin);
         not_finite += p * 0.0;
         low = p < low ? p : low;
         high = p > high ? p : high;
     }
-    return (pixel_scan){.sum = sum, .sum2 = sum2, .low = low, .high = high, .finite = not_finite == 0.0};
+    const double mean = sum1 / (double)n;
+    const double var = fmax(0.0, sum2 / (double)n - mean * mean);
+    return (pixel_scan){.sum = sum, .low = low, .high = high, .var = var, .finite = not_finite == 0.0};
 }
 
 /* Mean and variance of the one-pixel border. */
@@ -80,12 +88,10 @@ static void fill_photometry(shear_row *row, const shear_stamps *st, const double
                             const double *noise, const pixel_scan *g, const pixel_scan *n)
 {
     const double pixels = (double)st->nx * st->ny;
-    const double noise_mean = n->sum / pixels;
-    const double noise_var = fmax(0.0, n->sum2 / pixels - noise_mean * noise_mean);
     /* A constant noise stamp (all zero, say) has no variance but that of rounding. */
     const bool noisy = n->high > n->low;
     row->flux = g->sum - n->sum;
-    row->snr = noisy ? row->flux / sqrt(2.0 * pixels * noise_var) : NAN;
+    row->snr = noisy ? row->flux / sqrt(2.0 * pixels * n->var) : NAN;
     const border of_galaxy = scan_border(galaxy, st->nx, st->ny);
     const border of_noise = scan_border(noise, st->nx, st->ny);
     row->border_mean = of_galaxy.mean - of_noise.mean;
@@ -172,9 +178,9 @@ static void fill_moments(shear_row *row, const moments *m, double beta)
     row->n1 = -0.5 * (m->m20 - m->m02);
     row->n2 = -m->m11;
     row->d = m->m20 + m->m02 - 0.5 * beta * beta * m->m4;
-    /* The cross terms have no partner among the others that would overflow with them. */
-    if (!isfinite(row->n1) || !isfinite(row->n2) || !isfinite(row->d) || !isfinite(m->u + m->v)) {
-        row->flags |= SHEAR_FLAG_OVERFLOW;
+    double terms[SHEAR_N_TERMS];
+    if (!block_terms(row, terms) || !isfinite(m->m4) || !isfinite(m->u + m->v)) {
+        row_init(row, row->weight, SHEAR_FLAG_OVERFLOW);
     }
 }
 

@@ -25,6 +25,21 @@ static int check_geometry(const shear_geometry *g, shear_error *err)
     return SHEAR_OK;
 }
 
+/* The PSF's fine image and its transform must fit too; this also keeps nx q far from overflow. */
+static int check_psf_size(const shear_plan_info *info, int factor, shear_error *err)
+{
+    const shear_geometry *g = &info->geometry;
+    const double q = info->psf_oversample;
+    const double samples = (double)g->psf_nx * factor * g->psf_ny * factor;
+    const double modes = 0.5 * g->nx * fmin(q, info->oversample) * g->ny * q;
+    if (modes > max_fine_points || (factor > 1 && samples > max_fine_points)) {
+        return shear_fail(err, SHEAR_E_PSF, "give a PSF of fewer samples, or of fewer a pixel (OVERSAMP)",
+                          "a PSF of %d x %d samples, %d a pixel, is too large for stamps of %d x %d px", g->psf_nx,
+                          g->psf_ny, g->psf_oversample, g->nx, g->ny);
+    }
+    return SHEAR_OK;
+}
+
 /* The smallest power of two with 1/s < r/4. */
 static int finest_needed(double r_psf_px)
 {
@@ -62,7 +77,7 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
                           "a fine grid of %d x %d points (oversample %d) is too large", info->fine_nx,
                           info->fine_ny, info->oversample);
     }
-    return SHEAR_OK;
+    return check_psf_size(info, *psf_factor, err);
 }
 
 static int resolve_filter(const shear_settings *set, shear_plan_info *info, bool has_r_gal,
@@ -193,7 +208,7 @@ static int check_limit(shear_plan *plan, shear_error *err)
     plan->info.k_cut = p->k_limit;
     if (transfer_power_beyond(p->beta_px, p->k_limit) > p->power_tolerance) {
         return shear_fail(err, SHEAR_E_BETA, "use a larger beta, or interpolate",
-                          "beta = %.4g px is too small for this sampling; the smallest that works is %.4g px",
+                          "beta = %.4g px is too small for this sampling; the smallest that works is %.4f px",
                           p->beta_px, transfer_smallest_beta(p->k_limit, p->power_tolerance));
     }
     return SHEAR_OK;

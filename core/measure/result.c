@@ -10,6 +10,9 @@ static double covariance(double na_nb, double na_d, double nb_d, double dd, doub
     return (na_nb - ga * nb_d - gb * na_d + ga * gb * dd) / (d * d);
 }
 
+/* Squares of very faint units (pixels of 1e-75) lose their digits below this: then the errors are not known. */
+static const double smallest_square = 1e-290;
+
 /* Mean of a term over the used stamps, and the error of that mean. */
 static void mean_of(const double *t, int sum, int squares, double n, double *mean, double *mean_err)
 {
@@ -30,6 +33,9 @@ static void fill_shear(shear_result *r, const double *t)
     r->cov12 = covariance(t[SHEAR_S_N1N2], t[SHEAR_S_N1D], t[SHEAR_S_N2D], t[SHEAR_S_DD], r->g1, r->g2, d);
     r->g1_err = sqrt(fmax(0.0, v1));
     r->g2_err = sqrt(fmax(0.0, v2));
+    if (!(t[SHEAR_S_DD] > smallest_square)) {
+        r->g1_err = r->g2_err = r->cov12 = NAN;
+    }
 }
 
 static void fill_diagnostics(shear_result *r, const double *t)

@@ -70,16 +70,19 @@ void transfer_deinit(transfer *t)
 }
 
 /* The PSF's rows, folded onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that period), are transformed
- * one by one and gathered by column. */
+ * one by one and gathered by column. The closing cells of the PSF's interpolation are left out: its image is no period, and
+ * what lies beyond its last sample on one side only would shift and shear it. */
 static void transform_rows(const transfer_plan *p, transfer_scratch *t)
 {
     const int width = p->nx * p->q;
     const int height = p->ny * p->q;
+    const int fine_nx = p->grid.fine_nx - (p->grid.x.s - 1);
+    const int fine_ny = p->grid.fine_ny - (p->grid.y.s - 1);
     memset(t->columns, 0, ((size_t)p->max_jx + 1) * t->column_stride * sizeof *t->columns);
-    for (int y = 0; y < p->grid.fine_ny; y++) {
-        image_row(&t->image, &p->grid, y, 0, p->grid.fine_nx, t->fine_row);
+    for (int y = 0; y < fine_ny; y++) {
+        image_row(&t->image, &p->grid, y, 0, fine_nx, t->fine_row);
         memset(t->line, 0, (size_t)width * sizeof *t->line);
-        for (int x = 0; x < p->grid.fine_nx; x++) {
+        for (int x = 0; x < fine_nx; x++) {
             t->line[x % width] += t->fine_row[x];
         }
         fft_line_real(p->row, t->line, t->modes);
@@ -102,17 +105,19 @@ static void power_of_psf(const transfer_plan *p, transfer_scratch *t)
     for (int jx = 0; jx <= p->max_jx; jx++) {
         fft_line_complex(p->column, t->columns + (size_t)jx * t->column_stride);
     }
-    const double scale = 1.0 / squared_modulus(t->columns[0]);
+    /* The amplitude first, squared after: a PSF's flux is in any unit, and its square may leave the range of double. */
+    const double scale = 1.0 / cabs(t->columns[0]);
     for (int jy = -p->max_jy; jy <= p->max_jy; jy++) {
         double *row = t->power + (size_t)(jy + p->max_jy) * p->stride;
         const double complex *column = t->columns + (jy < 0 ? jy + height : jy);
         for (int jx = 0; jx <= p->max_jx; jx++) {
-            row[jx] = scale * squared_modulus(column[(size_t)jx * t->column_stride]);
+            row[jx] = squared_modulus(scale * column[(size_t)jx * t->column_stride]);
         }
     }
 }
 
-/* The isotropic cut: the smallest |k| at which |W|^2 is below the threshold, at most the Nyquist circle. */
+/* The isotropic cut: the smallest |k| at which |W|^2 is below the threshold, at most the Nyquist circle. Its square is not above
+ * that mode's |k|^2, although the root rounds: else the mode itself, which may hold nothing, would be divided by. */
 static double find_cut(const transfer_plan *p, const transfer_scratch *t)
 {
     const double ux = 2.0 * M_PI / p->nx;
@@ -127,7 +132,11 @@ static double find_cut(const transfer_plan *p, const transfer_scratch *t)
             }
         }
     }
-    return sqrt(cut2);
+    double cut = sqrt(cut2);
+    while (cut * cut > cut2) {
+        cut = nextafter(cut, 0.0);
+    }
+    return cut;
 }
 
 double transfer_power_beyond(double beta_px, double k_cut)
@@ -136,6 +145,7 @@ double transfer_power_beyond(double beta_px, double k_cut)
     return (1.0 + x + 0.5 * x * x) * exp(-x);
 }
 
+/* Rounded up to what a message prints, so that the printed number works. */
 double transfer_smallest_beta(double k_cut, double tolerance)
 {
     double low = 0.0;
@@ -150,7 +160,7 @@ double transfer_smallest_beta(double k_cut, double tolerance)
         const double middle = 0.5 * (low + high);
         *(transfer_power_beyond(middle, k_cut) > tolerance ? &low : &high) = middle;
     }
-    return high;
+    return ceil(1e4 * high) / 1e4;
 }
 
 /* T from |W|^2: rows [-jy, jy], columns [0, jx] of modes inside the cut. */
@@ -199,7 +209,7 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
     power_of_psf(p, scratch);
     t->k_cut = find_cut(p, scratch);
     if (transfer_power_beyond(p->beta_px, t->k_cut) > p->power_tolerance) {
-        const double smallest = ceil(1e4 * transfer_smallest_beta(t->k_cut, p->power_tolerance)) / 1e4;
+        const double smallest = transfer_smallest_beta(t->k_cut, p->power_tolerance);
         return shear_fail(err, SHEAR_E_BETA, "use a larger beta (or beta-ratio)",
                           "beta = %.4g px is too small: the PSF holds information only up to k = %.4g "
                           "rad/px; the smallest beta that works is %.4f px",

@@ -59,7 +59,7 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
 /* The part of the target's power, weighted with k^4 as in M4, that lies beyond k_cut: (1 + x + x^2/2) exp(-x) with
  * x = (beta k_cut)^2. */
 double transfer_power_beyond(double beta_px, double k_cut);
-/* The smallest beta for which that is at most `tolerance`. */
+/* The smallest beta, in steps of 1e-4 px, for which that is at most `tolerance`; INFINITY where none is. */
 double transfer_smallest_beta(double k_cut, double tolerance);
 
 #endif

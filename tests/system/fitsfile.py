@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""FITS files made by hand, byte by byte: field files of Gaussians, whose shear is known in closed form, and
-whatever a bad file needs. Independent of the library's own writer and of any FITS package."""
+"""FITS files made by hand, byte by byte: field files of Gaussians, whose shear is known in closed
+form, and whatever a bad file needs. Independent of the library's writer and of any FITS package."""
 import array
 import math
 import random
@@ -8,7 +8,7 @@ import struct
 import sys
 
 BLOCK = 2880
-TYPECODES = {-64: "d", -32: "f", 16: "h", 32: "i"}
+TYPECODES = {-64: "d", -32: "f", 8: "B", 16: "h", 32: "i"}
 
 
 def card(key, value=None):
@@ -62,7 +62,8 @@ def table(name, columns):
     codes = {"D": ("d", 8), "K": ("q", 8), "J": ("i", 4)}
     width = sum(codes[kind][1] for _, kind, _ in columns)
     rows = len(columns[0][2])
-    cards = [("XTENSION", "BINTABLE"), ("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", width), ("NAXIS2", rows),
+    cards = [("XTENSION", "BINTABLE"), ("BITPIX", 8), ("NAXIS", 2), ("NAXIS1", width),
+             ("NAXIS2", rows),
              ("PCOUNT", 0), ("GCOUNT", 1), ("TFIELDS", len(columns)), ("EXTNAME", name)]
     for i, (key, kind, _) in enumerate(columns):
         cards += [(f"TTYPE{i + 1}", key), (f"TFORM{i + 1}", kind)]
@@ -72,7 +73,7 @@ def table(name, columns):
 
 
 def gaussian(nx, ny, flux, cov, dx=0.0, dy=0.0):
-    """A Gaussian of covariance (xx, yy, xy), sampled at the pixels' centres: a list of ny*nx values."""
+    """A Gaussian of covariance (xx, yy, xy), sampled at the pixels' centres: ny*nx values."""
     xx, yy, xy = cov
     det = xx * yy - xy * xy
     peak = flux / (2 * math.pi * math.sqrt(det))
@@ -93,9 +94,10 @@ def galaxy_covariance(size, g1, g2):
 
 
 def expected_shear(galaxy_cov, beta):
-    """What the estimator (METHOD section 1, step 6) returns for Gaussians, in closed form. After the transform to the target PSF the
-    image has covariance C = galaxy_cov + beta^2; its power exp(-k C k) is a Gaussian with S = C^-1 / 2, so that
-    M20 = Sxx, M02 = Syy, M11 = Sxy and M4 = 3 Sxx^2 + 3 Syy^2 + 2 Sxx Syy + 4 Sxy^2."""
+    """What the estimator (docs/method.md, step 6) returns for Gaussians, in closed form. After the
+    transform to the target PSF the image has covariance C = galaxy_cov + beta^2; its power,
+    exp(-k C k), is a Gaussian with S = C^-1 / 2, so that M20 = Sxx, M02 = Syy, M11 = Sxy and
+    M4 = 3 Sxx^2 + 3 Syy^2 + 2 Sxx Syy + 4 Sxy^2."""
     xx, yy, xy = galaxy_cov[0] + beta ** 2, galaxy_cov[1] + beta ** 2, galaxy_cov[2]
     det = 2 * (xx * yy - xy * xy)
     sxx, syy, sxy = yy / det, xx / det, -xy / det
@@ -105,18 +107,19 @@ def expected_shear(galaxy_cov, beta):
 
 
 class Field:
-    """A field of Gaussian galaxies that differ in flux and position, but not in shape: with a Gaussian PSF each stamp
-    alone has the closed-form shear. Change the attributes, then write()."""
+    """A field of Gaussian galaxies that differ in flux and position, but not in shape: with a
+    Gaussian PSF each stamp alone has the closed-form shear. Change the attributes, then write()."""
 
-    def __init__(self, n=20, nx=48, ny=48, g1=0.03, g2=-0.02, size=3.0, r_psf=1.5, sigma=0.0, seed=1,
-                 name="gauss", truth=True, psf_oversample=1):
+    def __init__(self, n=20, nx=48, ny=48, g1=0.03, g2=-0.02, size=3.0, r_psf=1.5, sigma=0.0,
+                 seed=1, name="gauss", truth=True, psf_oversample=1):
         rng = random.Random(seed)
         self.n, self.nx, self.ny, self.name = n, nx, ny, name
         self.r_psf, self.oversample = r_psf, psf_oversample
         self.keys = {"SIM_G1": float(g1), "SIM_G2": float(g2)} if truth else {}
         self.cov = galaxy_covariance(size, g1, g2)
         observed = (self.cov[0] + r_psf ** 2, self.cov[1] + r_psf ** 2, self.cov[2])
-        self.galaxy = [gaussian(nx, ny, 500 + 500 * rng.random(), observed, rng.random() - 0.5, rng.random() - 0.5)
+        self.galaxy = [gaussian(nx, ny, 500 + 500 * rng.random(), observed, rng.random() - 0.5,
+                                rng.random() - 0.5)
                        for _ in range(n)]
         self.noise = [[0.0] * (nx * ny) for _ in range(n)]
         if sigma > 0:
@@ -126,24 +129,36 @@ class Field:
         self.psf_nx = self.psf_ny = nx if psf_oversample == 1 else 32 * psf_oversample // 2 * 2 + 1
         scale = r_psf * psf_oversample
         self.psf = gaussian(self.psf_nx, self.psf_ny, 1.0, (scale ** 2, scale ** 2, 0.0))
+        self.psf_cube = None    # several PSFs instead of the one
         self.columns = []
         self.bitpix = -32
+        self.blank = None       # with an integer bitpix: BLANK; pixels are stored in units of 1/100
         self.skip = ()          # EXTNAMEs to leave out
         self.noise_axes = None  # another shape than the galaxies'
 
     def expected(self, beta_ratio=1.5):
         return expected_shear(self.cov, beta_ratio * self.r_psf)
 
+    def scaling(self):
+        return [] if self.bitpix < 0 else [("BSCALE", 0.01), ("BZERO", 0.0), ("BLANK", self.blank)]
+
+    def stored(self, pixels):
+        if self.bitpix < 0:
+            return pixels
+        return [self.blank if math.isnan(p) else round(100 * p) for p in pixels]
+
     def content(self):
         flat = lambda stamps: [p for stamp in stamps for p in stamp]
         axes = (self.nx, self.ny, self.n)
-        hdus = {"GALAXY": image("GALAXY", axes, flat(self.galaxy), self.bitpix)}
         noise_axes = self.noise_axes or axes
         noise = flat(self.noise)[:math.prod(noise_axes)]
-        hdus["NOISE"] = image("NOISE", noise_axes, noise + [0.0] * (math.prod(noise_axes) - len(noise)),
-                              self.bitpix)
+        noise += [0.0] * (math.prod(noise_axes) - len(noise))
+        hdus = {name: image(name, size, self.stored(pixels), self.bitpix, self.scaling())
+                for name, size, pixels in (("GALAXY", axes, flat(self.galaxy)),
+                                           ("NOISE", noise_axes, noise))}
         extra = [("OVERSAMP", self.oversample)] if self.oversample > 1 else []
-        hdus["PSF"] = image("PSF", (self.psf_nx, self.psf_ny), self.psf, -64, extra)
+        psf_axes = (self.psf_nx, self.psf_ny) + ((len(self.psf_cube),) if self.psf_cube else ())
+        hdus["PSF"] = image("PSF", psf_axes, flat(self.psf_cube or [self.psf]), -64, extra)
         if self.columns:
             hdus["CATALOG"] = table("CATALOG", self.columns)
         return primary(FIELD=self.name, **self.keys) + b"".join(

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Running shearctl: SHEARCTL in the environment is its path; SHEAR_SANITIZED=1 says that a sanitizer is built in (which needs
-terabytes of addresses, so that memory is not limited then, and more time)."""
+"""Running shearctl: SHEARCTL in the environment is its path; SHEAR_SANITIZED=1 says that a
+sanitizer is built in (memory is not limited then, and more time is allowed)."""
 import json
 import os
 import resource
@@ -12,7 +12,8 @@ import unittest
 SHEARCTL = os.path.abspath(os.environ["SHEARCTL"])
 SANITIZED = os.environ.get("SHEAR_SANITIZED") == "1"
 MEMORY = 2 << 30  # bytes of addresses
-PATIENCE = 20 if SANITIZED else 2.5  # seconds that a quick answer may take on a busy machine; it takes 0.02
+# Seconds that a quick answer may take on a busy machine; it takes 0.02 on an idle one.
+PATIENCE = 20 if SANITIZED else 2.5
 
 DONE, OTHER, USAGE, INPUT, PARTLY = 0, 1, 2, 3, 4
 
@@ -21,7 +22,8 @@ class Answer:
     """What one run of shearctl gave."""
 
     def __init__(self, process, seconds):
-        self.code, self.out, self.err, self.seconds = process.returncode, process.stdout, process.stderr, seconds
+        self.code, self.seconds = process.returncode, seconds
+        self.out, self.err = process.stdout, process.stderr
 
     def json(self):
         """One object per line."""
@@ -40,9 +42,10 @@ def shearctl(*args, cwd=None, timeout=60, file_size=None, env=None):
             resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
 
     begun = time.monotonic()
-    # restore_signals=False leaves SIGXFSZ ignored: a file that grows too large is then an error of write()
-    process = subprocess.run([SHEARCTL, *map(str, args)], cwd=cwd, timeout=timeout, preexec_fn=limit,
-                             stdin=subprocess.DEVNULL, capture_output=True, text=True, restore_signals=False,
+    # restore_signals=False leaves SIGXFSZ ignored: too large a file is then an error of write()
+    process = subprocess.run([SHEARCTL, *map(str, args)], cwd=cwd, timeout=timeout,
+                             preexec_fn=limit, stdin=subprocess.DEVNULL, capture_output=True,
+                             encoding="utf-8", errors="surrogateescape", restore_signals=False,
                              env={**os.environ, **(env or {})})
     return Answer(process, time.monotonic() - begun)
 

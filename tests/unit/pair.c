@@ -29,6 +29,36 @@ void pair_deinit(pair *p)
     free(p->psf);
 }
 
+const char *const pair_methods[PAIR_METHODS] = {
+    "none", "bilinear", "bicubic", "spline", "log-bilinear", "log-bicubic", "log-spline"};
+
+void pair_set(pair *p, const char *name, const char *value)
+{
+    shear_error err = {0};
+    if (shear_settings_set(&p->settings, name, value, &err) != SHEAR_OK) {
+        fail_msg("%s", err.message);
+    }
+}
+
+void pair_draw(pair *p, double r_psf, uint64_t seed)
+{
+    const shear_geometry *g = &p->geometry;
+    const size_t pixels = (size_t)g->nx * (size_t)g->ny;
+    draw_blobs(p->galaxy, g->nx, g->ny, 4, 2.0, seed++);
+    for (size_t i = 0; i < pixels; i++) {
+        p->galaxy[i] += 0.01 + 0.04 * uniform(&seed);
+        p->noise[i] = 0.01 + 0.04 * uniform(&seed);
+    }
+    const double stretch = 1.0 + 0.2 * uniform(&seed);
+    const gaussian psf = {.amplitude = 1.0,
+                          .xx = r_psf * r_psf * stretch,
+                          .yy = r_psf * r_psf / stretch,
+                          .xy = 0.15 * r_psf * r_psf,
+                          .x0 = (0.45 + 0.1 * uniform(&seed)) * g->psf_nx / g->psf_oversample,
+                          .y0 = (0.45 + 0.1 * uniform(&seed)) * g->psf_ny / g->psf_oversample};
+    gaussian_draw(&psf, g->psf_nx, g->psf_ny, g->psf_oversample, p->psf);
+}
+
 static int try_info(const pair *p, shear_row *row, shear_plan_info *info, shear_error *err)
 {
     shear_plan *plan = NULL;

@@ -16,6 +16,16 @@ typedef struct pair {
 void pair_init(pair *p, int nx, int ny, int psf_nx, int psf_ny, int psf_oversample);
 void pair_deinit(pair *p);
 
+/* Set a setting by name; the value must be accepted. */
+void pair_set(pair *p, const char *name, const char *value);
+/* A random scene: blobs on a positive random ground in `galaxy`, another ground in `noise`, and an elliptical Gaussian PSF of
+ * scale radius about r_psf, off centre. All pixels positive, so that every method takes it. */
+void pair_draw(pair *p, double r_psf, uint64_t seed);
+
+/* The names of all seven methods. */
+enum { PAIR_METHODS = 7 };
+extern const char *const pair_methods[PAIR_METHODS];
+
 /* Plan, measure, free. The pair must be measurable and the row unflagged: fails the test otherwise. */
 shear_row pair_measure(const pair *p);
 /* The same, with the plan's decisions. */

@@ -83,8 +83,8 @@ int shear_settings_set(shear_settings *s, const char *name, const char *text, sh
 char *shear_settings_format(const shear_settings *s, const shear_setting_def *def, char *buf,
                             size_t size);
 
-/* Contradictions between settings that no single value shows (a core with filter=none, a pedestal without a
- * log method). SHEAR_OK or SHEAR_E_SETTING. */
+/* Members out of their range (where they were not set through shear_settings_set), and contradictions that no single value
+ * shows (a core with filter=none, a pedestal without a log method). SHEAR_OK or SHEAR_E_SETTING. */
 int shear_settings_check(const shear_settings *s, shear_error *err);
 
 /* The name of an enum value, from the table's choices. Never NULL. */

@@ -20,7 +20,7 @@ enum shear_flag {
     SHEAR_FLAG_PSF_UNUSABLE = 1u << 4,      /* this stamp's PSF: not finite, no flux, too wide for beta, bad id */
     SHEAR_FLAG_BAD_WEIGHT = 1u << 5,        /* CATALOG.WEIGHT is negative or not finite */
     SHEAR_FLAG_BAD_R_GAL = 1u << 6,         /* the filter needs CATALOG.R_GAL, which is not positive and finite */
-    SHEAR_FLAG_OVERFLOW = 1u << 7           /* the moments are not finite although the pixels are */
+    SHEAR_FLAG_OVERFLOW = 1u << 7           /* the pixels are finite, but the moments, or the sums made of them, are not */
 };
 enum { SHEAR_N_FLAGS = 8 };
 

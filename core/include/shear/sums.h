@@ -98,6 +98,8 @@ typedef struct shear_jackknife shear_jackknife;
 int shear_jackknife_new(shear_jackknife **j, int groups, shear_error *err);
 void shear_jackknife_free(shear_jackknife *j);
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err);
+/* Append all blocks of `other`. All or nothing. */
+int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err);
 int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err);
 
 #endif

@@ -168,15 +168,17 @@ typedef struct shear_image {
     double knee;             /* of SHEAR_ASINH; 0 = automatic */
     int map;                 /* enum shear_map */
     bool mark_negative;      /* negative pixels in shear_map_negative's blue */
+    shear_colour not_finite; /* opacity 0 = shear_map_not_finite's pink */
     bool colour_bar;
-    double bar_room;               /* pixels for the colour bar's labels; 0 = 44 */
-    shear_range x, y;              /* coordinates of the outer edges; lo == hi: -0.5 to nx - 0.5 */
-    bool ticks;                    /* draw ticks and labels */
+    double bar_room;  /* pixels for the colour bar's labels; 0 = 44 */
+    shear_range x, y; /* coordinates of the outer edges; lo == hi: -0.5 to nx - 0.5 */
+    bool equal;       /* x and y have the same unit of length; else the pixels are square */
+    bool ticks;       /* draw ticks and labels */
     const char *x_label, *y_label; /* or NULL; with ticks */
 } shear_image;
 
-/* Pixels are drawn square and not smoothed; pixels that are not finite in shear_map_not_finite.
- * Then overlays may be drawn as on axes, until shear_axes_end. */
+/* Pixels are not smoothed (averaged where there are more of them than the figure's). Then overlays
+ * may be drawn as on axes, until shear_axes_end. */
 void shear_image_begin(shear_figure *figure, const shear_image *image);
 
 #endif

@@ -50,7 +50,7 @@ double shear_stretch_apply(const shear_stretch *s, double value);
 
 /* ---- ticks ---- */
 
-enum { SHEAR_MAX_TICKS = 16, SHEAR_TICK_LABEL = 24 };
+enum { SHEAR_MAX_TICKS = 16, SHEAR_TICK_LABEL = 32 };
 
 typedef struct shear_ticks {
     int n;
@@ -65,7 +65,7 @@ typedef struct shear_ticks {
 void shear_ticks_linear(shear_ticks *t, double lo, double hi, int at_most);
 /* Powers of ten, every 1st, 2nd, ... so that there are no more than at_most; where fewer than two
  * fit, 1, 2 and 5 times powers of ten; where even these are fewer than two, as shear_ticks_linear.
- * None where 0 < lo < hi fails. */
+ * None where 0 < lo < hi fails or lo is subnormal. */
 void shear_ticks_log(shear_ticks *t, double lo, double hi, int at_most);
 /* For a colour bar: values whose brightnesses are at least 1/at_most apart. */
 void shear_ticks_stretch(shear_ticks *t, const shear_stretch *s, int at_most);

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "cases.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+const bench_case bench_cases[] = {
+    {"64 px, none", 64, "none", 1, 1.5, 6, false},
+    {"48 px, none", 48, "none", 1, 1.5, 4, false},
+    {"96 px, none", 96, "none", 1, 2.0, 8, false},
+    {"256 px, none (the paper's)", 256, "none", 1, 4.0, 30, false},
+    {"32 px to 256, log-bicubic", 32, "log-bicubic", 8, 0.6, 3, false},
+    {"32 px to 256, log-spline", 32, "log-spline", 8, 0.6, 3, false},
+    {"64 px, none, a PSF a stamp", 64, "none", 1, 1.5, 6, true},
+};
+const int bench_n_cases = sizeof bench_cases / sizeof bench_cases[0];
+
+static double uniform(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return (double)(*state >> 8) / 16777216.0;
+}
+
+static void draw(double *out, int n, double sigma, double amplitude, double background, uint32_t *seed)
+{
+    const double centre = 0.5 * (n - 1);
+    for (int y = 0; y < n; y++) {
+        for (int x = 0; x < n; x++) {
+            const double r2 = (x - centre) * (x - centre) + (y - centre) * (y - centre);
+            out[y * n + x] = amplitude * exp(-0.5 * r2 / (sigma * sigma)) + background * (1.0 + 0.1 * uniform(seed));
+        }
+    }
+}
+
+static int allocate(bench_data *d, int side, int psf_side, int n_psf, shear_error *err)
+{
+    const size_t pixels = (size_t)side * (size_t)side;
+    const size_t count = (size_t)d->count;
+    d->galaxy = malloc(count * pixels * sizeof(double));
+    d->noise = malloc(count * pixels * sizeof(double));
+    d->psf = malloc((size_t)n_psf * (size_t)psf_side * (size_t)psf_side * sizeof(double));
+    d->psf_index = malloc(count * sizeof(int32_t));
+    d->rows = malloc(count * sizeof(shear_row));
+    if (d->galaxy == NULL || d->noise == NULL || d->psf == NULL || d->psf_index == NULL || d->rows == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d stamps", d->count);
+    }
+    return SHEAR_OK;
+}
+
+int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *err)
+{
+    const int psf_side = c->side;
+    const int n_psf = c->psf_per_stamp ? count : 1;
+    const size_t pixels = (size_t)c->side * (size_t)c->side;
+    uint32_t seed = 1;
+    *d = (bench_data){.count = count};
+    int code = allocate(d, c->side, psf_side, n_psf, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    for (int i = 0; i < count; i++) {
+        draw(d->galaxy + (size_t)i * pixels, c->side, hypot(c->r_gal_px / 2, c->r_psf_px), 10.0, 1.0, &seed);
+        draw(d->noise + (size_t)i * pixels, c->side, 1.0, 0.0, 1.0, &seed);
+        d->psf_index[i] = c->psf_per_stamp ? i : 0;
+    }
+    for (int i = 0; i < n_psf; i++) {
+        draw(d->psf + (size_t)i * pixels, psf_side, c->r_psf_px, 1.0, 0.0, &seed);
+    }
+    shear_settings settings;
+    shear_settings_init(&settings);
+    code = shear_settings_set(&settings, "interpolation", c->interpolation, err);
+    settings.oversample = c->oversample > 1 ? c->oversample : 0;
+    const shear_geometry g = {c->side, c->side, psf_side, psf_side, 1};
+    /* The paper's filter, at the beta that the plan will choose. */
+    settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
+    if (code == SHEAR_OK) {
+        code = shear_plan_new(&d->plan, &settings, &g, c->psf_per_stamp ? NULL : d->psf, c->r_psf_px, false, err);
+    }
+    d->stamps = (shear_stamps){.count = count,
+                               .nx = c->side,
+                               .ny = c->side,
+                               .galaxy = d->galaxy,
+                               .noise = d->noise,
+                               .n_psf = c->psf_per_stamp ? n_psf : 0,
+                               .psf = c->psf_per_stamp ? d->psf : NULL,
+                               .psf_index = c->psf_per_stamp ? d->psf_index : NULL};
+    return code;
+}
+
+void bench_data_free(bench_data *d)
+{
+    shear_plan_free(d->plan);
+    free(d->galaxy);
+    free(d->noise);
+    free(d->psf);
+    free(d->psf_index);
+    free(d->rows);
+    *d = (bench_data){0};
+}

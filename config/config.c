@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sheard/config.h"
+
+#include "origin.h"
+#include "table.h"
+#include "value.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char *sheard_config_default_path(void) {
+    return SHEARD_CONFIG_FILE;
+}
+
+/* Put the value into its member in place of what is there. */
+static void replace(sheard_config *config, const sheard_setting *s, const union value *value) {
+    void *member = config_member(config, s);
+    value_free(s, member);
+    memcpy(member, value, value_size(s));
+}
+
+static int set_index(sheard_config *config, size_t index, const char *text, shear_error *err) {
+    sheard_setting s = sheard_setting_at(index);
+    if (s.type == SHEARD_T_MEASURE) {
+        return shear_settings_set(&config->measure, s.key, text, err);
+    }
+    union value value = {0};
+    int code = value_parse(&s, text, &value, err);
+    if (code == SHEAR_OK) {
+        replace(config, &s, &value);
+    }
+    return code;
+}
+
+int config_set_at(sheard_config *config, size_t index, const char *text, int line,
+                  shear_error *err) {
+    int code = set_index(config, index, text, err);
+    if (code != SHEAR_OK) {
+        return shear_prefix(err, code, "[%s]", sheard_setting_at(index).section);
+    }
+    config->lines[index] = line;
+    return SHEAR_OK;
+}
+
+int sheard_config_init(sheard_config *config, shear_error *err) {
+    *config = (sheard_config){.lines = calloc(sheard_settings_count(), sizeof(int))};
+    int code = config->lines != NULL
+                   ? SHEAR_OK
+                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
+    shear_settings_init(&config->measure);
+    for (size_t i = 0; i < config_n_rows && code == SHEAR_OK; i++) {
+        code = config_set_at(config, i, config_rows[i].initial, ORIGIN_DEFAULT, err);
+    }
+    if (code != SHEAR_OK) {
+        sheard_config_free(config);
+    }
+    return code;
+}
+
+void sheard_config_free(sheard_config *config) {
+    if (config == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < config_n_rows; i++) {
+        value_free(&config_rows[i], config_member(config, &config_rows[i]));
+    }
+    free(config->path);
+    free(config->lines);
+    *config = (sheard_config){0};
+}
+
+int config_unknown_section(const char *section, shear_error *err) {
+    const char *near = config_nearest_section(section);
+    char advice[80];
+    snprintf(advice, sizeof advice, "did you mean [%s]?", near != NULL ? near : "");
+    return shear_fail(err, SHEAR_E_SETTING,
+                      near != NULL ? advice : "the sections are listed in sheard.conf(5)",
+                      "there is no section [%.60s]", section);
+}
+
+static int unknown_key(const char *section, const char *key, shear_error *err) {
+    const char *near = config_nearest_key(section, key);
+    const char *home = config_section_of(key);
+    char advice[120] = "the settings are listed in sheard.conf(5)";
+    if (home != NULL) {
+        snprintf(advice, sizeof advice, "it belongs in section [%s]", home);
+    } else if (near != NULL) {
+        snprintf(advice, sizeof advice, "did you mean %s?", near);
+    }
+    return shear_fail(err, SHEAR_E_SETTING, advice, "[%s] there is no setting '%.60s'", section,
+                      key);
+}
+
+int config_find(const char *section, const char *key, size_t *index, shear_error *err) {
+    if (sheard_section_help(section) == NULL) {
+        return config_unknown_section(section, err);
+    }
+    ptrdiff_t found = sheard_setting_find(section, key);
+    if (found < 0) {
+        return unknown_key(section, key, err);
+    }
+    *index = (size_t)found;
+    return SHEAR_OK;
+}
+
+int sheard_config_set(sheard_config *config, const char *section, const char *key, const char *text,
+                      shear_error *err) {
+    size_t index = 0;
+    int code = config_find(section, key, &index, err);
+    return code == SHEAR_OK ? config_set_at(config, index, text, ORIGIN_COMMAND_LINE, err) : code;
+}
+
+int sheard_config_assign(sheard_config *config, const char *assignment, shear_error *err) {
+    const char *dot = strchr(assignment, '.');
+    const char *equals = strchr(assignment, '=');
+    if (dot == NULL || equals == NULL || equals < dot) {
+        return shear_fail(err, SHEAR_E_SETTING, "as in daemon.workers=4",
+                          "'%.200s' is not of the form section.key=value", assignment);
+    }
+    char *section = strndup(assignment, (size_t)(dot - assignment));
+    char *key = strndup(dot + 1, (size_t)(equals - dot - 1));
+    int code = section != NULL && key != NULL
+                   ? sheard_config_set(config, section, key, equals + 1, err)
+                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for '%.60s'", assignment);
+    free(section);
+    free(key);
+    return code;
+}
+
+char *sheard_config_format(const sheard_config *config, size_t index) {
+    sheard_setting s = sheard_setting_at(index);
+    if (s.type == SHEARD_T_MEASURE) {
+        char buf[VALUE_TEXT_MAX];
+        return strdup(shear_settings_format(&config->measure, s.measure, buf, sizeof buf));
+    }
+    return value_format(&s, config_const_member(config, &s));
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The file's values into a config. A value may have further lines, so that it is set when the next one begins. */
+#include "sheard/config.h"
+
+#include "file.h"
+#include "ini_text.h"
+#include "origin.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct loader {
+    sheard_config *config;
+    sheard_problems *problems;
+    const char *path;
+    char section[64];
+    bool has_section, known_section;
+    bool holds;   /* a value of setting `index`, from line `line`, is in `text` */
+    size_t index;
+    int line;
+    char *text; /* owned; further lines are separated by '\n' */
+    int *seen;  /* [sheard_settings_count()] line of the file that set it, or 0 */
+    int code;   /* SHEAR_E_NOMEM, or SHEAR_OK */
+    shear_error error;
+};
+
+static void problem(struct loader *l, int line, const shear_error *error) {
+    char where[sizeof l->problems->kept[0].where];
+    problems_add(l->problems, place_in_file(l->path, line, where, sizeof where), error);
+}
+
+static void on_fault(void *context, int line, const char *advice, const char *message) {
+    shear_error error;
+    (void)shear_fail(&error, SHEAR_E_SETTING, advice, "%s", message);
+    problem(context, line, &error);
+}
+
+/* Set the value that is held. */
+static void flush(struct loader *l) {
+    shear_error error;
+    if (l->holds &&
+        config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK) {
+        problem(l, l->line, &error);
+    }
+    free(l->text);
+    l->text = NULL;
+    l->holds = false;
+}
+
+static void on_section(void *context, int line, const char *name) {
+    struct loader *l = context;
+    shear_error error;
+    flush(l);
+    snprintf(l->section, sizeof l->section, "%s", name);
+    l->has_section = true;
+    l->known_section = sheard_section_help(name) != NULL;
+    if (!l->known_section) {
+        (void)config_unknown_section(name, &error);
+        problem(l, line, &error);
+    }
+}
+
+static void out_of_memory(struct loader *l) {
+    l->code = shear_fail(&l->error, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
+}
+
+static bool is_list(size_t index) {
+    int type = sheard_setting_at(index).type;
+    return type == SHEARD_T_PATHS || type == SHEARD_T_NAMES;
+}
+
+static void continue_value(struct loader *l, int line, const char *value) {
+    if (!l->holds) {
+        return; /* of a key that has been complained about */
+    }
+    if (!is_list(l->index)) {
+        char message[160];
+        snprintf(message, sizeof message, "this line begins with a space and so goes on with '%s' of line %d",
+                 sheard_setting_at(l->index).key, l->line);
+        on_fault(l, line, "take away the space; only lists go on in further lines", message);
+        return;
+    }
+    char *joined = NULL;
+    if (asprintf(&joined, "%s\n%s", l->text, value) < 0) {
+        out_of_memory(l);
+        return;
+    }
+    free(l->text);
+    l->text = joined;
+}
+
+/* The setting, where it is known and new in this file. */
+static bool identify(struct loader *l, int line, const char *key) {
+    shear_error error;
+    if (!l->has_section) {
+        on_fault(l, line, "write a [section] above it", "this setting comes before any section");
+        return false;
+    }
+    if (!l->known_section) {
+        return false; /* complained about at its head */
+    }
+    if (config_find(l->section, key, &l->index, &error) != SHEAR_OK) {
+        problem(l, line, &error);
+        return false;
+    }
+    if (l->seen[l->index] != 0) {
+        (void)shear_fail(&error, SHEAR_E_SETTING, "keep one of them",
+                         "[%s] %s: was already set in line %d", l->section,
+                         sheard_setting_at(l->index).key, l->seen[l->index]);
+        problem(l, line, &error);
+        return false;
+    }
+    return true;
+}
+
+static void on_value(void *context, int line, const char *key, const char *value, bool continued) {
+    struct loader *l = context;
+    if (continued) {
+        continue_value(l, line, value);
+        return;
+    }
+    flush(l);
+    if (!identify(l, line, key)) {
+        return;
+    }
+    l->seen[l->index] = line;
+    l->line = line;
+    l->text = strdup(value);
+    l->holds = l->text != NULL;
+    if (!l->holds) {
+        out_of_memory(l);
+    }
+}
+
+static int load_text(struct loader *l, const char *text, size_t size) {
+    struct ini_events events = {l, on_section, on_value, on_fault};
+    l->seen = calloc(sheard_settings_count(), sizeof *l->seen);
+    if (l->seen == NULL) {
+        out_of_memory(l);
+        return l->code;
+    }
+    int code = ini_text_read(text, size, &events, &l->error);
+    flush(l);
+    free(l->seen);
+    return code != SHEAR_OK ? code : l->code;
+}
+
+/* Remember the file, and forget the lines of another one. */
+static int renew_path(sheard_config *config, const char *path, shear_error *err) {
+    char *copy = strdup(path);
+    if (copy == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
+    }
+    free(config->path);
+    config->path = copy;
+    memset(config->lines, 0, sheard_settings_count() * sizeof *config->lines);
+    return SHEAR_OK;
+}
+
+int config_load_file(sheard_config *config, const char *path, bool may_miss,
+                     sheard_problems *problems) {
+    struct loader l = {.config = config, .problems = problems, .path = path};
+    char *text = NULL;
+    size_t size = 0;
+    size_t errors_before = problems->n_errors;
+    int code = renew_path(config, path, &l.error);
+    if (code == SHEAR_OK) {
+        code = file_read(path, may_miss, &text, &size, &l.error);
+    }
+    if (code == SHEAR_OK && text != NULL) {
+        code = load_text(&l, text, size);
+    }
+    free(text);
+    if (code != SHEAR_OK) {
+        problem(&l, 0, &l.error);
+        return code;
+    }
+    return problems->n_errors == errors_before ? SHEAR_OK : SHEAR_E_SETTING;
+}
+
+int sheard_config_load(sheard_config *config, const char *path, sheard_problems *problems) {
+    const char *usual = sheard_config_default_path();
+    bool may_miss = path == NULL || strcmp(path, usual) == 0;
+    return config_load_file(config, path != NULL ? path : usual, may_miss, problems);
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Numbers: integers, bytes, durations and modes. A number is digits and, for bytes and durations, a unit. */
+#include "value.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+struct unit {
+    const char *name;
+    int64_t factor;
+};
+
+/* Largest first, as number_format needs them. */
+static const struct unit byte_units[] = {{"T", INT64_C(1) << 40}, {"G", INT64_C(1) << 30},
+                                         {"M", INT64_C(1) << 20}, {"K", INT64_C(1) << 10},
+                                         {"", 1},                 {NULL, 0}};
+static const struct unit time_units[] = {{"d", 86400000}, {"h", 3600000}, {"min", 60000},
+                                         {"s", 1000},     {"ms", 1},      {NULL, 0}};
+static const struct unit no_units[] = {{"", 1}, {NULL, 0}};
+
+static const struct unit *units_of(const sheard_setting *s) {
+    if (s->type == SHEARD_T_BYTES) {
+        return byte_units;
+    }
+    return s->type == SHEARD_T_DURATION ? time_units : no_units;
+}
+
+/* Digits of a number in `base` at *text, which moves behind them. False where there are none; a number
+ * beyond int64 becomes INT64_MAX, which is out of every setting's range. */
+static bool take_digits(const char **text, int base, int64_t *number) {
+    const char *p = *text;
+    int64_t n = 0;
+    for (; *p >= '0' && *p < '0' + base; p++) {
+        if (__builtin_mul_overflow(n, base, &n) || __builtin_add_overflow(n, *p - '0', &n)) {
+            n = INT64_MAX;
+        }
+    }
+    bool some = p > *text;
+    *text = p;
+    *number = n;
+    return some;
+}
+
+static const struct unit *find_unit(const sheard_setting *s, const char *name) {
+    for (const struct unit *u = units_of(s); u->name != NULL; u++) {
+        if (strcmp(u->name, name) == 0) {
+            return u;
+        }
+    }
+    return NULL;
+}
+
+/* Whether `text` is a number of this type at all; *number is INT64_MAX where it is too large. */
+static bool scan(const sheard_setting *s, const char *text, int64_t *number) {
+    int64_t n = 0;
+    if (!take_digits(&text, s->type == SHEARD_T_MODE ? 8 : 10, &n)) {
+        return false;
+    }
+    const struct unit *u = find_unit(s, text);
+    if (u == NULL) {
+        return false;
+    }
+    if (__builtin_mul_overflow(n, u->factor, number)) {
+        *number = INT64_MAX;
+    }
+    return true;
+}
+
+char *number_format(const sheard_setting *s, int64_t number, char *buf, size_t size) {
+    if (number == 0 && s->word != NULL) {
+        snprintf(buf, size, "%s", s->word);
+    } else if (s->type == SHEARD_T_MODE) {
+        snprintf(buf, size, "%04" PRIo64, (uint64_t)number);
+    } else if (number == 0) {
+        snprintf(buf, size, "0%s", s->type == SHEARD_T_DURATION ? "s" : "");
+    } else {
+        const struct unit *u = units_of(s);
+        while (number % u->factor != 0) {
+            u++;
+        }
+        snprintf(buf, size, "%" PRId64 "%s", number / u->factor, u->name);
+    }
+    return buf;
+}
+
+static const char *noun(const sheard_setting *s) {
+    switch (s->type) {
+    case SHEARD_T_BYTES:
+        return "a size (as in 512K, 64M, 4G)";
+    case SHEARD_T_DURATION:
+        return "a duration with its unit (as in 250ms, 30s, 5min, 2h, 7d)";
+    case SHEARD_T_MODE:
+        return "an octal mode";
+    default:
+        return "a whole number";
+    }
+}
+
+char *number_expected(const sheard_setting *s, char *buf, size_t size) {
+    char low[32];
+    char high[32];
+    sheard_setting plain = *s; /* its bounds are never the word */
+    plain.word = NULL;
+    snprintf(buf, size, "%s from %s to %s%s%s", noun(s),
+             number_format(&plain, s->min, low, sizeof low),
+             number_format(&plain, s->max, high, sizeof high), s->word != NULL ? ", or " : "",
+             s->word != NULL ? s->word : "");
+    return buf;
+}
+
+int number_parse(const sheard_setting *s, const char *text, int64_t *number, shear_error *err) {
+    if (s->word != NULL && strcmp(text, s->word) == 0) {
+        *number = 0;
+        return SHEAR_OK;
+    }
+    int64_t n = 0;
+    char expected[128];
+    if (!scan(s, text, &n) || n < s->min || n > s->max) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "%s: '%.60s' is not %s", s->key, text,
+                          number_expected(s, expected, sizeof expected));
+    }
+    *number = n;
+    return SHEAR_OK;
+}

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Two configurations: how they differ, and one taking over from the other while it is in use. */
+#include "sheard/config.h"
+
+#include "origin.h"
+#include "table.h"
+#include "value.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t index) {
+    sheard_setting s = sheard_setting_at(index);
+    if (s.type != SHEARD_T_MEASURE) {
+        return value_equal(&s, config_const_member(a, &s), config_const_member(b, &s));
+    }
+    char text_a[VALUE_TEXT_MAX]; /* "auto" is NaN, which equals nothing: compare the texts */
+    char text_b[VALUE_TEXT_MAX];
+    return strcmp(shear_settings_format(&a->measure, s.measure, text_a, sizeof text_a),
+                  shear_settings_format(&b->measure, s.measure, text_b, sizeof text_b)) == 0;
+}
+
+size_t sheard_config_changes(const sheard_config *a, const sheard_config *b, bool at_start,
+                             size_t *changed, size_t room) {
+    size_t n = 0;
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        if ((!at_start || sheard_setting_at(i).at_start) && !sheard_config_same(a, b, i)) {
+            if (n < room) {
+                changed[n] = i;
+            }
+            n++;
+        }
+    }
+    return n;
+}
+
+static void swap_bytes(void *a, void *b, size_t n) {
+    union value kept;
+    memcpy(&kept, a, n);
+    memcpy(a, b, n);
+    memcpy(b, &kept, n);
+}
+
+static void swap_line(sheard_config *a, sheard_config *b, size_t i) {
+    int line = a->lines[i];
+    a->lines[i] = b->lines[i];
+    b->lines[i] = line;
+}
+
+/* Exchange what may change while running. Twice is as before. */
+static void exchange(sheard_config *a, sheard_config *b) {
+    for (size_t i = 0; i < config_n_rows; i++) {
+        const sheard_setting *s = &config_rows[i];
+        if (!s->at_start) {
+            swap_bytes(config_member(a, s), config_member(b, s), value_size(s));
+        }
+    }
+    shear_settings measure = a->measure;
+    a->measure = b->measure;
+    b->measure = measure;
+}
+
+/* Places, too: of what runs on from the old file, in lines that the new file may not have, nothing is said. */
+static void exchange_origins(sheard_config *running, sheard_config *fresh) {
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        if (!sheard_setting_at(i).at_start || sheard_config_same(running, fresh, i)) {
+            swap_line(running, fresh, i);
+        }
+    }
+    char *path = running->path;
+    running->path = fresh->path;
+    fresh->path = path;
+}
+
+static void warn_of_start(const sheard_config *running, const sheard_config *fresh,
+                          sheard_problems *problems) {
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        sheard_setting s = sheard_setting_at(i);
+        if (s.at_start && !sheard_config_same(running, fresh, i)) {
+            char where[sizeof problems->kept[0].where];
+            problems_warn(problems, config_where(fresh, i, where, sizeof where),
+                          "restart the daemon for it",
+                          "[%s] %s: the change takes effect at the next start", s.section, s.key);
+        }
+    }
+}
+
+int sheard_config_reload(sheard_config *running, sheard_config *fresh, sheard_problems *problems) {
+    exchange(running, fresh);
+    int code = sheard_config_check(running, problems);
+    if (code != SHEAR_OK) {
+        exchange(running, fresh);
+        return code;
+    }
+    warn_of_start(running, fresh, problems);
+    exchange_origins(running, fresh);
+    return SHEAR_OK;
+}

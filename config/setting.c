@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The table as one: the daemon's own rows, and after them the measurement's as section [measure]. */
+#include "table.h"
+
+#include <string.h>
+
+size_t sheard_settings_count(void) {
+    size_t n_measure = 0;
+    (void)shear_settings_table(&n_measure);
+    return config_n_rows + n_measure;
+}
+
+sheard_setting sheard_setting_at(size_t i) {
+    if (i < config_n_rows) {
+        return config_rows[i];
+    }
+    size_t n = 0;
+    const shear_setting_def *def = &shear_settings_table(&n)[i - config_n_rows];
+    return (sheard_setting){.section = "measure",
+                            .key = def->name,
+                            .type = SHEARD_T_MEASURE,
+                            .choices = def->choices,
+                            .unit = def->unit,
+                            .help = def->help,
+                            .measure = def};
+}
+
+bool config_same_name(const char *a, const char *b) {
+    for (; *a != '\0' && *b != '\0'; a++, b++) {
+        if ((*a == '_' ? '-' : *a) != (*b == '_' ? '-' : *b)) {
+            return false;
+        }
+    }
+    return *a == *b;
+}
+
+ptrdiff_t sheard_setting_find(const char *section, const char *key) {
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        sheard_setting s = sheard_setting_at(i);
+        if (strcmp(s.section, section) == 0 && config_same_name(s.key, key)) {
+            return (ptrdiff_t)i;
+        }
+    }
+    return -1;
+}
+
+const char *sheard_section_help(const char *section) {
+    for (size_t i = 0; i < config_n_sections; i++) {
+        if (strcmp(config_sections[i].name, section) == 0) {
+            return config_sections[i].help;
+        }
+    }
+    return NULL;
+}
+
+void *config_member(sheard_config *config, const sheard_setting *s) {
+    return (char *)config + s->offset;
+}
+
+const void *config_const_member(const sheard_config *config, const sheard_setting *s) {
+    return (const char *)config + s->offset;
+}

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "value.h"
+
+#include "table.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- paths and names ---- */
+
+/* The trailing part of a path that is '.' or '..' or holds one, as a whole component. */
+static bool has_dots(const char *path) {
+    for (const char *p = path; *p != '\0';) {
+        size_t n = strcspn(p, "/");
+        if ((n == 1 && p[0] == '.') || (n == 2 && p[0] == '.' && p[1] == '.')) {
+            return true;
+        }
+        p += n;
+        p += strspn(p, "/");
+    }
+    return false;
+}
+
+/* What the file's syntax could not give back: control characters, and ';' or '#' behind a space, which would
+ * begin a comment there. */
+static bool has_unwritable(const char *text) {
+    for (const char *p = text; *p != '\0'; p++) {
+        if (iscntrl((unsigned char)*p) || (*p == ' ' && (p[1] == ';' || p[1] == '#'))) {
+            return true;
+        }
+    }
+    return text[0] != '\0' && text[strlen(text) - 1] == ' ';
+}
+
+static int check_path(const sheard_setting *s, const char *text, shear_error *err) {
+    if (text[0] != '/') {
+        return shear_fail(err, SHEAR_E_SETTING, "write the whole path, beginning with '/'",
+                          "%s: '%.200s' is not an absolute path", s->key, text);
+    }
+    if (strlen(text) > (size_t)s->max) {
+        return shear_fail(err, SHEAR_E_SETTING, "choose a shorter path, or make a symbolic link",
+                          "%s: the path has %zu bytes; at most %d are possible", s->key,
+                          strlen(text), (int)s->max);
+    }
+    if (has_dots(text)) {
+        return shear_fail(err, SHEAR_E_SETTING, "write the path that is meant",
+                          "%s: '%.200s' has a part '.' or '..'", s->key, text);
+    }
+    if (has_unwritable(text) || (s->type == SHEARD_T_PATHS && strchr(text, ',') != NULL)) {
+        return shear_fail(
+            err, SHEAR_E_SETTING, "rename it, or make a symbolic link",
+            "%s: '%.200s' has a character that cannot be written here (control characters, "
+            "' ;', ' #', commas in lists)",
+            s->key, text);
+    }
+    return SHEAR_OK;
+}
+
+/* "/a//b/" becomes "/a/b", so that equal paths are equal texts. */
+static void tidy_path(char *path) {
+    char *to = path;
+    for (const char *from = path; *from != '\0'; from++) {
+        if (*from != '/' || from == path || from[-1] != '/') {
+            *to++ = *from;
+        }
+    }
+    if (to > path + 1 && to[-1] == '/') {
+        to--;
+    }
+    *to = '\0';
+}
+
+static int check_name(const sheard_setting *s, const char *text, shear_error *err) {
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-$@\\";
+    if (strlen(text) > (size_t)s->max || text[0] == '-' || text[strspn(text, letters)] != '\0') {
+        return shear_fail(err, SHEAR_E_SETTING, NULL,
+                          "%s: '%.60s' is not the name of a user or group", s->key, text);
+    }
+    return SHEAR_OK;
+}
+
+static bool is_path(const sheard_setting *s) {
+    return s->type == SHEARD_T_PATH || s->type == SHEARD_T_PATHS;
+}
+
+/* A checked and tidied copy of text[0..n). */
+static int parse_item(const sheard_setting *s, const char *text, size_t n, char **item,
+                      shear_error *err) {
+    char *copy = strndup(text, n);
+    if (copy == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %s", s->key);
+    }
+    int code = is_path(s) ? check_path(s, copy, err) : check_name(s, copy, err);
+    if (code != SHEAR_OK) {
+        free(copy);
+        return code;
+    }
+    if (is_path(s)) {
+        tidy_path(copy);
+    }
+    *item = copy;
+    return SHEAR_OK;
+}
+
+/* ---- lists: items between commas and line ends; empty ones do not count ---- */
+
+static bool contains(const sheard_list *list, const char *item) {
+    for (size_t i = 0; i < list->n; i++) {
+        if (strcmp(list->items[i], item) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int take_item(const sheard_setting *s, sheard_list *list, const char *text, size_t n,
+                     shear_error *err) {
+    char *item = NULL;
+    int code = parse_item(s, text, n, &item, err);
+    if (code == SHEAR_OK && contains(list, item)) {
+        code = shear_fail(err, SHEAR_E_SETTING, NULL, "%s: '%.200s' is listed twice", s->key, item);
+    }
+    if (code == SHEAR_OK) {
+        code = sheard_list_append(list, item, err);
+    }
+    free(item);
+    return code;
+}
+
+static int parse_list(const sheard_setting *s, const char *text, sheard_list *out,
+                      shear_error *err) {
+    static const char blank[] = " \t";
+    sheard_list list = {0};
+    int code = SHEAR_OK;
+    while (*text != '\0' && code == SHEAR_OK) {
+        text += strspn(text, blank);
+        size_t length = strcspn(text, ",\n");
+        size_t n = length;
+        while (n > 0 && strchr(blank, text[n - 1]) != NULL) {
+            n--;
+        }
+        if (n > 0) {
+            code = take_item(s, &list, text, n, err);
+        }
+        text += length + (text[length] != '\0');
+    }
+    if (code != SHEAR_OK) {
+        sheard_list_free(&list);
+        return code;
+    }
+    *out = list;
+    return SHEAR_OK;
+}
+
+/* ---- the rest ---- */
+
+static int parse_choice(const sheard_setting *s, const char *text, int *choice, shear_error *err) {
+    char known[120] = "";
+    for (int i = 0; s->choices[i] != NULL; i++) {
+        if (config_same_name(s->choices[i], text)) {
+            *choice = i;
+            return SHEAR_OK;
+        }
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", s->choices[i]);
+    }
+    return shear_fail(err, SHEAR_E_SETTING, NULL, "%s: '%.60s' is not one of: %s", s->key, text,
+                      known);
+}
+
+static int parse_bool(const sheard_setting *s, const char *text, bool *flag, shear_error *err) {
+    static const char *const words[] = {"false", "true", "no", "yes", "off", "on", "0", "1"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(words[i], text) == 0) {
+            *flag = i % 2 == 1;
+            return SHEAR_OK;
+        }
+    }
+    return shear_fail(err, SHEAR_E_SETTING, NULL,
+                      "%s: '%.60s' is not one of: true, false (or yes, no, on, off, 1, 0)", s->key,
+                      text);
+}
+
+static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode, shear_error *err) {
+    int64_t number = 0;
+    int code = number_parse(s, text, &number, err);
+    if (code == SHEAR_OK) {
+        *mode = (unsigned)number;
+    }
+    return code;
+}
+
+int value_parse(const sheard_setting *s, const char *text, union value *value, shear_error *err) {
+    switch (s->type) {
+    case SHEARD_T_PATH:
+    case SHEARD_T_NAME:
+        return parse_item(s, text, strlen(text), &value->text, err);
+    case SHEARD_T_PATHS:
+    case SHEARD_T_NAMES:
+        return parse_list(s, text, &value->list, err);
+    case SHEARD_T_CHOICE:
+        return parse_choice(s, text, &value->choice, err);
+    case SHEARD_T_BOOL:
+        return parse_bool(s, text, &value->flag, err);
+    case SHEARD_T_MODE:
+        return parse_mode(s, text, &value->mode, err);
+    default:
+        return number_parse(s, text, &value->number, err);
+    }
+}

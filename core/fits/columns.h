@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/columns.h: the columns of a field file's CATALOG table. */
+#ifndef SHEAR_FITS_COLUMNS_H
+#define SHEAR_FITS_COLUMNS_H
+
+#include "fits/file.h"
+#include "shear/field.h"
+
+enum { SF_COLUMNS = 9 };
+
+/* Names, types and units, in the order of enum shear_column's bits: what the reader looks for and
+ * the writer makes. */
+typedef struct sf_column_def {
+    const char *name;
+    unsigned bit;     /* enum shear_column */
+    const char *form; /* TFORM as written */
+    const char *unit;
+    const char *comment;
+} sf_column_def;
+extern const sf_column_def sf_column_defs[SF_COLUMNS];
+
+/* Find the column called `name` (any case) in the table that `fits` is at; *number is 0 where there
+ * is none. SHEAR_E_FORMAT where it is twice there, or not one number a row. */
+int sf_find_number_column(fitsfile *fits, sf_place at, const char *name, int *number,
+                          shear_error *err);
+
+typedef struct sf_columns {
+    fitsfile *fits; /* NULL = the file has no CATALOG */
+    sf_place at;
+    unsigned have; /* or of enum shear_column */
+    int number[SF_COLUMNS];
+    LONGLONG *scratch; /* [scratch_size] */
+    int64_t scratch_size;
+} sf_columns;
+
+/* Open CATALOG where there is one, of `rows` rows. Deinit it, also after an error. */
+int sf_columns_init(sf_columns *c, const sf_file *file, int64_t rows, shear_error *err);
+void sf_columns_deinit(sf_columns *c);
+
+/* Rows [first, first + count) of one column, which the table must have. Undefined numbers become
+ * NaN, or `undefined`. */
+int sf_columns_read_double(sf_columns *c, unsigned bit, int64_t first, int64_t count, double *out,
+                           shear_error *err);
+int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t count,
+                          int64_t undefined, int64_t *out, shear_error *err);
+/* Values beyond the range of int32_t become its ends. */
+int sf_columns_read_int32(sf_columns *c, unsigned bit, int64_t first, int64_t count,
+                          int32_t undefined, int32_t *out, shear_error *err);
+
+#endif

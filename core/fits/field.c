@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Opening and reading field files. */
+#include "fits/field_state.h"
+
+#include <stdlib.h>
+
+static int check_noise(const shear_field *f, shear_error *err) {
+    const sf_stamps *g = &f->galaxy;
+    const sf_stamps *n = &f->noise;
+    if (n->nx == g->nx && n->ny == g->ny && n->n == g->n) {
+        return SHEAR_OK;
+    }
+    return sf_fail(err, SHEAR_E_FORMAT, n->image.at,
+                   "every galaxy stamp needs its noise stamp, of the same shape",
+                   "it has %lld stamps of %d x %d pixels, but GALAXY has %lld of %d x %d",
+                   (long long)n->n, n->nx, n->ny, (long long)g->n, g->nx, g->ny);
+}
+
+static void fill_info(shear_field *f) {
+    shear_field_info *info = &f->info;
+    info->geometry.nx = f->galaxy.nx;
+    info->geometry.ny = f->galaxy.ny;
+    info->n_stamps = f->galaxy.n;
+    info->layout = f->galaxy.layout;
+    info->columns = f->catalog.have;
+    info->bitpix = f->galaxy.image.bitpix;
+    info->compressed = f->galaxy.image.compressed;
+    info->gzipped = f->file.source.gzipped;
+    info->file_bytes = f->file.source.file_bytes;
+}
+
+static int open_hdus(shear_field *f, shear_error *err) {
+    int rc = sf_open_hdu(&f->file, 1, "primary", &f->primary, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_field_read_keys(f, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_stamps_init(&f->galaxy, &f->file, "GALAXY", err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_stamps_init(&f->noise, &f->file, "NOISE", err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = check_noise(f, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_columns_init(&f->catalog, &f->file, f->galaxy.n, err);
+    }
+    if (rc == SHEAR_OK) {
+        fill_info(f);
+        rc = sf_field_open_psf(f, err);
+    }
+    sf_close_hdu(f->primary);
+    f->primary = NULL;
+    return rc;
+}
+
+/* Either `path`, or `fd` called `name`. */
+static int open_field(shear_field **field, const char *path, int fd, const char *name,
+                      shear_error *err) {
+    *field = NULL;
+    shear_field *f = calloc(1, sizeof *f);
+    if (f == NULL) {
+        return sf_fail_memory(err, (sf_place){path != NULL ? path : name, NULL});
+    }
+    int rc =
+        path != NULL ? sf_file_open(&f->file, path, err) : sf_file_open_fd(&f->file, fd, name, err);
+    if (rc == SHEAR_OK) {
+        rc = open_hdus(f, err);
+    }
+    if (rc != SHEAR_OK) {
+        shear_field_close(f);
+        return rc;
+    }
+    *field = f;
+    return SHEAR_OK;
+}
+
+int shear_field_open(shear_field **field, const char *path, shear_error *err) {
+    return open_field(field, path, -1, NULL, err);
+}
+
+int shear_field_open_fd(shear_field **field, int fd, const char *name, shear_error *err) {
+    return open_field(field, NULL, fd, name, err);
+}
+
+void shear_field_close(shear_field *field) {
+    if (field == NULL) {
+        return;
+    }
+    sf_columns_deinit(&field->catalog);
+    sf_image_deinit(&field->psf);
+    sf_stamps_deinit(&field->noise);
+    sf_stamps_deinit(&field->galaxy);
+    sf_file_close(&field->file);
+    free(field);
+}
+
+const shear_field_info *shear_field_get_info(const shear_field *field) {
+    return &field->info;
+}
+
+int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err) {
+    const shear_field_info *info = &field->info;
+    if (index < 0 || index >= info->n_psf) {
+        return sf_fail(err, SHEAR_E_INTERNAL, field->psf.at, NULL,
+                       "image %lld was asked for, but there are %lld", (long long)index,
+                       (long long)info->n_psf);
+    }
+    const int64_t first[SF_AXES] = {0, 0, index};
+    const int64_t size[SF_AXES] = {info->geometry.psf_nx, info->geometry.psf_ny, 1};
+    return sf_image_read(&field->psf, first, size, out, err);
+}

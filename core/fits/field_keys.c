@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The keywords of the primary header. */
+#include "fits/field_name.h"
+#include "fits/field_state.h"
+#include "fits/keys.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int read_name(shear_field *f, sf_place at, shear_error *err) {
+    char *text = NULL;
+    int rc = sf_key_string(f->primary, at, "FIELD", &text, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    const char *given = text == NULL ? "" : text + strspn(text, " ");
+    for (size_t n = strlen(given); n > 0 && given[n - 1] == ' '; n--) {
+        text[(size_t)(given - text) + n - 1] = '\0'; /* trailing blanks mean nothing in FITS */
+    }
+    if (given[0] != '\0') {
+        rc = sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, at, "keyword FIELD", err);
+    } else {
+        char base[sizeof f->file.source.base];
+        sf_field_name_default(base, sizeof base, f->file.source.base);
+        rc =
+            sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, at, "from the file's name", err);
+    }
+    free(text);
+    return rc;
+}
+
+static int read_pixscale(shear_field *f, sf_place at, shear_error *err) {
+    bool found = false;
+    f->info.pixscale = NAN;
+    const int rc = sf_key_double(f->primary, at, "PIXSCALE", &f->info.pixscale, &found, err);
+    if (rc == SHEAR_OK && found && f->info.pixscale <= 0.0) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, "give arcseconds per pixel",
+                       "keyword PIXSCALE is %g, but must be positive", f->info.pixscale);
+    }
+    return rc;
+}
+
+static int read_shear(shear_field *f, sf_place at, const char *key, double *g, bool *found,
+                      shear_error *err) {
+    *g = NAN;
+    const int rc = sf_key_double(f->primary, at, key, g, found, err);
+    if (rc == SHEAR_OK && *found && fabs(*g) >= 1.0) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, NULL,
+                       "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
+    }
+    return rc;
+}
+
+int sf_field_read_keys(shear_field *f, shear_error *err) {
+    const sf_place at = {f->file.source.name, "primary"};
+    bool has_g1 = false;
+    bool has_g2 = false;
+    int rc = read_name(f, at, err);
+    if (rc == SHEAR_OK) {
+        rc = read_pixscale(f, at, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = read_shear(f, at, "SIM_G1", &f->info.sim_g1, &has_g1, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = read_shear(f, at, "SIM_G2", &f->info.sim_g2, &has_g2, err);
+    }
+    f->info.has_truth = has_g1 && has_g2;
+    return rc;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/field_state.h: what an open field file consists of. */
+#ifndef SHEAR_FITS_FIELD_STATE_H
+#define SHEAR_FITS_FIELD_STATE_H
+
+#include "fits/columns.h"
+#include "fits/file.h"
+#include "fits/stamps.h"
+
+enum { SF_PSF_MIN_SIDE = 3, SF_PSF_MAX_SIDE = 4096, SF_MAX_OVERSAMPLE = 64 };
+
+struct shear_field {
+    sf_file file;
+    shear_field_info info;
+    fitsfile *primary; /* only while opening */
+    sf_stamps galaxy, noise;
+    sf_image psf;
+    sf_columns catalog;
+};
+
+/* FIELD, PIXSCALE, SIM_G1, SIM_G2 into f->info (field_keys.c). */
+int sf_field_read_keys(shear_field *f, shear_error *err);
+/* HDU PSF: shape, number and OVERSAMP into f->info; the catalogue must be open (field_psf.c). */
+int sf_field_open_psf(shear_field *f, shear_error *err);
+
+#endif

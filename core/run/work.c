@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Two locks, never held together: `reader` is held while stamps are read, `results` while finished turns are joined. */
+#include "shear/work.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double pixels_at_once = 524288.0;
+
+/* A finished turn that waits for those before it. */
+typedef struct finished {
+    int64_t block;          /* its first */
+    int n;                  /* blocks */
+    shear_block_sums *sums; /* [n] */
+} finished;
+
+struct shear_work {
+    shear_work_spec spec;
+    int64_t n_blocks;
+
+    pthread_mutex_t reader; /* guards the source and all until the next lock */
+    int64_t next_turn;      /* the first block that nobody has taken */
+    int under_way;
+    bool stopped;
+
+    pthread_mutex_t results; /* guards all below */
+    shear_field_sums *joined;
+    int64_t next_block;      /* the first block that is not in `joined` */
+    finished *waiting;       /* [room], n_waiting in use, in no order */
+    size_t n_waiting, room;
+    int64_t done;
+    int64_t failed_at;       /* first block of the failed turn that comes first in the file */
+    int code;
+    shear_error error;
+};
+
+struct shear_worker {
+    int slot;
+    shear_turn_size size;
+    shear_workspace *ws;
+    shear_row *rows;        /* [size.stamps] */
+    shear_block_sums *sums; /* [size.blocks] of the turn under way */
+};
+
+/* A run of blocks that one thread has taken. */
+typedef struct turn {
+    int64_t block;
+    int n;
+    int64_t first, end; /* its stamps */
+} turn;
+
+shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads)
+{
+    const double pair_pixels = 2.0 * info->geometry.nx * info->geometry.ny;
+    const double fit = fmax(1.0, floor(pixels_at_once / pair_pixels));
+    const double blocks = fmax(1.0, floor(fit / SHEAR_BLOCK));
+    const double share = fmax(1.0, ceil((double)info->n_stamps / SHEAR_BLOCK / (4.0 * threads)));
+    const double taken = fmin(blocks, share);
+    return (shear_turn_size){.blocks = (int)taken, .stamps = (int)fmin(fit, taken * SHEAR_BLOCK)};
+}
+
+int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err)
+{
+    shear_work *work = calloc(1, sizeof *work);
+    *out = NULL;
+    if (work == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's work");
+    }
+    const int code = shear_field_sums_new(&work->joined, err);
+    if (code != SHEAR_OK) {
+        free(work);
+        return code;
+    }
+    work->spec = *spec;
+    work->n_blocks = (spec->info->n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    work->next_turn = work->next_block = spec->first_block;
+    work->done = spec->first_block * SHEAR_BLOCK;
+    pthread_mutex_init(&work->reader, NULL);
+    pthread_mutex_init(&work->results, NULL);
+    *out = work;
+    return SHEAR_OK;
+}
+
+void shear_work_free(shear_work *work)
+{
+    if (work == NULL) {
+        return;
+    }
+    for (size_t i = 0; i < work->n_waiting; i++) {
+        free(work->waiting[i].sums);
+    }
+    free(work->waiting);
+    shear_field_sums_free(work->joined);
+    pthread_mutex_destroy(&work->reader);
+    pthread_mutex_destroy(&work->results);
+    free(work);
+}
+
+int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size size, int slot,
+                     shear_error *err)
+{
+    shear_worker *worker = calloc(1, sizeof *worker);
+    *out = NULL;
+    int code = worker != NULL ? shear_workspace_new(&worker->ws, plan, err) : SHEAR_E_NOMEM;
+    if (code == SHEAR_OK) {
+        worker->slot = slot;
+        worker->size = size;
+        worker->rows = malloc((size_t)size.stamps * sizeof *worker->rows);
+        worker->sums = malloc((size_t)size.blocks * sizeof *worker->sums);
+        code = worker->rows != NULL && worker->sums != NULL ? SHEAR_OK : SHEAR_E_NOMEM;
+    }
+    if (code != SHEAR_OK) {
+        shear_worker_free(worker);
+        return shear_fail(err, code, NULL, "out of memory for a worker");
+    }
+    *out = worker;
+    return SHEAR_OK;
+}
+
+void shear_worker_free(shear_worker *worker)
+{
+    if (worker != NULL) {
+        shear_workspace_free(worker->ws);
+        free(worker->rows);
+        free(worker->sums);
+        free(worker);
+    }
+}
+
+static bool take_turn(shear_work *work, turn *t)
+{
+    pthread_mutex_lock(&work->reader);
+    const int64_t left = work->stopped ? 0 : work->n_blocks - work->next_turn;
+    const bool taken = left > 0;
+    if (taken) {
+        t->block = work->next_turn;
+        t->n = left < work->spec.size.blocks ? (int)left : work->spec.size.blocks;
+        t->first = t->block * SHEAR_BLOCK;
+        t->end = (t->block + t->n) * SHEAR_BLOCK;
+        t->end = t->end < work->spec.info->n_stamps ? t->end : work->spec.info->n_stamps;
+        work->next_turn += t->n;
+        work->under_way++;
+    }
+    pthread_mutex_unlock(&work->reader);
+    return taken;
+}
+
+static void end_turn(shear_work *work, bool stop)
+{
+    pthread_mutex_lock(&work->reader);
+    work->under_way--;
+    work->stopped = work->stopped || stop;
+    pthread_mutex_unlock(&work->reader);
+}
+
+static int read_stamps(shear_work *work, const shear_worker *worker, int64_t first, int count,
+                       const shear_block **block, shear_error *err)
+{
+    const shear_source *source = &work->spec.source;
+    pthread_mutex_lock(&work->reader);
+    const int code = source->read(source->self, worker->slot, first, count, block, err);
+    pthread_mutex_unlock(&work->reader);
+    return code;
+}
+
+static int write_rows(shear_work *work, const shear_worker *worker, const shear_block *block,
+                      int64_t first, int count, shear_error *err)
+{
+    if (work->spec.catalog == NULL) {
+        return SHEAR_OK;
+    }
+    pthread_mutex_lock(&work->results);
+    const int code = shear_catalog_write(work->spec.catalog, first, count, worker->rows, block, err);
+    pthread_mutex_unlock(&work->results);
+    return code;
+}
+
+static void sum_rows(shear_worker *worker, const turn *t, int64_t first, int count)
+{
+    for (int i = 0; i < count; i++) {
+        shear_block_sums *b = &worker->sums[(first + i - t->first) / SHEAR_BLOCK];
+        if ((first + i) % SHEAR_BLOCK == 0) {
+            shear_block_sums_init(b);
+        }
+        shear_block_sums_add(b, &worker->rows[i]);
+    }
+}
+
+static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, shear_error *err)
+{
+    int code = SHEAR_OK;
+    for (int64_t at = t->first; at < t->end && code == SHEAR_OK; at += worker->size.stamps) {
+        const int64_t left = t->end - at;
+        const int count = left < worker->size.stamps ? (int)left : worker->size.stamps;
+        const shear_block *block = NULL;
+        code = read_stamps(work, worker, at, count, &block, err);
+        if (code == SHEAR_OK) {
+            code = shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count, worker->rows, err);
+        }
+        if (code == SHEAR_OK) {
+            code = write_rows(work, worker, block, at, count, err);
+        }
+        if (code == SHEAR_OK) {
+            sum_rows(worker, t, at, count);
+        }
+    }
+    return code;
+}
+
+/* Under the results lock: blocks that come next, into the joined sums. */
+static int join_blocks(shear_work *work, const shear_block_sums *sums, int n, shear_error *err)
+{
+    int code = SHEAR_OK;
+    for (int i = 0; i < n && code == SHEAR_OK; i++) {
+        if (work->spec.jackknife != NULL) {
+            code = shear_jackknife_add(work->spec.jackknife, &sums[i], err);
+        }
+        shear_field_sums_add(work->joined, &sums[i]);
+    }
+    work->next_block += n;
+    return code;
+}
+
+/* Under the results lock: put a turn aside until those before it have come. */
+static int put_aside(shear_work *work, const turn *t, const shear_block_sums *sums, shear_error *err)
+{
+    if (work->n_waiting == work->room) {
+        const size_t room = work->room > 0 ? 2 * work->room : 16;
+        finished *waiting = realloc(work->waiting, room * sizeof *waiting);
+        if (waiting == NULL) {
+            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu finished turns", room);
+        }
+        work->waiting = waiting;
+        work->room = room;
+    }
+    finished f = {.block = t->block, .n = t->n, .sums = malloc((size_t)t->n * sizeof *f.sums)};
+    if (f.sums == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a finished turn");
+    }
+    memcpy(f.sums, sums, (size_t)t->n * sizeof *f.sums);
+    work->waiting[work->n_waiting++] = f;
+    return SHEAR_OK;
+}
+
+/* Under the results lock: whatever waits and comes next now. */
+static int join_waiting(shear_work *work, shear_error *err)
+{
+    int code = SHEAR_OK;
+    for (size_t i = 0; i < work->n_waiting && code == SHEAR_OK;) {
+        if (work->waiting[i].block != work->next_block) {
+            i++;
+            continue;
+        }
+        code = join_blocks(work, work->waiting[i].sums, work->waiting[i].n, err);
+        free(work->waiting[i].sums);
+        work->waiting[i] = work->waiting[--work->n_waiting];
+        i = 0;
+    }
+    return code;
+}
+
+static int hand_over(shear_work *work, const shear_worker *worker, const turn *t, shear_error *err)
+{
+    pthread_mutex_lock(&work->results);
+    int code;
+    if (t->block == work->next_block) {
+        code = join_blocks(work, worker->sums, t->n, err);
+        if (code == SHEAR_OK) {
+            code = join_waiting(work, err);
+        }
+    } else {
+        code = put_aside(work, t, worker->sums, err);
+    }
+    work->done += t->end - t->first;
+    pthread_mutex_unlock(&work->results);
+    return code;
+}
+
+static void record_failure(shear_work *work, const turn *t, int code, const shear_error *error)
+{
+    pthread_mutex_lock(&work->results);
+    if (work->code == SHEAR_OK || t->block < work->failed_at) {
+        work->code = code;
+        work->failed_at = t->block;
+        work->error = *error;
+    }
+    pthread_mutex_unlock(&work->results);
+}
+
+bool shear_work_step(shear_work *work, shear_worker *worker)
+{
+    turn t;
+    if (!take_turn(work, &t)) {
+        return false;
+    }
+    shear_error error = {0};
+    int code = measure_turn(work, worker, &t, &error);
+    if (code == SHEAR_OK) {
+        code = hand_over(work, worker, &t, &error);
+    }
+    if (code != SHEAR_OK) {
+        record_failure(work, &t, code, &error);
+    }
+    end_turn(work, code != SHEAR_OK);
+    return code == SHEAR_OK;
+}
+
+void shear_work_stop(shear_work *work)
+{
+    pthread_mutex_lock(&work->reader);
+    work->stopped = true;
+    pthread_mutex_unlock(&work->reader);
+}
+
+shear_work_status shear_work_get_status(shear_work *work)
+{
+    shear_work_status status = {.stamps_total = work->spec.info->n_stamps};
+    pthread_mutex_lock(&work->reader);
+    status.exhausted = work->stopped || work->next_turn >= work->n_blocks;
+    status.turns_under_way = work->under_way;
+    pthread_mutex_unlock(&work->reader);
+    pthread_mutex_lock(&work->results);
+    status.stamps_done = work->done;
+    status.next_block = work->next_block;
+    status.complete = work->next_block >= work->n_blocks;
+    status.code = work->code;
+    pthread_mutex_unlock(&work->results);
+    return status;
+}
+
+int shear_work_get_error(shear_work *work, shear_error *err)
+{
+    pthread_mutex_lock(&work->results);
+    const int code = work->code;
+    if (err != NULL) {
+        *err = work->error;
+    }
+    pthread_mutex_unlock(&work->results);
+    return code;
+}
+
+int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums)
+{
+    pthread_mutex_lock(&work->results);
+    shear_field_sums_join(sums, work->joined);
+    const int64_t next = work->next_block;
+    pthread_mutex_unlock(&work->results);
+    return next;
+}

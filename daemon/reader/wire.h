@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* reader/wire.h: what the daemon and its reader child say to each other, over a SOCK_SEQPACKET pair: one request, one reply, each
+ * a whole struct (both ends are of one build). Stamps do not travel here: they lie in shared memory.
+ *
+ * The daemon trusts nothing that comes back: every number is checked before use (reader.c). */
+#ifndef SHEARD_READER_WIRE_H
+#define SHEARD_READER_WIRE_H
+
+#include "shear/error.h"
+#include "shear/field.h"
+
+#include <stdint.h>
+
+/* Descriptors of the child, fixed by the daemon before exec. */
+enum { READER_FD_FILE = 3, READER_FD_SOCKET = 4, READER_FD_MEMORY = 5 };
+enum { READER_WIRE_VERSION = 1 };
+
+enum reader_op {
+    READER_OPEN = 1, /* -> info */
+    READER_MAP,      /* slots, capacity, slot_bytes: the shared memory has been sized for them */
+    READER_PSF,      /* image `first` into the PSF area */
+    READER_STAMPS    /* pairs [first, first+count) into slot */
+};
+
+typedef struct reader_request {
+    uint32_t version;
+    uint32_t op;
+    int32_t slot, count;
+    int64_t first;
+    int64_t slots, capacity, slot_bytes, psf_bytes; /* READER_MAP */
+} reader_request;
+
+typedef struct reader_reply {
+    uint32_t version;
+    uint32_t op;
+    int32_t code;          /* enum shear_code */
+    int32_t n_psf;         /* READER_STAMPS: images in the slot */
+    shear_error error;     /* where code is not 0 */
+    shear_field_info info; /* READER_OPEN */
+} reader_reply;
+
+#endif

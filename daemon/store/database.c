@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "database.h"
+
+#include "schema.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+int database_exec(sqlite3 *db, const char *path, const char *sql, shear_error *err)
+{
+    const int rc = sqlite3_exec(db, sql, NULL, NULL, NULL);
+    return rc == SQLITE_OK ? SHEAR_OK : database_fail(db, path, rc, "setting up", err);
+}
+
+int database_number(sqlite3 *db, const char *path, const char *sql, int64_t *value, shear_error *err)
+{
+    sqlite3_stmt *stmt = NULL;
+    *value = 0;
+    int rc = sqlite3_prepare_v2(db, sql, -1, &stmt, NULL);
+    if (rc == SQLITE_OK) {
+        rc = sqlite3_step(stmt);
+    }
+    if (rc == SQLITE_ROW) {
+        *value = sqlite3_column_int64(stmt, 0);
+        rc = SQLITE_DONE;
+    }
+    const int code = rc == SQLITE_DONE ? SHEAR_OK : database_fail(db, path, rc, "reading", err);
+    sqlite3_finalize(stmt);
+    return code;
+}
+
+/* SQLite would make the file readable by all (but for the umask). Where the file exists it is not even opened here:
+ * closing it would drop the locks that this process may hold on it. */
+static int make_file(const char *path, shear_error *err)
+{
+    const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0600);
+    if (fd >= 0) {
+        close(fd);
+        return SHEAR_OK;
+    }
+    if (errno == EEXIST) {
+        return SHEAR_OK;
+    }
+    return shear_fail(err, SHEAR_E_IO, "see that the state directory exists and is writable",
+                      "%s: cannot be made: %s", path, strerror(errno));
+}
+
+/* Settings that write nothing, and the lock. */
+static int prepare(sqlite3 *db, const char *path, int busy_ms, shear_error *err)
+{
+    sqlite3_extended_result_codes(db, 1);
+    sqlite3_busy_timeout(db, busy_ms);
+    sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
+    sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DML, 0, NULL);
+    sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DDL, 0, NULL);
+    /* The exclusive transaction comes before anything is read, so that of two services that start together one
+     * gets the file; with this locking mode its end does not give the lock back. */
+    return database_exec(db, path,
+                         "PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = FULL;"
+                         "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF;"
+                         "PRAGMA temp_store = MEMORY; PRAGMA secure_delete = OFF;"
+                         "PRAGMA cell_size_check = ON; PRAGMA cache_size = -16384;"
+                         "BEGIN EXCLUSIVE",
+                         err);
+}
+
+/* Whose database is it, and how old? */
+static int identify(sqlite3 *db, const char *path, int *version, shear_error *err)
+{
+    int64_t application = 0;
+    int64_t written = 0;
+    int64_t tables = 0;
+    int code = database_number(db, path, "PRAGMA application_id", &application, err);
+    if (code == SHEAR_OK) {
+        code = database_number(db, path, "PRAGMA user_version", &written, err);
+    }
+    if (code == SHEAR_OK) {
+        code = database_number(db, path, "SELECT count(*) FROM sqlite_schema", &tables, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const bool empty = application == 0 && written == 0 && tables == 0;
+    if (!empty && application != SCHEMA_APPLICATION) {
+        return shear_fail(err, SHEAR_E_FORMAT, "configure another state directory",
+                          "%s: is a database of another program (application id %" PRId64 ")", path,
+                          application);
+    }
+    if (written > SCHEMA_VERSION || written < 0) {
+        return shear_fail(err, STORE_NEWER, "install the newer version of the service again",
+                          "%s: has schema version %" PRId64 ", this version of the service knows %d",
+                          path, written, SCHEMA_VERSION);
+    }
+    *version = (int)written;
+    return SHEAR_OK;
+}
+
+int database_connect(sqlite3 **db, const char *path, const store_options *options, int *version,
+                     shear_error *err)
+{
+    *db = NULL;
+    int code = make_file(path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const int rc = sqlite3_open_v2(path, db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, options->vfs);
+    if (rc != SQLITE_OK) {
+        code = database_fail(*db, path, rc, "opening", err);
+    } else {
+        code = prepare(*db, path, options->busy_ms, err);
+    }
+    if (code == SHEAR_OK) {
+        code = identify(*db, path, version, err);
+    }
+    if (code != SHEAR_OK) {
+        sqlite3_close(*db);
+        *db = NULL;
+    }
+    return code;
+}
+
+int database_use_wal(sqlite3 *db, const char *path, shear_error *err)
+{
+    sqlite3_stmt *stmt = NULL;
+    int rc = sqlite3_prepare_v2(db, "PRAGMA journal_mode = WAL", -1, &stmt, NULL);
+    if (rc == SQLITE_OK) {
+        rc = sqlite3_step(stmt);
+    }
+    int code = SHEAR_OK;
+    if (rc != SQLITE_ROW) {
+        code = database_fail(db, path, rc, "starting the write-ahead log", err);
+    } else if (strcmp((const char *)sqlite3_column_text(stmt, 0), "wal") != 0) {
+        code = shear_fail(err, SHEAR_E_IO, "keep the state directory on a local file system",
+                          "%s: a write-ahead log is not possible here", path);
+    }
+    sqlite3_finalize(stmt);
+    /* The log shrinks back to this after a burst. */
+    return code == SHEAR_OK ? database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err) : code;
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* INDEXED BY makes the plan part of the statement: without that index it does not compile, so no change of the
+ * schema can turn one of them into a scan unnoticed. Literal states are there because a partial index is used only where the statement
+ * repeats its condition. */
+#include "sql.h"
+
+#define FIELD_RECORD                                                                               \
+    "SELECT f.name, f.settings, t.text, f.sums, f.jobs, f.n_stamps, f.n_used,"                     \
+    " (SELECT count(*) FROM jobs INDEXED BY jobs_pending"                                          \
+    "   WHERE field = f.name AND settings = f.settings AND state < 3),"                            \
+    " f.updated_ms FROM fields f CROSS JOIN settings t ON t.digest = f.settings"
+
+const char *const sql_texts[SQL_N] = {
+    [SQL_BEGIN] = "BEGIN IMMEDIATE",
+    [SQL_COMMIT] = "COMMIT",
+    [SQL_ROLLBACK] = "ROLLBACK",
+    [SQL_SAVEPOINT] = "SAVEPOINT operation",
+    [SQL_RELEASE] = "RELEASE operation",
+    [SQL_ROLLBACK_TO] = "ROLLBACK TO operation",
+
+    [SQL_UNFINISHED] = "SELECT sum(n) FROM counts WHERE state < 3",
+    [SQL_KEY_FIND] = "SELECT id, source = ?3 AND settings = ?4 AND field_asked IS ?5 AND origin = ?6"
+                     " AND priority = ?7 AND forced = ?8"
+                     " FROM jobs INDEXED BY jobs_key WHERE owner = ?1 AND idempotency_key = ?2",
+    [SQL_SETTINGS_FIND] = "SELECT text = ?2 FROM settings WHERE digest = ?1",
+    [SQL_SETTINGS_ADD] = "INSERT INTO settings(digest, text) VALUES (?1, ?2)",
+    [SQL_JOB_ADD] = "INSERT INTO jobs(owner, idempotency_key, source, settings, field, field_asked,"
+                    " origin, priority, forced, created_ms)"
+                    " VALUES (?1, ?2, ?3, ?4, ?5, ?5, ?6, ?7, ?8, ?9)",
+
+    [SQL_WAKE] = "UPDATE jobs INDEXED BY jobs_waiting SET state = 0, not_before_ms = 0"
+                 " WHERE state = 2 AND not_before_ms <= ?1",
+    [SQL_NEXT] = "SELECT id FROM jobs INDEXED BY jobs_queue WHERE state = 0"
+                 " ORDER BY priority DESC, id LIMIT 1",
+    [SQL_START] = "UPDATE jobs SET state = 1, attempts = attempts + 1, attempt = attempt + 1,"
+                  " started_ms = ?2 WHERE id = ?1",
+    [SQL_DUE] = "SELECT not_before_ms FROM jobs INDEXED BY jobs_waiting WHERE state = 2"
+                " ORDER BY not_before_ms LIMIT 1",
+    [SQL_RUNNING] = "SELECT id FROM jobs INDEXED BY jobs_state WHERE state = 1 LIMIT 1",
+    [SQL_REQUEUE] = "UPDATE jobs SET state = 0, interrupted = interrupted + ?2 WHERE id = ?1",
+    [SQL_ATTEMPT_OPEN] = "INSERT INTO attempts(job, number, started_ms)"
+                         " SELECT id, attempt, ?2 FROM jobs WHERE id = ?1",
+    [SQL_ATTEMPT_PRUNE] = "DELETE FROM attempts WHERE job = ?1"
+                          " AND number <= (SELECT attempt FROM jobs WHERE id = ?1) - ?2",
+    [SQL_ATTEMPT_CLOSE] = "UPDATE attempts SET ended_ms = ?2, ending = ?3, failure_class = ?4,"
+                          " code = ?5, message = ?6"
+                          " WHERE job = ?1 AND number = (SELECT attempt FROM jobs WHERE id = ?1)",
+
+    [SQL_JOB_BRIEF] = "SELECT state, cancel_asked, forced, field, settings, content"
+                      " FROM jobs WHERE id = ?1",
+    [SQL_JOB_LEARN] = "UPDATE jobs SET field = coalesce(?2, field), content = coalesce(?3, content),"
+                      " n_stamps = iif(?4 < 0, n_stamps, ?4) WHERE id = ?1",
+    [SQL_JOB_DONE] = "UPDATE jobs SET state = 3, outcome = ?2, duplicate_of = ?3, n_stamps = ?4,"
+                     " n_used = ?5, elapsed_us = ?6, finished_ms = ?7, result = ?8, catalogue = ?9,"
+                     " failure_class = 0, code = NULL, message = NULL, advice = NULL WHERE id = ?1",
+    [SQL_JOB_FAIL] = "UPDATE jobs SET state = ?2, not_before_ms = ?3, finished_ms = ?4,"
+                     " failure_class = ?5, code = ?6, message = ?7, advice = ?8, cancel_asked = 0,"
+                     " failures = failures + 1 WHERE id = ?1",
+    [SQL_JOB_CANCEL] = "UPDATE jobs SET state = 5, cancel_asked = 0, not_before_ms = 0,"
+                       " finished_ms = ?2 WHERE id = ?1",
+    [SQL_JOB_ASK_CANCEL] = "UPDATE jobs SET cancel_asked = 1 WHERE id = ?1",
+    [SQL_JOB_RETRY] = "UPDATE jobs SET state = 0, finished_ms = 0, attempts = 0, failures = 0,"
+                      " interrupted = 0, failure_class = 0, code = NULL, message = NULL,"
+                      " advice = NULL WHERE id = ?1",
+    [SQL_CHECKPOINT_SET] = "INSERT INTO checkpoints(job, next_block, sums) VALUES (?1, ?2, ?3)"
+                           " ON CONFLICT (job) DO UPDATE SET next_block = ?2, sums = ?3",
+    [SQL_CHECKPOINT_GET] = "SELECT next_block, sums FROM checkpoints WHERE job = ?1",
+    [SQL_CHECKPOINT_DROP] = "DELETE FROM checkpoints WHERE job = ?1",
+
+    [SQL_COUNTED_FIND] = "SELECT c.job, c.n_stamps, c.n_used FROM fields f CROSS JOIN contributions c"
+                         " INDEXED BY contributions_identity"
+                         " ON c.field = f.id WHERE f.name = ?1 AND f.settings = ?2"
+                         " AND c.content = ?3 ORDER BY c.id LIMIT 1",
+    [SQL_FIELD_FIND] = "SELECT id, sums FROM fields WHERE name = ?1 AND settings = ?2",
+    [SQL_FIELD_ADD] = "INSERT INTO fields(name, settings, sums, n_stamps, n_used, updated_ms, jobs)"
+                      " VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1)",
+    [SQL_FIELD_JOIN] = "UPDATE fields SET sums = ?2, n_stamps = n_stamps + ?3, n_used = n_used + ?4,"
+                       " updated_ms = max(updated_ms, ?5), jobs = jobs + 1 WHERE id = ?1",
+    [SQL_CONTRIBUTION_ADD] = "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
+                             " counted_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+
+    /* The order of store_job's members. */
+    [SQL_JOB_GET] = "SELECT id, state, outcome, origin, priority, forced, cancel_asked, owner,"
+                    " attempts, failures, interrupted, attempt, created_ms, started_ms, finished_ms,"
+                    " not_before_ms, n_stamps, n_used, elapsed_us, duplicate_of, failure_class,"
+                    " field, source, t.text, settings, idempotency_key, content, code, message,"
+                    " advice, result, catalogue"
+                    " FROM jobs CROSS JOIN settings t ON t.digest = settings WHERE id = ?1",
+    [SQL_JOBS_BY_STATE] = "SELECT id FROM jobs INDEXED BY jobs_state"
+                          " WHERE state = ?1 AND id < ?2 ORDER BY id DESC LIMIT ?3",
+    [SQL_JOBS_BY_OWNER] = "SELECT id FROM jobs INDEXED BY jobs_owner"
+                          " WHERE state = ?1 AND id < ?2 AND owner = ?4 ORDER BY id DESC LIMIT ?3",
+    [SQL_JOBS_BY_FIELD] = "SELECT id FROM jobs INDEXED BY jobs_field"
+                          " WHERE state = ?1 AND id < ?2 AND field = ?4 ORDER BY id DESC LIMIT ?3",
+    [SQL_JOBS_BY_BOTH] = "SELECT id FROM jobs INDEXED BY jobs_owner_field WHERE state = ?1"
+                         " AND id < ?2 AND owner = ?4 AND field = ?5 ORDER BY id DESC LIMIT ?3",
+    [SQL_ATTEMPTS] = "SELECT number, started_ms, ended_ms, ending, failure_class, code, message"
+                     " FROM attempts WHERE job = ?1 ORDER BY number",
+    [SQL_FIELD_GET] = FIELD_RECORD " WHERE f.name = ?1 ORDER BY f.settings LIMIT ?2",
+    [SQL_FIELD_PENDING] = "SELECT count(*) FROM jobs INDEXED BY jobs_pending"
+                          " WHERE field = ?1 AND state < 3",
+    [SQL_FIELDS] = FIELD_RECORD " WHERE (f.name, f.settings) > (?1, ?2)"
+                                " ORDER BY f.name, f.settings LIMIT ?3",
+    [SQL_CONTRIBUTIONS] = "SELECT id, job, content, n_stamps, n_used, counted_ms"
+                          " FROM contributions INDEXED BY contributions_order"
+                          " WHERE field = ?1 AND id > ?2 ORDER BY id LIMIT ?3",
+    [SQL_COUNTS] = "SELECT state, n FROM counts",
+    /* The order of store_totals' members. */
+    [SQL_TOTALS] = "SELECT submitted, counted, duplicates, failed, cancelled, retired, attempts,"
+                   " interrupted, 0, failures_transient, failures_data, failures_bug, n_stamps,"
+                   " n_used, elapsed_us, fields FROM totals WHERE id = 1",
+
+    [SQL_RETIRE] = "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_finished"
+                   " WHERE state >= 3 AND finished_ms < ?1 ORDER BY finished_ms, id LIMIT ?2)",
+};

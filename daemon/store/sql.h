@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* store/sql.h: every statement the store runs on jobs and fields, by name. */
+#ifndef SHEARD_STORE_SQL_H
+#define SHEARD_STORE_SQL_H
+
+enum sql {
+    SQL_BEGIN,
+    SQL_COMMIT,
+    SQL_ROLLBACK,
+    SQL_SAVEPOINT,
+    SQL_RELEASE,
+    SQL_ROLLBACK_TO,
+
+    SQL_UNFINISHED,
+    SQL_KEY_FIND,
+    SQL_SETTINGS_FIND,
+    SQL_SETTINGS_ADD,
+    SQL_JOB_ADD,
+
+    SQL_WAKE,
+    SQL_NEXT,
+    SQL_START,
+    SQL_DUE,
+    SQL_RUNNING,
+    SQL_REQUEUE,
+    SQL_ATTEMPT_OPEN,
+    SQL_ATTEMPT_PRUNE,
+    SQL_ATTEMPT_CLOSE,
+
+    SQL_JOB_BRIEF,
+    SQL_JOB_LEARN,
+    SQL_JOB_DONE,
+    SQL_JOB_FAIL,
+    SQL_JOB_CANCEL,
+    SQL_JOB_ASK_CANCEL,
+    SQL_JOB_RETRY,
+    SQL_CHECKPOINT_SET,
+    SQL_CHECKPOINT_GET,
+    SQL_CHECKPOINT_DROP,
+
+    SQL_COUNTED_FIND,
+    SQL_FIELD_FIND,
+    SQL_FIELD_ADD,
+    SQL_FIELD_JOIN,
+    SQL_CONTRIBUTION_ADD,
+
+    SQL_JOB_GET,
+    SQL_JOBS_BY_STATE,
+    SQL_JOBS_BY_OWNER,
+    SQL_JOBS_BY_FIELD,
+    SQL_JOBS_BY_BOTH,
+    SQL_ATTEMPTS,
+    SQL_FIELD_GET,
+    SQL_FIELD_PENDING,
+    SQL_FIELDS,
+    SQL_CONTRIBUTIONS,
+    SQL_COUNTS,
+    SQL_TOTALS,
+
+    SQL_RETIRE,
+    SQL_N
+};
+
+extern const char *const sql_texts[SQL_N];
+
+#endif

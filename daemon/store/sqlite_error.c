@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "database.h"
+
+#include <string.h>
+
+static const char retry_advice[] = "see that the state directory is there, writable and sound; the "
+                                   "operation can be repeated";
+
+typedef struct meaning {
+    int result; /* SQLite's primary result code */
+    int code;
+    const char *advice;
+} meaning;
+
+static const meaning meanings[] = {
+    {SQLITE_FULL, SHEAR_E_IO, "make room on the file system of the state directory"},
+    {SQLITE_IOERR, SHEAR_E_IO, retry_advice},
+    {SQLITE_CANTOPEN, SHEAR_E_IO, retry_advice},
+    {SQLITE_READONLY, SHEAR_E_IO, retry_advice},
+    {SQLITE_PERM, SHEAR_E_IO, retry_advice},
+    {SQLITE_NOMEM, SHEAR_E_NOMEM, NULL},
+    {SQLITE_BUSY, STORE_LOCKED,
+     "only one service may use a state directory: stop the other one, or configure another directory"},
+    {SQLITE_CORRUPT, SHEAR_E_FORMAT,
+     "stop the service, keep a copy of the state directory, and restore the database"},
+    {SQLITE_NOTADB, SHEAR_E_FORMAT, "this file is not a database: configure another state directory"},
+};
+
+static const meaning *meaning_of(int rc)
+{
+    static const meaning bug = {SQLITE_ERROR, SHEAR_E_INTERNAL, "this is a bug: please report it"};
+    for (size_t i = 0; i < sizeof meanings / sizeof meanings[0]; i++) {
+        if (meanings[i].result == (rc & 0xff)) {
+            return &meanings[i];
+        }
+    }
+    return &bug;
+}
+
+/* Some extended codes of "I/O error" are something else. */
+static int primary_of(int rc)
+{
+    switch (rc) {
+    case SQLITE_IOERR_NOMEM:
+        return SQLITE_NOMEM;
+    case SQLITE_IOERR_CORRUPTFS:
+    case SQLITE_IOERR_DATA:
+        return SQLITE_CORRUPT;
+    default:
+        return rc;
+    }
+}
+
+int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shear_error *err)
+{
+    const meaning *m = meaning_of(primary_of(rc));
+    const int system_errno = db != NULL && m->code == SHEAR_E_IO ? sqlite3_system_errno(db) : 0;
+    if (m->code == STORE_LOCKED) {
+        return shear_fail(err, m->code, m->advice, "%s: another process uses this database", path);
+    }
+    return shear_fail(err, m->code, m->advice, "%s: while %s: %s%s%s (SQLite error %d)", path, doing,
+                      db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(rc),
+                      system_errno != 0 ? ": " : "", system_errno != 0 ? strerror(system_errno) : "",
+                      rc);
+}

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Opening and closing. */
+#include "store.h"
+
+#include "job.h"
+#include "operation.h"
+#include "query.h"
+#include "schema.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* With a slash at least: SQLite takes "file:..." for a URI, "" and ":memory:" for databases without a file. */
+static int take_path(store *s, const char *path, shear_error *err)
+{
+    const char *here = path[0] == '/' ? "" : "./";
+    if (path[0] == '\0' || strlen(path) + strlen(here) >= sizeof s->path) {
+        return shear_fail(err, SHEAR_E_IO, "give a shorter path",
+                          "the database's path is empty or too long");
+    }
+    snprintf(s->path, sizeof s->path, "%s%s", here, path);
+    return SHEAR_OK;
+}
+
+static int prepare_statements(store *s, shear_error *err)
+{
+    for (int i = 0; i < SQL_N; i++) {
+        const int rc = sqlite3_prepare_v3(s->db, sql_texts[i], -1, SQLITE_PREPARE_PERSISTENT,
+                                          &s->statements[i], NULL);
+        if (rc != SQLITE_OK) {
+            return database_fail(s->db, s->path, rc, sql_texts[i], err);
+        }
+    }
+    return SHEAR_OK;
+}
+
+/* Within the transaction that database_connect left open. */
+static int bring_up_to_date(store *s, int version, shear_error *err)
+{
+    int code = SHEAR_OK;
+    s->opening.created = version == 0;
+    s->opening.migrated_from = s->opening.created ? SCHEMA_VERSION : version;
+    if (version < SCHEMA_VERSION) {
+        code = schema_migrate(s->db, s->path, schema_steps, version, SCHEMA_VERSION, err);
+    }
+    return code == SHEAR_OK ? database_exec(s->db, s->path, "COMMIT", err) : code;
+}
+
+static int next_running(store *s, int64_t *id, shear_error *err)
+{
+    bool row = false;
+    query q = query_on(s, SQL_RUNNING);
+    const int code = query_step(&q, &row, err);
+    *id = row ? query_get_int(&q) : 0;
+    query_end(&q);
+    return code;
+}
+
+/* No job can run while the database is being opened: those marked so ran when the service died. */
+static int recover(store *s, int64_t now_ms, shear_error *err)
+{
+    int64_t id = 0;
+    int state = 0;
+    int code = operation_begin(s, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    do {
+        code = next_running(s, &id, err);
+        if (code == SHEAR_OK && id != 0) {
+            code = job_put_back(s, id, STORE_END_INTERRUPTED, now_ms, &state, err);
+            s->opening.requeued += state == STORE_QUEUED;
+            s->opening.cancelled += state == STORE_CANCELLED;
+        }
+    } while (code == SHEAR_OK && id != 0);
+    return operation_end(s, code, err);
+}
+
+int store_open(store **out, const char *path, const store_options *options, int64_t now_ms,
+               shear_error *err)
+{
+    static const store_options plain = {0};
+    int version = 0;
+    *out = NULL;
+    store *s = calloc(1, sizeof *s);
+    if (s == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the store");
+    }
+    int code = take_path(s, path, err);
+    if (code == SHEAR_OK) {
+        code = database_connect(&s->db, s->path, options != NULL ? options : &plain, &version, err);
+    }
+    if (code == SHEAR_OK) {
+        code = bring_up_to_date(s, version, err);
+    }
+    if (code == SHEAR_OK) {
+        code = database_use_wal(s->db, s->path, err);
+    }
+    if (code == SHEAR_OK) {
+        code = prepare_statements(s, err);
+    }
+    if (code == SHEAR_OK) {
+        code = recover(s, now_ms, err);
+    }
+    if (code != SHEAR_OK) {
+        store_close(s);
+        return code;
+    }
+    *out = s;
+    return SHEAR_OK;
+}
+
+void store_close(store *s)
+{
+    if (s == NULL) {
+        return;
+    }
+    for (int i = 0; i < SQL_N; i++) {
+        sqlite3_finalize(s->statements[i]);
+    }
+    /* An open transaction is rolled back; the log is brought into the database and removed. */
+    sqlite3_close(s->db);
+    free(s);
+}
+
+const store_opening *store_opened(const store *s)
+{
+    return &s->opening;
+}

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How a job comes in, and how it comes in again. */
+#include "job.h"
+#include "operation.h"
+
+#include <inttypes.h>
+
+static int check_spec(const store_spec *p, shear_error *err)
+{
+    int code = query_check_text("field's name", p->field, STORE_FIELD_MAX, true, err);
+    if (code == SHEAR_OK) {
+        code = query_check_text("source", p->source, STORE_SOURCE_MAX, false, err);
+    }
+    if (code == SHEAR_OK) {
+        code = query_check_text("settings", p->settings, STORE_SETTINGS_MAX, false, err);
+    }
+    if (code == SHEAR_OK) {
+        code = query_check_text("settings digest", p->settings_digest, STORE_DIGEST_MAX, false, err);
+    }
+    if (code == SHEAR_OK) {
+        code = query_check_text("idempotency key", p->key, STORE_KEY_MAX, true, err);
+    }
+    return code;
+}
+
+/* The parameters that SQL_KEY_FIND and SQL_JOB_ADD have in common. */
+static query query_spec(store *s, enum sql which, const store_spec *p)
+{
+    query q = query_on(s, which);
+    query_int(&q, p->owner);
+    query_text(&q, p->key);
+    query_text(&q, p->source);
+    query_text(&q, p->settings_digest);
+    query_text(&q, p->field);
+    query_int(&q, p->origin);
+    query_int(&q, p->priority);
+    query_int(&q, p->force);
+    return q;
+}
+
+/* The job that has this owner's key; *id is 0 where there is none. */
+static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err)
+{
+    bool row = false;
+    if (p->key == NULL) {
+        return SHEAR_OK;
+    }
+    query q = query_spec(s, SQL_KEY_FIND, p);
+    int code = query_step(&q, &row, err);
+    if (row) {
+        *id = query_get_int(&q);
+        if (query_get_int(&q) == 0) {
+            code = shear_fail(err, STORE_KEY_REUSED, "use a new key for a new request",
+                              "the idempotency key '%s' belongs to another request (job %" PRId64 ")",
+                              p->key, *id);
+            *id = 0;
+        }
+    }
+    query_end(&q);
+    return code;
+}
+
+static int keep_settings(store *s, const store_spec *p, shear_error *err)
+{
+    bool row = false;
+    query find = query_on(s, SQL_SETTINGS_FIND);
+    query_text(&find, p->settings_digest);
+    query_text(&find, p->settings);
+    const int code = query_step(&find, &row, err);
+    const bool same = row && query_get_int(&find) != 0;
+    query_end(&find);
+    if (code != SHEAR_OK || same) {
+        return code;
+    }
+    if (row) {
+        return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
+                          "the settings digest %s already stands for other settings",
+                          p->settings_digest);
+    }
+    query add = query_on(s, SQL_SETTINGS_ADD);
+    query_text(&add, p->settings_digest);
+    query_text(&add, p->settings);
+    return query_run(&add, err);
+}
+
+static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err)
+{
+    query q = query_spec(s, SQL_JOB_ADD, p);
+    query_int(&q, p->created_ms);
+    const int code = query_run(&q, err);
+    *id = code == SHEAR_OK ? sqlite3_last_insert_rowid(s->db) : 0;
+    return code;
+}
+
+static int submit(store *s, const store_spec *p, int64_t max_unfinished, int64_t *id, bool *known,
+                  shear_error *err)
+{
+    int code = find_key(s, p, id, err);
+    *known = *id != 0;
+    if (code != SHEAR_OK || *known) {
+        return code;
+    }
+    code = job_check_room(s, max_unfinished, err);
+    if (code == SHEAR_OK) {
+        code = keep_settings(s, p, err);
+    }
+    return code == SHEAR_OK ? add_job(s, p, id, err) : code;
+}
+
+int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64_t *id, bool *known,
+                 shear_error *err)
+{
+    *id = 0;
+    *known = false;
+    int code = check_spec(spec, err);
+    if (code == SHEAR_OK) {
+        code = operation_begin(s, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_end(s, submit(s, spec, max_unfinished, id, known, err), err);
+    if (code != SHEAR_OK) {
+        *id = 0;
+        *known = false;
+    }
+    return code;
+}
+
+static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err)
+{
+    job_brief b;
+    int code = job_brief_get(s, id, &b, err);
+    if (code == SHEAR_OK && b.state != STORE_FAILED && b.state != STORE_CANCELLED) {
+        code = job_wrong_state(&b, "failed or cancelled", err);
+    }
+    if (code == SHEAR_OK) {
+        code = job_check_room(s, max_unfinished, err);
+    }
+    if (code == SHEAR_OK) {
+        code = query_run_id(s, SQL_JOB_RETRY, id, err);
+    }
+    job_brief_deinit(&b);
+    return code;
+}
+
+int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err)
+{
+    const int code = operation_begin(s, err);
+    return code == SHEAR_OK ? operation_end(s, retry(s, id, max_unfinished, err), err) : code;
+}

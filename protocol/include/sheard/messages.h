@@ -1,0 +1,420 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sheard/messages.h: what the daemon and its clients say to each other, as plain structs.
+ * docs/protocol.md is the meaning of every member; sheard/rpc.h makes lines of them and back.
+ *
+ * Ownership: a struct filled by a parse function owns its texts and lists until the deinit of what it
+ * is part of. A struct that is to be written may point at anything: only deinit what was parsed.
+ * Absent (null in JSON): texts NULL, numbers NaN, times 0, and what a comment says.
+ * Times are milliseconds since 1970, UTC; in JSON "2026-01-31T12:00:00.000Z".
+ */
+#ifndef SHEARD_MESSAGES_H
+#define SHEARD_MESSAGES_H
+
+#include "shear/error.h"
+#include "shear/settings.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { SHEAR_PROTOCOL_VERSION = 1, SHEAR_PROTOCOL_OLDEST = 1 };
+
+/* Longest texts (bytes) and lists (elements) of a request. */
+enum {
+    SHEAR_MSG_PATH_MAX = 4095,
+    SHEAR_MSG_FIELD_MAX = 71,
+    SHEAR_MSG_KEY_MAX = 128,
+    SHEAR_MSG_DIGEST_MAX = 128,
+    SHEAR_MSG_CURSOR_MAX = 512,
+    SHEAR_MSG_NAME_MAX = 64,
+    SHEAR_MSG_LIST_MAX = 256,
+    SHEAR_MSG_JOBS_PAGE = 200,    /* most jobs in a page */
+    SHEAR_MSG_FIELDS_PAGE = 1000, /* most fields, and contributions, in a page */
+    SHEAR_MSG_PRIORITY_MAX = 100,
+    SHEAR_MSG_HDU_MAX = 9999,
+    SHEAR_MSG_WAIT_MAX = 86400, /* seconds */
+    SHEAR_MSG_JOB_FILE_MAX = 65536,
+    SHEAR_MSG_SETTINGS_SIZE = 2048 /* canonical settings, with the NUL */
+};
+
+/* The numbers of these enums are also those of the store. */
+enum shear_job_state {
+    SHEAR_JOB_QUEUED = 0,
+    SHEAR_JOB_RUNNING = 1,
+    SHEAR_JOB_WAITING = 2,
+    SHEAR_JOB_DONE = 3,
+    SHEAR_JOB_FAILED = 4,
+    SHEAR_JOB_CANCELLED = 5,
+    SHEAR_N_JOB_STATES = 6
+};
+enum shear_job_class {
+    SHEAR_CLASS_NONE = 0,
+    SHEAR_CLASS_TRANSIENT = 1,
+    SHEAR_CLASS_DATA = 2,
+    SHEAR_CLASS_BUG = 3
+};
+enum shear_job_outcome {
+    SHEAR_OUTCOME_NONE = 0,
+    SHEAR_OUTCOME_COUNTED = 1,
+    SHEAR_OUTCOME_DUPLICATE = 2
+};
+enum shear_job_origin { SHEAR_ORIGIN_SPOOL = 0, SHEAR_ORIGIN_SOCKET = 1 };
+enum shear_job_ending {
+    SHEAR_ENDING_OPEN = 0,
+    SHEAR_ENDING_DONE = 1,
+    SHEAR_ENDING_FAILED = 2,
+    SHEAR_ENDING_CANCELLED = 3,
+    SHEAR_ENDING_RELEASED = 4,
+    SHEAR_ENDING_INTERRUPTED = 5
+};
+enum shear_server_state { SHEAR_SERVER_RUNNING = 0, SHEAR_SERVER_DRAINING, SHEAR_SERVER_STOPPING };
+enum shear_shutdown_mode { SHEAR_SHUTDOWN_DRAIN = 0, SHEAR_SHUTDOWN_NOW };
+
+/* The name in JSON; "" for the one that is null there, "unknown" for what is none. Never NULL. */
+const char *shear_job_state_name(int state);
+const char *shear_job_class_name(int job_class);
+const char *shear_job_outcome_name(int outcome);
+const char *shear_job_origin_name(int origin);
+const char *shear_job_ending_name(int ending);
+const char *shear_server_state_name(int state);
+/* done, failed or cancelled */
+bool shear_job_state_is_final(int state);
+
+/* ---- What a job reads ---- */
+
+typedef struct shear_msg_image {
+    const char *path; /* NULL: no such image */
+    int64_t hdu;      /* from 0; -1: the first that holds an image */
+} shear_msg_image;
+
+/* Either a field file, or all three images. */
+typedef struct shear_msg_source {
+    const char *path;
+    shear_msg_image galaxy, noise, psf;
+} shear_msg_source;
+
+/* ---- Requests ---- */
+
+typedef struct shear_msg_hello {
+    int64_t oldest, newest; /* protocol versions that the client speaks; both 1 where not given */
+    const char *client;     /* "shearctl 0.1.0"; may be NULL */
+} shear_msg_hello;
+
+typedef struct shear_msg_submit {
+    shear_msg_source source;
+    const char *settings; /* those that are given, canonical (see below); NULL: none */
+    const char *field;    /* NULL: as the file says */
+    int64_t priority;     /* -100..100 */
+    const char *key;      /* idempotency key; NULL: none */
+    bool force, wait;
+} shear_msg_submit;
+
+typedef struct shear_msg_id {
+    int64_t id;
+} shear_msg_id;
+
+typedef struct shear_msg_jobs {
+    unsigned states;    /* 1u << SHEAR_JOB_FAILED and so on, or'ed; 0: all */
+    const char *field;  /* NULL: all */
+    int64_t owner;      /* uid; -1: all */
+    const char *cursor; /* NULL: from the newest */
+    int64_t limit;
+} shear_msg_jobs;
+
+typedef struct shear_msg_wait {
+    const int64_t *ids; /* [n_ids], at least 1 */
+    size_t n_ids;
+    double timeout_s; /* NaN: none */
+} shear_msg_wait;
+
+typedef struct shear_msg_field {
+    const char *field;
+    const char *digest; /* of the settings; NULL: all */
+    int64_t after;      /* contribution to go on after; 0: from the first */
+    int64_t limit;      /* contributions listed for each row; 0: none */
+} shear_msg_field;
+
+typedef struct shear_msg_fields {
+    const char *prefix; /* NULL: all */
+    const char *cursor;
+    int64_t limit;
+} shear_msg_fields;
+
+/* Of subscribe: what to add. Of unsubscribe: what to take away; nothing named means everything. */
+typedef struct shear_msg_subscribe {
+    const int64_t *jobs; /* [n_jobs] */
+    size_t n_jobs;
+    const char *const *fields; /* [n_fields] */
+    size_t n_fields;
+    bool all;      /* every job and every field */
+    bool progress; /* of subscribe: job_progress, too */
+} shear_msg_subscribe;
+
+typedef struct shear_msg_shutdown {
+    int mode;         /* enum shear_shutdown_mode */
+    double timeout_s; /* NaN: as configured */
+} shear_msg_shutdown;
+
+/* ---- Replies ---- */
+
+typedef struct shear_msg_limits {
+    int64_t line_bytes, depth, values; /* of a request */
+    int64_t list, jobs_page, fields_page;
+    int64_t connections, in_flight, idle_s; /* in_flight: requests of one connection */
+    int64_t queue;                          /* unfinished jobs */
+} shear_msg_limits;
+
+typedef struct shear_msg_welcome {
+    int64_t protocol; /* the version that both speak from now on */
+    int64_t oldest, newest;
+    const char *server; /* "sheard 0.1.0" */
+    int64_t uid;        /* of the peer, as the kernel says */
+    bool admin;
+    const char *const *methods; /* [n_methods] */
+    size_t n_methods;
+    shear_msg_limits limits;
+} shear_msg_welcome;
+
+typedef struct shear_msg_progress {
+    int64_t done, total; /* stamps; total -1: not known yet */
+    double rate;         /* stamps per second */
+    double eta_s;
+} shear_msg_progress;
+
+typedef struct shear_msg_job {
+    int64_t id;
+    int state;        /* enum shear_job_state; -1: a name that this version does not know */
+    int job_class;    /* "class": enum shear_job_class of the last failure */
+    const char *code; /* the last failure's, its message and advice */
+    const char *message, *advice;
+    const char *field;
+    shear_msg_source source;
+    int64_t owner;    /* uid */
+    const char *user; /* its name */
+    int origin;       /* enum shear_job_origin */
+    int64_t priority;
+    bool force;
+    const char *key;
+    bool cancel_asked;
+    int64_t created_ms, started_ms, finished_ms;
+    int64_t not_before_ms; /* of a waiting job */
+    int64_t attempts;
+    shear_msg_progress progress;
+    int outcome;          /* enum shear_job_outcome */
+    int64_t duplicate_of; /* 0: none */
+    const char *settings; /* canonical */
+    const char *digest;   /* of the settings */
+    const char *checksum; /* of the content */
+    const char *result;   /* a JSON object as shear_report_json writes it */
+    const char *catalogue;
+} shear_msg_job;
+
+typedef struct shear_msg_attempt {
+    int64_t number; /* from 1 */
+    int64_t started_ms, ended_ms;
+    int ending; /* enum shear_job_ending */
+    int job_class;
+    const char *code, *message;
+} shear_msg_attempt;
+
+typedef struct shear_msg_shown { /* of job */
+    shear_msg_job job;
+    const shear_msg_attempt *history; /* [n_history] oldest first */
+    size_t n_history;
+} shear_msg_shown;
+
+typedef struct shear_msg_submitted {
+    shear_msg_job job;
+    bool known; /* the idempotency key had been seen: this is that job */
+} shear_msg_submitted;
+
+typedef struct shear_msg_job_page {
+    const shear_msg_job *jobs; /* [n_jobs] newest first, without results */
+    size_t n_jobs;
+    const char *cursor; /* of the next page; NULL: this is the last */
+} shear_msg_job_page;
+
+typedef struct shear_msg_waited {
+    const shear_msg_job *jobs; /* [n_jobs] in the order asked for */
+    size_t n_jobs;
+    bool timed_out;
+} shear_msg_waited;
+
+typedef struct shear_msg_contribution {
+    int64_t id, job;
+    const char *checksum;
+    int64_t n_stamps, n_used;
+    int64_t counted_ms;
+} shear_msg_contribution;
+
+/* A field as measured with one set of settings: all keys of `report`, and these. */
+typedef struct shear_msg_field_row {
+    const char *report; /* a JSON object as shear_report_json writes it */
+    const char *digest;
+    int64_t jobs;           /* counted */
+    int64_t unfinished;     /* known to belong here */
+    bool partial;           /* more is to come */
+    const int64_t *running; /* [n_running] jobs; not more than SHEAR_MSG_LIST_MAX */
+    size_t n_running;
+    int64_t updated_ms;
+    const shear_msg_contribution *contributions; /* [n_contributions] */
+    size_t n_contributions;
+    bool more; /* contributions follow */
+} shear_msg_field_row;
+
+typedef struct shear_msg_field_result {
+    const char *field;
+    bool mixed;                      /* there are rows of different settings */
+    const shear_msg_field_row *rows; /* [n_rows] */
+    size_t n_rows;
+} shear_msg_field_result;
+
+/* A line of the list of fields. */
+typedef struct shear_msg_summary {
+    const char *field, *digest;
+    double g1, g1_err, g2, g2_err;
+    int64_t n_stamps, n_used;
+    int64_t jobs, unfinished;
+    bool partial, mixed;
+    int64_t updated_ms;
+} shear_msg_summary;
+
+typedef struct shear_msg_field_page {
+    const shear_msg_summary *fields; /* [n_fields] by name, then digest */
+    size_t n_fields;
+    const char *cursor;
+} shear_msg_field_page;
+
+typedef struct shear_msg_subscribed {
+    int64_t jobs, fields; /* that are watched now */
+    bool all;
+} shear_msg_subscribed;
+
+typedef struct shear_msg_states {
+    int64_t queued, running, waiting, done, failed, cancelled;
+} shear_msg_states;
+
+typedef struct shear_msg_totals { /* since the state was made */
+    int64_t submitted, counted, duplicates, failed, cancelled;
+    int64_t stamps, fields;
+} shear_msg_totals;
+
+typedef struct shear_msg_rates { /* of the last minute */
+    double stamps_per_s, jobs_per_s;
+} shear_msg_rates;
+
+typedef struct shear_msg_workers {
+    int64_t total, busy, readers; /* readers: child processes */
+} shear_msg_workers;
+
+typedef struct shear_msg_queue {
+    int64_t length, capacity; /* unfinished jobs */
+    int64_t blocks;           /* read and not yet measured */
+} shear_msg_queue;
+
+typedef struct shear_msg_spool {
+    const char *path; /* NULL: no watch folder */
+    bool watching;
+    int64_t incoming, active, done, failed; /* files */
+    int64_t free_bytes;
+} shear_msg_spool;
+
+typedef struct shear_msg_store {
+    const char *path;
+    int64_t schema, bytes, free_bytes;
+    int64_t commits; /* since the start */
+} shear_msg_store;
+
+typedef struct shear_msg_status {
+    const char *version;
+    int64_t protocol, pid;
+    int state; /* enum shear_server_state */
+    int64_t started_ms;
+    double uptime_s;
+    int64_t connections, subscribers;
+    shear_msg_workers workers;
+    shear_msg_queue queue;
+    shear_msg_states states;
+    shear_msg_totals totals;
+    shear_msg_rates rates;
+    shear_msg_spool spool;
+    shear_msg_store store;
+    shear_msg_limits limits;
+    const char *const *problems; /* [n_problems] what an operator should look at */
+    size_t n_problems;
+} shear_msg_status;
+
+typedef struct shear_msg_metrics {
+    const char *content_type, *text;
+} shear_msg_metrics;
+
+typedef struct shear_msg_reloaded {
+    const char *const *changed; /* [n_changed] settings that are in force now */
+    size_t n_changed;
+    const char *const *restart; /* [n_restart] settings that need a restart */
+    size_t n_restart;
+} shear_msg_reloaded;
+
+typedef struct shear_msg_stopping { /* of drain and shutdown; and of the notification server_state */
+    int state;                      /* enum shear_server_state */
+    int64_t running, queued;        /* jobs that are still to be finished; that wait for later */
+} shear_msg_stopping;
+
+/* ---- Notifications ---- */
+
+typedef struct shear_msg_job_changed {
+    shear_msg_job job;
+} shear_msg_job_changed;
+
+typedef struct shear_msg_job_progress {
+    int64_t id;
+    shear_msg_progress progress;
+} shear_msg_job_progress;
+
+typedef struct shear_msg_field_changed {
+    shear_msg_summary field;
+} shear_msg_field_changed;
+
+typedef struct shear_msg_lost {
+    int64_t count; /* notifications left out because the client did not read */
+} shear_msg_lost;
+
+/* ---- The file beside an input in done/ and failed/ ---- */
+
+typedef struct shear_msg_side {
+    const char *file; /* the input's name when it was dropped */
+    int state;        /* enum shear_job_state: done, failed or cancelled */
+    const char *code; /* why it failed; NULL for done */
+    const char *message, *advice;
+    int64_t written_ms;
+    const char *version; /* of the service */
+    shear_msg_job job;   /* id 0: it never became a job */
+} shear_msg_side;
+
+/* ---- Settings as text ---- */
+
+/* Canonical settings: "NAME=VALUE\n" for each, in the order of the table (shear_settings_table), names
+ * and values as the table and shear_settings_format write them: equal settings have equal text. A
+ * part of the settings (those that a submit gives) is written in the same way.
+ *
+ * The whole of *s in buf. SHEAR_E_SETTING where `size` is too small (SHEAR_MSG_SETTINGS_SIZE is
+ * not). */
+int shear_settings_write(const shear_settings *s, char *buf, size_t size, shear_error *err);
+/* Set in *s what `text` gives (lines NAME=VALUE, in any order; NULL: nothing), then check the whole.
+ * SHEAR_E_SETTING. */
+int shear_settings_apply(shear_settings *s, const char *text, shear_error *err);
+/* The digest of the whole of *s: `hash` of its canonical text. */
+typedef void shear_digest(const void *bytes, size_t n, char *hex, size_t size);
+int shear_settings_digest(const shear_settings *s, shear_digest *hash, char *hex, size_t size,
+                          shear_error *err);
+
+/* ---- Times ---- */
+
+enum { SHEAR_TIME_SIZE = 32 };
+/* RFC 3339, UTC, milliseconds. Returns buf. */
+char *shear_time_format(int64_t ms, char buf[SHEAR_TIME_SIZE]);
+/* Reads any RFC 3339 time (an offset, other fractions of a second: cut to milliseconds); false if it
+ * is none. */
+bool shear_time_parse(int64_t *ms, const char *text);
+
+#endif

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The progress bar on a (pseudo) terminal, and a clean stop when the user interrupts."""
+import os
+import pty
+import select
+import signal
+import subprocess
+import time
+import unittest
+
+from fitsfile import Field
+from tool import DONE, OTHER, SHEARCTL, ToolTest
+
+WAIT = 60  # seconds, for what takes less than one
+
+
+class Terminal(ToolTest):
+    def start(self, *args, term="xterm", columns=80):
+        """shearctl with standard error on a terminal of so many columns."""
+        main, other = pty.openpty()
+        self.addCleanup(os.close, main)
+        subprocess.run(["stty", "cols", str(columns), "rows", "24"], stdin=other, check=True)
+        process = subprocess.Popen([SHEARCTL, *args], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=other,
+                                   env={**os.environ, "TERM": term})
+        self.addCleanup(process.stdout.close)
+        os.close(other)
+        return process, main
+
+    def read(self, main, until=None):
+        """What the terminal was sent, up to the end or up to `until`."""
+        text, end = b"", time.monotonic() + WAIT
+        while time.monotonic() < end and (until is None or until not in text):
+            if not select.select([main], [], [], 0.1)[0]:
+                continue
+            try:
+                piece = os.read(main, 65536)
+            except OSError:  # Linux's end of a pseudo terminal
+                break
+            if not piece:
+                break
+            text += piece
+        return text.decode("utf-8")
+
+    def finish(self, process):
+        out = process.stdout.read()
+        return process.wait(WAIT), out.decode("utf-8")
+
+    def field(self):
+        return Field(n=300, nx=16, ny=16, size=1.5, r_psf=1.1).write(self.path("a.fits"))
+
+    def test_bar_fits_the_terminal_and_is_cleared(self):
+        path = self.field()
+        for columns in (80, 60, 30):
+            with self.subTest(columns=columns):
+                process, main = self.start("measure", path, columns=columns)
+                text = self.read(main)
+                code, out = self.finish(process)
+                self.assertEqual(code, DONE)
+                self.assertIn("300 of 300 used", out)
+                self.assertNotIn("%", out)
+                drawn = [line.replace("\x1b[K", "") for line in text.split("\r")]
+                self.assertTrue(any("%" in line and "stamps/s" in line for line in drawn), text)
+                self.assertLess(max(map(len, drawn)), columns)
+                self.assertTrue(text.endswith("\r\x1b[K"), repr(text[-40:]))
+                self.assertNotIn("\n", text)
+
+    def test_no_bar_when_quiet_or_on_a_dumb_terminal(self):
+        path = self.field()
+        for args, term in ((("--quiet",), "xterm"), ((), "dumb")):
+            with self.subTest(args=args, term=term):
+                process, main = self.start("measure", path, *args, term=term)
+                self.assertEqual(self.read(main), "")
+                self.assertEqual(self.finish(process)[0], DONE)
+
+    def test_interrupt_leaves_nothing_behind(self):
+        # Seconds of work at least: 3000 times a fine grid of 256 x 256.
+        slow = Field(n=3000, nx=16, ny=16, size=1.5, r_psf=1.1).write(self.path("a.fits"))
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(signal=number):
+                process, main = self.start("measure", slow, "--interpolation", "bilinear",
+                                           "--oversample", "16", "--catalog",
+                                           self.path("out.fits"))
+                self.read(main, until=b"%")
+                process.send_signal(number)
+                code, out = self.finish(process)
+                self.assertEqual((code, out), (OTHER, ""))
+                self.assertIn("shearctl: error:", self.read(main))
+                self.assertEqual(os.listdir(self.directory), ["a.fits"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""shearctl validate: what it says of good files and of those that are half good. Bad files are in
+test_bad_input.py."""
+import math
+import unittest
+
+from fitsfile import Field
+from tool import DONE, INPUT, PARTLY, ToolTest, shearctl
+
+KEYS = ["path", "good", "verdict", "advice", "field", "settings", "resolved", "n_measurable",
+        "flags", "negative", "lowest_pixel", "version"]
+
+
+class Validate(ToolTest):
+    def validate(self, *args):
+        answer = shearctl("validate", "--json", *args)
+        self.assertCode(answer, DONE)
+        self.assertEqual(answer.err, "")
+        (verdict,) = answer.json()
+        self.assertEqual(list(verdict), KEYS)
+        return verdict
+
+    def test_good_file_in_words(self):
+        field = Field(n=5, nx=40, ny=32)
+        field.columns = [("ID", "K", list(range(5))), ("WEIGHT", "D", [1.0] * 5)]
+        answer = shearctl("validate", field.write(self.path("a.fits")))
+        self.assertCode(answer, DONE)
+        for words in ("5 pairs of 40 x 32 pixels, a cube of 32-bit floats",
+                      "one for all stamps, 40 x 40 samples",
+                      "ID, WEIGHT", "g1 +0.03, g2 -0.02", "interpolation none, R_PSF 1.5",
+                      "good       would measure 5 of 5 stamps"):
+            self.assertIn(words, answer.out)
+
+    def test_good_file_in_json(self):
+        verdict = self.validate(Field(n=5).write(self.path("a.fits")), "--filter", "edge")
+        self.assertIs(verdict["good"], True)
+        self.assertEqual(verdict["n_measurable"], 5)
+        self.assertEqual(verdict["field"]["n_stamps"], 5)
+        self.assertEqual((verdict["field"]["nx"], verdict["field"]["layout"],
+                          verdict["field"]["bitpix"]),
+                         (48, "cube", -32))
+        self.assertEqual(verdict["resolved"]["filter"], "edge")
+        self.assertEqual(verdict["settings"]["filter"], "edge")
+        self.assertTrue(all(f == {"count": 0, "first": []} for f in verdict["flags"].values()))
+
+    def test_flags_agree_with_measure(self):
+        field = Field(n=30, nx=16, ny=16, size=1.5, r_psf=1.1)
+        for i in range(10, 20):
+            field.galaxy[i][i] = math.nan
+        field.galaxy[5] = [0.0] * 256
+        field.noise[6][0] = -math.inf
+        field.columns = [("FLAGS", "J", [int(i in (7, 11)) for i in range(30)]),
+                         ("WEIGHT", "D", [math.nan if i == 8 else 1.0 for i in range(30)]),
+                         ("R_GAL", "D", [0.0 if i == 9 else 1.5 for i in range(30)])]
+        path = field.write(self.path("a.fits"))
+        for args in ((), ("--filter", "none")):
+            with self.subTest(args=args):
+                verdict = self.validate(path, *args)
+                result = self.measure_one(path, *args)
+                self.assertEqual({k: f["count"] for k, f in verdict["flags"].items()},
+                                 result["flags"])
+                self.assertEqual(verdict["n_measurable"], result["n_used"])
+                self.assertEqual(verdict["resolved"], result["resolved"])
+        flags = self.validate(path)["flags"]
+        self.assertEqual(flags["galaxy_not_finite"], {"count": 10, "first": list(range(10, 18))})
+        self.assertEqual(flags["masked"], {"count": 2, "first": [7, 11]})
+        self.assertEqual(flags["bad_r_gal"], {"count": 1, "first": [9]})
+        text = shearctl("validate", path).out
+        self.assertIn("10 galaxy_not_finite", text)
+        self.assertIn("stamps 10, 11, 12, 13, 14, 15, 16, 17, ...", text)
+
+    def test_blank_pixels(self):
+        field = Field(n=4, nx=16, ny=16, size=1.5, r_psf=1.1)
+        field.bitpix, field.blank = 16, -32768
+        field.galaxy[1][20] = field.noise[2][30] = math.nan
+        path = field.write(self.path("a.fits"))
+        verdict = self.validate(path)
+        self.assertEqual(verdict["flags"]["galaxy_not_finite"], {"count": 1, "first": [1]})
+        self.assertEqual(verdict["flags"]["noise_not_finite"], {"count": 1, "first": [2]})
+        self.assertEqual(verdict["field"]["bitpix"], 16)
+        self.assertEqual(self.measure_one(path)["n_used"], 2)
+
+    def test_psfs_chosen_by_id(self):
+        field = Field(n=6, nx=16, ny=16, size=1.5, r_psf=1.1)
+        field.columns = [("PSF_ID", "J", [0, 1, 2, 0, 1, 5])]
+        nan = [math.nan] * 256
+        field.psf_cube = [field.psf, nan, field.psf]
+        path = field.write(self.path("a.fits"))
+        verdict = self.validate(path)
+        result = self.measure_one(path)
+        self.assertEqual(verdict["flags"]["psf_unusable"], {"count": 3, "first": [1, 4, 5]})
+        self.assertEqual(result["flags"]["psf_unusable"], 3)
+        self.assertEqual((verdict["n_measurable"], result["n_used"]), (3, 3))
+        self.assertEqual((verdict["field"]["psf_layout"], verdict["field"]["n_psf"]), ("by_id", 3))
+
+    def test_too_few_stamps(self):
+        field = Field(n=3)
+        field.columns = [("FLAGS", "J", [1, 0, 1])]
+        answer = shearctl("validate", field.write(self.path("a.fits")))
+        self.assertCode(answer, INPUT)
+        self.assertIn("only 1 of 3 stamps could be measured", answer.out)
+
+    def test_masked_stamps_may_be_negative_under_a_log(self):
+        field = Field(n=4)
+        field.galaxy[2][0] = -5.0
+        field.columns = [("FLAGS", "J", [0, 0, 1, 0])]
+        path = field.write(self.path("a.fits"))
+        args = ("--interpolation", "log-bilinear", "--oversample", 2)
+        verdict = self.validate(path, *args)
+        self.assertEqual((verdict["negative"]["count"], verdict["n_measurable"]), (0, 3))
+        self.assertEqual(verdict["lowest_pixel"], -5.0)
+        self.assertEqual(self.measure_one(path, *args)["n_used"], 3)
+
+    def test_good_and_bad_files(self):
+        good = Field(n=4).write(self.path("a.fits"))
+        answer = shearctl("validate", "--json", good, self.path("none.fits"))
+        self.assertCode(answer, PARTLY)
+        self.assertEqual([v["good"] for v in answer.json()], [True, False])
+        self.assertIsNone(answer.json()[1]["field"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl's pure parts: the advice's thresholds, and the options made from the table of settings.
+ */
+#include "test.h"
+
+#include "advice.h"
+#include "settings_options.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static char text[400];
+
+static const char *filter_advice(double removed, double error, int filter) {
+    shear_result r = {.filter_removed = removed, .filter_removed_err = error};
+    shear_plan_info plan = {.filter = filter, .core_px = 20.0};
+    return advice_filter(&r, &plan, text, sizeof text);
+}
+
+static void filter_warns_above_one_percent_and_three_errors(void **state) {
+    (void)state;
+    assert_non_null(filter_advice(0.011, 0.003, SHEAR_FILTER_EDGE));
+    assert_non_null(strstr(text, "1.1 %"));
+    assert_non_null(strstr(text, "--core larger than 20 px"));
+    assert_null(filter_advice(0.009, 0.0, SHEAR_FILTER_EDGE));
+    assert_null(filter_advice(0.011, 0.004, SHEAR_FILTER_EDGE));
+    assert_null(filter_advice(0.5, 0.0, SHEAR_FILTER_NONE));
+    assert_null(filter_advice(NAN, NAN, SHEAR_FILTER_EDGE));
+}
+
+/* 10 x 10 px and a mean flux of 100: 2 % of the flux is 0.02 a pixel. */
+static shear_plan_info small_plan(int filter) {
+    return (shear_plan_info){.geometry = {.nx = 10, .ny = 10}, .filter = filter};
+}
+
+static const char *bright_advice(double excess, double error, int filter) {
+    shear_result r = {.border_excess = excess, .border_excess_err = error, .mean_flux = 100.0};
+    shear_plan_info plan = small_plan(filter);
+    return advice_bright_border(&r, &plan, text, sizeof text);
+}
+
+static void bright_border_warns(void **state) {
+    (void)state;
+    assert_non_null(bright_advice(0.021, 0.005, SHEAR_FILTER_NONE));
+    assert_non_null(strstr(text, "--filter edge"));
+    assert_null(bright_advice(0.019, 0.0, SHEAR_FILTER_NONE));
+    assert_null(bright_advice(0.021, 0.006, SHEAR_FILTER_NONE));
+    assert_null(bright_advice(-1.0, 0.0, SHEAR_FILTER_NONE));
+    assert_null(bright_advice(1.0, 0.0, SHEAR_FILTER_EDGE));
+}
+
+static const char *rough_advice(double rough, double error, double noise, int filter) {
+    shear_result r = {.border_rough = rough,
+                      .border_rough_err = error,
+                      .border_noise_var = noise,
+                      .mean_flux = 100.0};
+    shear_plan_info plan = small_plan(filter);
+    return advice_rough_border(&r, &plan, text, sizeof text);
+}
+
+static void rough_border_warns(void **state) {
+    (void)state;
+    /* rms 0.021 a pixel: variance 4.41e-4 */
+    assert_non_null(rough_advice(4.41e-4, 1e-4, 0.0, SHEAR_FILTER_NONE));
+    assert_non_null(strstr(text, "rougher"));
+    assert_null(rough_advice(3.61e-4, 1e-6, 0.0, SHEAR_FILTER_NONE));
+    assert_null(rough_advice(4.41e-4, 1.2e-4, 0.0, SHEAR_FILTER_NONE));
+    assert_non_null(rough_advice(0.06, 0.01, 1.0, SHEAR_FILTER_NONE));
+    assert_null(rough_advice(0.04, 0.001, 1.0, SHEAR_FILTER_NONE));
+    assert_null(rough_advice(-0.5, 0.0, 1.0, SHEAR_FILTER_NONE));
+    assert_null(rough_advice(0.06, 0.01, 1.0, SHEAR_FILTER_EDGE));
+}
+
+/* Some value of a setting that is not its default. */
+static const char *other_value(const shear_setting_def *def, char *buf, size_t size) {
+    if (def->type == SHEAR_T_CHOICE) {
+        snprintf(buf, size, "%s", def->choices[1]);
+    } else {
+        snprintf(buf, size, "%g",
+                 def->type == SHEAR_T_INT ? 4.0 : fmin(def->max, fmax(def->min, 0.5)));
+    }
+    return buf;
+}
+
+static void every_setting_is_an_option(void **state) {
+    (void)state;
+    struct option options[SETTINGS_OPTIONS_MAX + 1];
+    size_t n = settings_options_fill(options, SETTINGS_OPTIONS_MAX + 1);
+    size_t n_settings = 0;
+    const shear_setting_def *table = shear_settings_table(&n_settings);
+    size_t at = 0;
+    for (size_t i = 0; i < n_settings; i++) {
+        shear_settings s;
+        char value[64];
+        char got[64];
+        bool is_bool = table[i].type == SHEAR_T_BOOL;
+        shear_settings_init(&s);
+        assert_string_equal(options[at].name, table[i].name);
+        assert_int_equal(options[at].has_arg, is_bool ? no_argument : required_argument);
+        assert_true(settings_options_is(options[at].val));
+        if (is_bool) {
+            char no[64];
+            snprintf(no, sizeof no, "no-%s", table[i].name);
+            assert_string_equal(options[at + 1].name, no);
+            assert_int_equal(settings_options_handle(options[at + 1].val, NULL, &s, NULL),
+                             SHEAR_OK);
+            assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), "false");
+            assert_int_equal(settings_options_handle(options[at].val, NULL, &s, NULL), SHEAR_OK);
+            assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), "true");
+        } else {
+            other_value(&table[i], value, sizeof value);
+            assert_int_equal(settings_options_handle(options[at].val, value, &s, NULL), SHEAR_OK);
+            assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), value);
+        }
+        at += is_bool ? 2 : 1;
+    }
+    assert_int_equal(at, n);
+    assert_null(options[n].name);
+}
+
+static void other_values_are_no_settings(void **state) {
+    (void)state;
+    assert_false(settings_options_is('?'));
+    assert_false(settings_options_is(':'));
+    assert_false(settings_options_is(SETTINGS_OPTION_FIRST - 1));
+    assert_false(settings_options_is(SETTINGS_OPTION_FIRST + 2 * SETTINGS_OPTIONS_MAX));
+}
+
+static void little_room_is_not_overrun(void **state) {
+    (void)state;
+    struct option options[6];
+    memset(options, 0x55, sizeof options);
+    size_t n = settings_options_fill(options, 5);
+    assert_true(n < 5);
+    assert_null(options[n].name);
+    assert_int_equal(options[5].val, 0x55555555);
+}
+
+/* Every line of the help fits a terminal, and has name, default and help of every setting. */
+static void help_has_everything(void **state) {
+    (void)state;
+    char *help = NULL;
+    size_t size = 0;
+    size_t n = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    FILE *out = open_memstream(&help, &size);
+    assert_non_null(out);
+    settings_options_help(out);
+    fclose(out);
+    for (size_t i = 0; i < n; i++) {
+        char flag[64];
+        snprintf(flag, sizeof flag, "  --%s", table[i].name);
+        assert_non_null(strstr(help, flag));
+    }
+    for (const char *line = help; *line; line += strcspn(line, "\n") + 1) {
+        assert_true(strcspn(line, "\n") < 80);
+    }
+    free(help);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(filter_warns_above_one_percent_and_three_errors),
+        cmocka_unit_test(bright_border_warns),
+        cmocka_unit_test(rough_border_warns),
+        cmocka_unit_test(every_setting_is_an_option),
+        cmocka_unit_test(other_values_are_no_settings),
+        cmocka_unit_test(little_room_is_not_overrun),
+        cmocka_unit_test(help_has_everything),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
