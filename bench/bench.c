@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear-bench: microseconds a stamp pair, beside two plain FFTW r2c transforms of the same fine size (F) in the same run.
- * The two are timed in turns (A B A B ...) and their medians compared, so that the machine's noise cancels. */
+/* shear-bench: microseconds a stamp pair, beside two plain FFTW r2c transforms of the same fine
+ * size (F) in the same run. The two are timed in turns (A B A B ...) and their medians compared, so
+ * that the machine's noise cancels. */
 #include "cases.h"
 #include "floor.h"
 
@@ -13,22 +14,19 @@
 enum { MAX_ROUNDS = 1001 };
 static const double round_seconds = 0.02; /* the shortest a timing may be */
 
-static double now_us(void)
-{
+static double now_us(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
 }
 
-static int compare(const void *a, const void *b)
-{
+static int compare(const void *a, const void *b) {
     const double x = *(const double *)a;
     const double y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
-static double median(double *values, int n)
-{
+static double median(double *values, int n) {
     qsort(values, (size_t)n, sizeof *values, compare);
     return values[n / 2];
 }
@@ -37,8 +35,7 @@ typedef struct timing {
     double pair_us, floor_us, ratio;
 } timing;
 
-static void time_pairs(const bench_data *d, shear_workspace *ws, double *us)
-{
+static void time_pairs(const bench_data *d, shear_workspace *ws, double *us) {
     const double start = now_us();
     shear_error err;
     if (shear_measure_range(d->plan, ws, &d->stamps, 0, d->count, d->rows, &err) != SHEAR_OK) {
@@ -48,8 +45,7 @@ static void time_pairs(const bench_data *d, shear_workspace *ws, double *us)
     *us = (now_us() - start) / d->count;
 }
 
-static void time_floor(floor_transform *f, int repeats, double *us)
-{
+static void time_floor(floor_transform *f, int repeats, double *us) {
     const double start = now_us();
     for (int i = 0; i < repeats; i++) {
         floor_run(f);
@@ -57,8 +53,7 @@ static void time_floor(floor_transform *f, int repeats, double *us)
     *us = (now_us() - start) / repeats;
 }
 
-static int time_case(const bench_case *c, int rounds, timing *out)
-{
+static int time_case(const bench_case *c, int rounds, timing *out) {
     static double pair[MAX_ROUNDS];
     static double plain[MAX_ROUNDS];
     static double ratio[MAX_ROUNDS];
@@ -93,22 +88,21 @@ static int time_case(const bench_case *c, int rounds, timing *out)
     return code;
 }
 
-static void print_row(const bench_case *c, const timing *t, bool json)
-{
+static void print_row(const bench_case *c, const timing *t, bool json) {
     /* A PSF a stamp is one more transform that anyone would compute. */
     const double transforms = c->psf_per_stamp ? 3.0 : 2.0;
     const double ratio = t->ratio * 2.0 / transforms;
     if (json) {
-        printf("{\"case\":\"%s\",\"pair_us\":%.3f,\"transforms\":%.0f,\"floor_us\":%.3f,\"ratio\":%.4f}\n", c->name,
-               t->pair_us, transforms, t->floor_us * transforms / 2.0, ratio);
+        printf("{\"case\":\"%s\",\"pair_us\":%.3f,\"transforms\":%.0f,\"floor_us\":%.3f,\"ratio\":%"
+               ".4f}\n",
+               c->name, t->pair_us, transforms, t->floor_us * transforms / 2.0, ratio);
     } else {
         printf("| %-28s | %9.1f | %.0f | %9.1f | %5.2f |\n", c->name, t->pair_us, transforms,
                t->floor_us * transforms / 2.0, ratio);
     }
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
     bool json = false;
     int rounds = 21;
     for (int i = 1; i < argc; i++) {
@@ -126,7 +120,8 @@ int main(int argc, char **argv)
         return 2;
     }
     if (!json) {
-        printf("| case, one thread              | us a pair | transforms | us for them | ratio |\n");
+        printf(
+            "| case, one thread              | us a pair | transforms | us for them | ratio |\n");
         printf("|---|---|---|---|---|\n");
     }
     for (int i = 0; i < bench_n_cases; i++) {

@@ -15,25 +15,24 @@ const bench_case bench_cases[] = {
 };
 const int bench_n_cases = sizeof bench_cases / sizeof bench_cases[0];
 
-static double uniform(uint32_t *state)
-{
+static double uniform(uint32_t *state) {
     *state = *state * 1664525u + 1013904223u;
     return (double)(*state >> 8) / 16777216.0;
 }
 
-static void draw(double *out, int n, double sigma, double amplitude, double background, uint32_t *seed)
-{
+static void draw(double *out, int n, double sigma, double amplitude, double background,
+                 uint32_t *seed) {
     const double centre = 0.5 * (n - 1);
     for (int y = 0; y < n; y++) {
         for (int x = 0; x < n; x++) {
             const double r2 = (x - centre) * (x - centre) + (y - centre) * (y - centre);
-            out[y * n + x] = amplitude * exp(-0.5 * r2 / (sigma * sigma)) + background * (1.0 + 0.1 * uniform(seed));
+            out[y * n + x] = amplitude * exp(-0.5 * r2 / (sigma * sigma)) +
+                             background * (1.0 + 0.1 * uniform(seed));
         }
     }
 }
 
-static int allocate(bench_data *d, int side, int psf_side, int n_psf, shear_error *err)
-{
+static int allocate(bench_data *d, int side, int psf_side, int n_psf, shear_error *err) {
     const size_t pixels = (size_t)side * (size_t)side;
     const size_t count = (size_t)d->count;
     d->galaxy = malloc(count * pixels * sizeof(double));
@@ -41,14 +40,14 @@ static int allocate(bench_data *d, int side, int psf_side, int n_psf, shear_erro
     d->psf = malloc((size_t)n_psf * (size_t)psf_side * (size_t)psf_side * sizeof(double));
     d->psf_index = malloc(count * sizeof(int32_t));
     d->rows = malloc(count * sizeof(shear_row));
-    if (d->galaxy == NULL || d->noise == NULL || d->psf == NULL || d->psf_index == NULL || d->rows == NULL) {
+    if (d->galaxy == NULL || d->noise == NULL || d->psf == NULL || d->psf_index == NULL ||
+        d->rows == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d stamps", d->count);
     }
     return SHEAR_OK;
 }
 
-int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *err)
-{
+int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *err) {
     const int psf_side = c->side;
     const int n_psf = c->psf_per_stamp ? count : 1;
     const size_t pixels = (size_t)c->side * (size_t)c->side;
@@ -59,7 +58,8 @@ int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *e
         return code;
     }
     for (int i = 0; i < count; i++) {
-        draw(d->galaxy + (size_t)i * pixels, c->side, hypot(c->r_gal_px / 2, c->r_psf_px), 10.0, 1.0, &seed);
+        draw(d->galaxy + (size_t)i * pixels, c->side, hypot(c->r_gal_px / 2, c->r_psf_px), 10.0,
+             1.0, &seed);
         draw(d->noise + (size_t)i * pixels, c->side, 1.0, 0.0, 1.0, &seed);
         d->psf_index[i] = c->psf_per_stamp ? i : 0;
     }
@@ -74,7 +74,8 @@ int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *e
     /* The paper's filter, at the beta that the plan will choose. */
     settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
     if (code == SHEAR_OK) {
-        code = shear_plan_new(&d->plan, &settings, &g, c->psf_per_stamp ? NULL : d->psf, c->r_psf_px, false, err);
+        code = shear_plan_new(&d->plan, &settings, &g, c->psf_per_stamp ? NULL : d->psf,
+                              c->r_psf_px, false, err);
     }
     d->stamps = (shear_stamps){.count = count,
                                .nx = c->side,
@@ -87,8 +88,7 @@ int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *e
     return code;
 }
 
-void bench_data_free(bench_data *d)
-{
+void bench_data_free(bench_data *d) {
     shear_plan_free(d->plan);
     free(d->galaxy);
     free(d->noise);

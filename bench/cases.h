@@ -9,9 +9,9 @@
 
 typedef struct bench_case {
     const char *name;
-    int side;                  /* stamp, px */
+    int side; /* stamp, px */
     const char *interpolation;
-    int oversample;            /* s; 1 for none */
+    int oversample; /* s; 1 for none */
     double r_psf_px, r_gal_px;
     bool psf_per_stamp;
 } bench_case;
@@ -19,7 +19,8 @@ typedef struct bench_case {
 extern const bench_case bench_cases[];
 extern const int bench_n_cases;
 
-/* Stamps of a case, drawn once: pairs of smooth galaxies with white noise on a background, all pixels positive. */
+/* Stamps of a case, drawn once: pairs of smooth galaxies with white noise on a background, all
+ * pixels positive. */
 typedef struct bench_data {
     int count;
     shear_plan *plan;

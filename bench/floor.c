@@ -10,8 +10,7 @@ struct floor_transform {
     fftw_plan plan;
 };
 
-floor_transform *floor_new(int nx, int ny)
-{
+floor_transform *floor_new(int nx, int ny) {
     const size_t pixels = (size_t)nx * (size_t)ny;
     floor_transform *f = calloc(1, sizeof *f);
     if (f == NULL) {
@@ -32,8 +31,7 @@ floor_transform *floor_new(int nx, int ny)
     return f;
 }
 
-void floor_free(floor_transform *f)
-{
+void floor_free(floor_transform *f) {
     if (f == NULL) {
         return;
     }
@@ -47,8 +45,7 @@ void floor_free(floor_transform *f)
     free(f);
 }
 
-void floor_run(floor_transform *f)
-{
+void floor_run(floor_transform *f) {
     fftw_execute_dft_r2c(f->plan, f->in[0], f->out[0]);
     fftw_execute_dft_r2c(f->plan, f->in[1], f->out[1]);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bench/floor.h: the floor F(M): two plain FFTW r2c transforms (double, FFTW_MEASURE, one thread) of the fine nx x ny grid, one
- * for the galaxy and one for the noise. What anyone would compute first. */
+/* bench/floor.h: the floor F(M): two plain FFTW r2c transforms (double, FFTW_MEASURE, one thread)
+ * of the fine nx x ny grid, one for the galaxy and one for the noise. What anyone would compute
+ * first. */
 #ifndef BENCH_FLOOR_H
 #define BENCH_FLOOR_H
 

@@ -9,6 +9,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { OPT_OUT = 256, OPT_STAMP, OPT_STAMPS, OPT_FORCE };
 
@@ -165,12 +166,23 @@ static int draw(shear_figure **figure, const struct plot_command *c) {
     return measure_failure_of(err.code, false);
 }
 
+/* --force must not cost the user his data. */
+static bool is_input(const char *out, const char *path) {
+    struct stat a;
+    struct stat b;
+    return stat(out, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev &&
+           a.st_ino == b.st_ino;
+}
+
 static int save(shear_figure *figure, const struct plot_command *c) {
     shear_error err = {0};
     char *out = c->out ? strdup(c->out) : default_output(c->path);
     int code = EXIT_CODE_OTHER;
     if (!out) {
         message_fail(NULL, "out of memory");
+    } else if (is_input(out, c->path)) {
+        message_fail("-o names another file", "%s is the input itself", out);
+        code = EXIT_CODE_USAGE;
     } else if (shear_figure_save(figure, out, c->force, &err)) {
         if (err.code == SHEAR_E_EXISTS) {
             message_fail("--force replaces it, -o names another", "%s", err.message);

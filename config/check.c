@@ -4,26 +4,22 @@
 
 #include <string.h>
 
-/* Report it where the later of two settings was written: the one that somebody chose. */
-static int contradiction(const sheard_config *config, sheard_problems *problems, const char *a,
-                         const char *b, const shear_error *error) {
-    char section[32];
-    char where[sizeof problems->kept[0].where];
-    size_t best = 0;
-    int best_line = -2;
-    const char *names[] = {a, b};
-    for (int i = 0; i < 2; i++) {
-        const char *dot = strchr(names[i], '.');
-        snprintf(section, sizeof section, "%.*s", (int)(dot - names[i]), names[i]);
-        size_t index = (size_t)sheard_setting_find(section, dot + 1);
-        int line = config->lines[index];
-        int rank = line < 0 ? INT32_MAX : line;
-        if (rank > best_line) {
-            best = index;
-            best_line = rank;
-        }
+static size_t at(const char *section, const char *key) {
+    return (size_t)sheard_setting_find(section, key);
+}
+
+/* Of two settings the one that was written later, and so probably is the wrong one. */
+static size_t later(const sheard_config *c, size_t a, size_t b) {
+    if (c->lines[a] == ORIGIN_COMMAND_LINE) {
+        return a;
     }
-    return problems_add(problems, config_where(config, best, where, sizeof where), error);
+    return c->lines[b] == ORIGIN_COMMAND_LINE || c->lines[b] > c->lines[a] ? b : a;
+}
+
+static void report(const sheard_config *c, size_t index, const shear_error *error,
+                   sheard_problems *problems) {
+    char where[sizeof problems->kept[0].where];
+    (void)problems_add(problems, config_where(c, index, where, sizeof where), error);
 }
 
 /* Whether path a is b or beneath it; both are tidy. */
@@ -35,28 +31,29 @@ static bool is_within(const char *a, const char *b) {
     return strncmp(a, b, n) == 0 && (a[n] == '\0' || a[n] == '/');
 }
 
-static void check_outside_spool(const sheard_config *c, const char *name, const char *path,
-                                sheard_problems *problems) {
+static void check_outside_spool(const sheard_config *c, const char *section, const char *key,
+                                const char *path, sheard_problems *problems) {
     shear_error error;
     if (c->spool.enabled && is_within(path, c->spool.directory)) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "choose a directory outside the watch folder",
-                         "%s %.180s is within spool.directory %.180s", name, path,
+                         "%s.%s %.180s is within spool.directory %.180s", section, key, path,
                          c->spool.directory);
-        (void)contradiction(c, problems, name, "spool.directory", &error);
+        report(c, later(c, at(section, key), at("spool", "directory")), &error, problems);
     }
 }
 
 static void check_directories(const sheard_config *c, sheard_problems *problems) {
     shear_error error;
-    check_outside_spool(c, "daemon.state_dir", c->daemon.state_dir, problems);
+    check_outside_spool(c, "daemon", "state_dir", c->daemon.state_dir, problems);
     if (!c->catalogues.enabled) {
         return;
     }
-    check_outside_spool(c, "catalogues.directory", c->catalogues.directory, problems);
+    check_outside_spool(c, "catalogues", "directory", c->catalogues.directory, problems);
     if (strcmp(c->catalogues.directory, c->daemon.state_dir) == 0) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "a directory within it will do",
                          "catalogues.directory is daemon.state_dir itself");
-        (void)contradiction(c, problems, "daemon.state_dir", "catalogues.directory", &error);
+        report(c, later(c, at("daemon", "state_dir"), at("catalogues", "directory")), &error,
+               problems);
     }
 }
 
@@ -68,29 +65,30 @@ static void check_numbers(const sheard_config *c, sheard_problems *problems) {
     if (c->retry.first_delay_ms > c->retry.max_delay_ms) {
         (void)shear_fail(&error, SHEAR_E_SETTING, NULL,
                          "retry.first_delay is longer than retry.max_delay");
-        (void)contradiction(c, problems, "retry.first_delay", "retry.max_delay", &error);
+        report(c, later(c, at("retry", "first_delay"), at("retry", "max_delay")), &error, problems);
     }
     if (c->reader.shared_memory_bytes > c->reader.memory_bytes - READER_OWN_BYTES) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "raise memory or lower shared_memory",
                          "reader.memory does not hold reader.shared_memory and the 48M of the "
                          "reader itself");
-        (void)contradiction(c, problems, "reader.memory", "reader.shared_memory", &error);
+        report(c, later(c, at("reader", "memory"), at("reader", "shared_memory")), &error,
+               problems);
     }
 }
 
 static void check_measure(const sheard_config *c, sheard_problems *problems) {
     shear_error error;
-    char where[sizeof problems->kept[0].where];
-    size_t best = (size_t)sheard_setting_find("measure", "interpolation");
     if (shear_settings_check(&c->measure, &error) == SHEAR_OK) {
         return;
     }
-    for (size_t i = best; i < sheard_settings_count(); i++) {
-        bool later = c->lines[i] == ORIGIN_COMMAND_LINE || c->lines[i] > c->lines[best];
-        best = later && c->lines[best] != ORIGIN_COMMAND_LINE ? i : best;
+    size_t latest = at("measure", "interpolation");
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        if (sheard_setting_at(i).type == SHEARD_T_MEASURE) {
+            latest = later(c, latest, i);
+        }
     }
     (void)shear_prefix(&error, error.code, "[measure]");
-    (void)problems_add(problems, config_where(c, best, where, sizeof where), &error);
+    report(c, latest, &error, problems);
 }
 
 int sheard_config_check(const sheard_config *config, sheard_problems *problems) {

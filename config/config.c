@@ -22,7 +22,8 @@ static void replace(sheard_config *config, const sheard_setting *s, const union 
 static int set_index(sheard_config *config, size_t index, const char *text, shear_error *err) {
     sheard_setting s = sheard_setting_at(index);
     if (s.type == SHEARD_T_MEASURE) {
-        return shear_settings_set(&config->measure, s.key, text, err);
+        int code = shear_settings_set(&config->measure, s.key, text, err);
+        return code == SHEAR_OK ? code : shear_prefix(err, code, "[measure]");
     }
     union value value = {0};
     int code = value_parse(&s, text, &value, err);
@@ -36,7 +37,7 @@ int config_set_at(sheard_config *config, size_t index, const char *text, int lin
                   shear_error *err) {
     int code = set_index(config, index, text, err);
     if (code != SHEAR_OK) {
-        return shear_prefix(err, code, "[%s]", sheard_setting_at(index).section);
+        return code;
     }
     config->lines[index] = line;
     return SHEAR_OK;

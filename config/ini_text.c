@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* inih asks for lines and calls back with values; it tells neither lines nor sections, and only the first bad line. So the
- * lines are looked at on their way in (next_line), and what a line should have caused is compared with what it did. */
+/* inih asks for lines and calls back with values; it tells neither lines nor sections, and only the
+ * first bad line. So the lines are looked at on their way in (next_line), and what a line should
+ * have caused is compared with what it did. */
 #include "ini_text.h"
 
 #include <ctype.h>
@@ -55,11 +56,12 @@ static bool has_control(const char *p, size_t n) {
 static void take_section(struct reader *r, const char *p, size_t n) {
     char name[64];
     const char *close = memchr(p, ']', n);
-    size_t length = close != NULL ? (size_t)(close - p) - 1 : n - 1;
-    while (length > 0 && is_blank(p[length])) {
-        length--;
+    const char *first = p + 1 + leading_blanks(p + 1, n - 1);
+    const char *last = close != NULL ? close : p + n;
+    while (last > first && is_blank(last[-1])) {
+        last--;
     }
-    snprintf(name, sizeof name, "%.*s", (int)length, p + 1);
+    snprintf(name, sizeof name, "%.*s", (int)(last - first), first);
     if (close == NULL) {
         fault(r, "write [section]", "this section has no ']'");
     } else {
@@ -79,7 +81,8 @@ enum kind { LINE_EMPTY, LINE_SECTION, LINE_VALUE };
 static enum kind look(struct reader *r, const char *p, size_t n, size_t most) {
     size_t i = leading_blanks(p, n);
     r->indented = i > 0;
-    if (i == n || p[i] == '#' || p[i] == ';') {
+    bool empty = i == n || p[i] == '#' || p[i] == ';';
+    if (empty && memchr(p, '\0', n) == NULL) {
         return LINE_EMPTY;
     }
     if (has_control(p, n)) {
@@ -87,7 +90,7 @@ static enum kind look(struct reader *r, const char *p, size_t n, size_t most) {
         return LINE_EMPTY;
     }
     if (n > most) {
-        char message[80];
+        char message[96];
         snprintf(message, sizeof message, "this line has %zu bytes; at most %zu are possible", n,
                  most);
         fault(r, "a list may go on in further lines that begin with a space", message);
@@ -175,7 +178,6 @@ int ini_text_read(const char *text, size_t size, const struct ini_events *events
     size_t skip = size >= 3 && memcmp(text, mark, 3) == 0 ? 3 : 0;
     struct reader r = {.at = text + skip, .end = text + size, .events = events};
     int code = ini_parse_stream(next_line, &r, take_value, &r);
-    settle(&r); /* r.line is still the last one */
     if (code == -2) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for reading the configuration");
     }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* ini_text.h: INI text as events. Only its source sees ini.h.
  *
- * What inih would pass over in silence or chop is a fault here: control characters, lines too long for it, text
- * behind a section's bracket, lines without '='. A line that begins with white space goes on with the value of the key
- * above it. ' ;' begins a comment behind a value, ';' and '#' at the beginning of a line. Comments may be of any
- * length. A byte order mark is passed over.
+ * What inih would pass over in silence or chop is a fault here: control characters, lines too long
+ * for it, text behind a section's bracket, lines without '='. A line that begins with white space
+ * goes on with the value of the key above it. ' ;' begins a comment behind a value, ';' and '#' at
+ * the beginning of a line. Comments may be of any length. A byte order mark is passed over.
  */
 #ifndef CONFIG_INI_TEXT_H
 #define CONFIG_INI_TEXT_H

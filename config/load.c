@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The file's values into a config. A value may have further lines, so that it is set when the next one begins. */
+/* The file's values into a config. A value may have further lines, so that it is set when the next
+ * one begins. */
 #include "sheard/config.h"
 
 #include "file.h"
@@ -15,7 +16,7 @@ struct loader {
     const char *path;
     char section[64];
     bool has_section, known_section;
-    bool holds;   /* a value of setting `index`, from line `line`, is in `text` */
+    bool holds; /* a value of setting `index`, from line `line`, is in `text` */
     size_t index;
     int line;
     char *text; /* owned; further lines are separated by '\n' */
@@ -38,8 +39,7 @@ static void on_fault(void *context, int line, const char *advice, const char *me
 /* Set the value that is held. */
 static void flush(struct loader *l) {
     shear_error error;
-    if (l->holds &&
-        config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK) {
+    if (l->holds && config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK) {
         problem(l, l->line, &error);
     }
     free(l->text);
@@ -75,7 +75,8 @@ static void continue_value(struct loader *l, int line, const char *value) {
     }
     if (!is_list(l->index)) {
         char message[160];
-        snprintf(message, sizeof message, "this line begins with a space and so goes on with '%s' of line %d",
+        snprintf(message, sizeof message,
+                 "this line begins with a space and so goes on with '%s' of line %d",
                  sheard_setting_at(l->index).key, l->line);
         on_fault(l, line, "take away the space; only lists go on in further lines", message);
         return;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Numbers: integers, bytes, durations and modes. A number is digits and, for bytes and durations, a unit. */
+/* Numbers: integers, bytes, durations and modes. A number is digits and, for bytes and durations, a
+ * unit. */
 #include "value.h"
 
 #include <inttypes.h>
@@ -11,9 +12,12 @@ struct unit {
 };
 
 /* Largest first, as number_format needs them. */
-static const struct unit byte_units[] = {{"T", INT64_C(1) << 40}, {"G", INT64_C(1) << 30},
-                                         {"M", INT64_C(1) << 20}, {"K", INT64_C(1) << 10},
-                                         {"", 1},                 {NULL, 0}};
+static const struct unit byte_units[] = {{"T", INT64_C(1) << 40},
+                                         {"G", INT64_C(1) << 30},
+                                         {"M", INT64_C(1) << 20},
+                                         {"K", INT64_C(1) << 10},
+                                         {"", 1},
+                                         {NULL, 0}};
 static const struct unit time_units[] = {{"d", 86400000}, {"h", 3600000}, {"min", 60000},
                                          {"s", 1000},     {"ms", 1},      {NULL, 0}};
 static const struct unit no_units[] = {{"", 1}, {NULL, 0}};
@@ -25,8 +29,8 @@ static const struct unit *units_of(const sheard_setting *s) {
     return s->type == SHEARD_T_DURATION ? time_units : no_units;
 }
 
-/* Digits of a number in `base` at *text, which moves behind them. False where there are none; a number
- * beyond int64 becomes INT64_MAX, which is out of every setting's range. */
+/* Digits of a number in `base` at *text, which moves behind them. False where there are none; a
+ * number beyond int64 becomes INT64_MAX, which is out of every setting's range. */
 static bool take_digits(const char **text, int base, int64_t *number) {
     const char *p = *text;
     int64_t n = 0;
@@ -101,8 +105,8 @@ char *number_expected(const sheard_setting *s, char *buf, size_t size) {
     char high[32];
     sheard_setting plain = *s; /* its bounds are never the word */
     plain.word = NULL;
-    snprintf(buf, size, "%s from %s to %s%s%s", noun(s),
-             number_format(&plain, s->min, low, sizeof low),
+    snprintf(buf, size, "%s%s%s from %s to %s%s%s", noun(s), s->unit != NULL ? " of " : "",
+             s->unit != NULL ? s->unit : "", number_format(&plain, s->min, low, sizeof low),
              number_format(&plain, s->max, high, sizeof high), s->word != NULL ? ", or " : "",
              s->word != NULL ? s->word : "");
     return buf;
@@ -116,8 +120,8 @@ int number_parse(const sheard_setting *s, const char *text, int64_t *number, she
     int64_t n = 0;
     char expected[128];
     if (!scan(s, text, &n) || n < s->min || n > s->max) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "%s: '%.60s' is not %s", s->key, text,
-                          number_expected(s, expected, sizeof expected));
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not %s", s->section,
+                          s->key, text, number_expected(s, expected, sizeof expected));
     }
     *number = n;
     return SHEAR_OK;

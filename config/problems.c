@@ -50,7 +50,8 @@ char *config_where(const sheard_config *config, size_t index, char *buf, size_t 
     if (line > 0) {
         return place_in_file(config->path, line, buf, size);
     }
-    snprintf(buf, size, "%s", line == ORIGIN_COMMAND_LINE ? "command line" : "default");
+    static const char *const others[] = {"default", "command line", "earlier configuration"};
+    snprintf(buf, size, "%s", others[-line]);
     return buf;
 }
 

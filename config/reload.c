@@ -41,13 +41,7 @@ static void swap_bytes(void *a, void *b, size_t n) {
     memcpy(b, &kept, n);
 }
 
-static void swap_line(sheard_config *a, sheard_config *b, size_t i) {
-    int line = a->lines[i];
-    a->lines[i] = b->lines[i];
-    b->lines[i] = line;
-}
-
-/* Exchange what may change while running. Twice is as before. */
+/* Exchange what may change while running, and where everything comes from. Twice is as before. */
 static void exchange(sheard_config *a, sheard_config *b) {
     for (size_t i = 0; i < config_n_rows; i++) {
         const sheard_setting *s = &config_rows[i];
@@ -58,18 +52,8 @@ static void exchange(sheard_config *a, sheard_config *b) {
     shear_settings measure = a->measure;
     a->measure = b->measure;
     b->measure = measure;
-}
-
-/* Places, too: of what runs on from the old file, in lines that the new file may not have, nothing is said. */
-static void exchange_origins(sheard_config *running, sheard_config *fresh) {
-    for (size_t i = 0; i < sheard_settings_count(); i++) {
-        if (!sheard_setting_at(i).at_start || sheard_config_same(running, fresh, i)) {
-            swap_line(running, fresh, i);
-        }
-    }
-    char *path = running->path;
-    running->path = fresh->path;
-    fresh->path = path;
+    swap_bytes(&a->path, &b->path, sizeof a->path);
+    swap_bytes(&a->lines, &b->lines, sizeof(int *));
 }
 
 static void warn_of_start(const sheard_config *running, const sheard_config *fresh,
@@ -85,14 +69,24 @@ static void warn_of_start(const sheard_config *running, const sheard_config *fre
     }
 }
 
+/* What runs on although its line says otherwise now. */
+static void mark_earlier(sheard_config *running, const sheard_config *fresh) {
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        if (sheard_setting_at(i).at_start && !sheard_config_same(running, fresh, i)) {
+            running->lines[i] = ORIGIN_EARLIER;
+        }
+    }
+}
+
 int sheard_config_reload(sheard_config *running, sheard_config *fresh, sheard_problems *problems) {
     exchange(running, fresh);
     int code = sheard_config_check(running, problems);
+    exchange(running, fresh);
     if (code != SHEAR_OK) {
-        exchange(running, fresh);
         return code;
     }
     warn_of_start(running, fresh, problems);
-    exchange_origins(running, fresh);
+    exchange(running, fresh);
+    mark_earlier(running, fresh);
     return SHEAR_OK;
 }

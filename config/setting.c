@@ -1,8 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table as one: the daemon's own rows, and after them the measurement's as section [measure]. */
+/* The table as one: the daemon's own rows, and after them the measurement's as section [measure].
+ */
 #include "table.h"
 
 #include <string.h>
+
+const struct section config_sections[] = {
+    {"daemon", "The process, its socket and its threads."},
+    {"spool",
+     "The watch folder: files that appear in DIRECTORY/incoming are measured, and then moved to "
+     "DIRECTORY/done or DIRECTORY/failed."},
+    {"catalogues", "One result catalogue per job, with a row per stamp."},
+    {"access",
+     "Who may do what, and which files clients may name. A client's file is only read if that "
+     "client may read it."},
+    {"limits", "Bounds that keep one client, or all of them, from taking the service down."},
+    {"reader",
+     "Bounds on the sandboxed process that reads one file. A file that needs more fails, and "
+     "nothing else does."},
+    {"retry",
+     "Jobs that failed for reasons that pass: a full disk, a file that vanished, no memory."},
+    {"retention", "How long the records of finished jobs are kept."},
+    {"measure",
+     "The measurement, for jobs that do not say otherwise. Jobs keep the settings that they were "
+     "accepted with."},
+};
+const size_t config_n_sections = sizeof config_sections / sizeof config_sections[0];
 
 size_t sheard_settings_count(void) {
     size_t n_measure = 0;

@@ -22,8 +22,8 @@ static bool has_dots(const char *path) {
     return false;
 }
 
-/* What the file's syntax could not give back: control characters, and ';' or '#' behind a space, which would
- * begin a comment there. */
+/* What the file's syntax could not give back: control characters, and ';' or '#' behind a space,
+ * which would begin a comment there. */
 static bool has_unwritable(const char *text) {
     for (const char *p = text; *p != '\0'; p++) {
         if (iscntrl((unsigned char)*p) || (*p == ' ' && (p[1] == ';' || p[1] == '#'))) {
@@ -36,23 +36,23 @@ static bool has_unwritable(const char *text) {
 static int check_path(const sheard_setting *s, const char *text, shear_error *err) {
     if (text[0] != '/') {
         return shear_fail(err, SHEAR_E_SETTING, "write the whole path, beginning with '/'",
-                          "%s: '%.200s' is not an absolute path", s->key, text);
+                          "[%s] %s: '%.200s' is not an absolute path", s->section, s->key, text);
     }
     if (strlen(text) > (size_t)s->max) {
         return shear_fail(err, SHEAR_E_SETTING, "choose a shorter path, or make a symbolic link",
-                          "%s: the path has %zu bytes; at most %d are possible", s->key,
-                          strlen(text), (int)s->max);
+                          "[%s] %s: the path has %zu bytes; at most %d are possible", s->section,
+                          s->key, strlen(text), (int)s->max);
     }
     if (has_dots(text)) {
         return shear_fail(err, SHEAR_E_SETTING, "write the path that is meant",
-                          "%s: '%.200s' has a part '.' or '..'", s->key, text);
+                          "[%s] %s: '%.200s' has a part '.' or '..'", s->section, s->key, text);
     }
     if (has_unwritable(text) || (s->type == SHEARD_T_PATHS && strchr(text, ',') != NULL)) {
         return shear_fail(
             err, SHEAR_E_SETTING, "rename it, or make a symbolic link",
-            "%s: '%.200s' has a character that cannot be written here (control characters, "
+            "[%s] %s: '%.200s' has a character that cannot be written here (control characters, "
             "' ;', ' #', commas in lists)",
-            s->key, text);
+            s->section, s->key, text);
     }
     return SHEAR_OK;
 }
@@ -72,10 +72,12 @@ static void tidy_path(char *path) {
 }
 
 static int check_name(const sheard_setting *s, const char *text, shear_error *err) {
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-$@\\";
+    static const char letters[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-$@\\";
     if (strlen(text) > (size_t)s->max || text[0] == '-' || text[strspn(text, letters)] != '\0') {
         return shear_fail(err, SHEAR_E_SETTING, NULL,
-                          "%s: '%.60s' is not the name of a user or group", s->key, text);
+                          "[%s] %s: '%.60s' is not the name of a user or group", s->section, s->key,
+                          text);
     }
     return SHEAR_OK;
 }
@@ -119,7 +121,8 @@ static int take_item(const sheard_setting *s, sheard_list *list, const char *tex
     char *item = NULL;
     int code = parse_item(s, text, n, &item, err);
     if (code == SHEAR_OK && contains(list, item)) {
-        code = shear_fail(err, SHEAR_E_SETTING, NULL, "%s: '%.200s' is listed twice", s->key, item);
+        code = shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.200s' is listed twice",
+                          s->section, s->key, item);
     }
     if (code == SHEAR_OK) {
         code = sheard_list_append(list, item, err);
@@ -165,8 +168,8 @@ static int parse_choice(const sheard_setting *s, const char *text, int *choice, 
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", s->choices[i]);
     }
-    return shear_fail(err, SHEAR_E_SETTING, NULL, "%s: '%.60s' is not one of: %s", s->key, text,
-                      known);
+    return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not one of: %s", s->section,
+                      s->key, text, known);
 }
 
 static int parse_bool(const sheard_setting *s, const char *text, bool *flag, shear_error *err) {
@@ -178,8 +181,8 @@ static int parse_bool(const sheard_setting *s, const char *text, bool *flag, she
         }
     }
     return shear_fail(err, SHEAR_E_SETTING, NULL,
-                      "%s: '%.60s' is not one of: true, false (or yes, no, on, off, 1, 0)", s->key,
-                      text);
+                      "[%s] %s: '%.60s' is not one of: true, false (or yes, no, on, off, 1, 0)",
+                      s->section, s->key, text);
 }
 
 static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode, shear_error *err) {

@@ -74,9 +74,10 @@ static void warn_roots(struct scene *scene) {
         struct stat st;
         const char *root = roots->items[i];
         if (strcmp(root, "/") == 0) {
-            problems_warn(scene->problems, where(scene, "access", "data_roots"),
-                          "name the directories that hold data",
-                          "[access] data_roots: '/' lets clients name every file that they may read");
+            problems_warn(
+                scene->problems, where(scene, "access", "data_roots"),
+                "name the directories that hold data",
+                "[access] data_roots: '/' lets clients name every file that they may read");
         } else if (stat(root, &st) != 0) {
             problems_warn(scene->problems, where(scene, "access", "data_roots"), NULL,
                           "[access] data_roots: '%s': %s", root, strerror(errno));
@@ -87,8 +88,8 @@ static void warn_roots(struct scene *scene) {
     }
 }
 
-/* Descriptors beside the clients': database, spool, log, and per active job its input, its shared memory, its
- * channel and its catalogue. */
+/* Descriptors beside the clients': database, spool, log, and per active job its input, its shared
+ * memory, its channel and its catalogue. */
 enum { OWN_DESCRIPTORS = 64, JOB_DESCRIPTORS = 6 };
 
 static void warn_descriptors(struct scene *scene) {

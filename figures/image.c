@@ -19,15 +19,31 @@ static uint32_t packed(shear_colour c) {
            (uint32_t)lround(255.0 * c.b);
 }
 
-static shear_colour pixel_colour(const shear_image *image, const shear_stretch *stretch,
-                                 double value) {
+/* The colours of an image, worked out once: far more steps than a screen can show. */
+enum { STEPS = 4096 };
+struct paint {
+    uint32_t steps[STEPS + 1]; /* brightness 0 .. 1 */
+    uint32_t negative, not_finite;
+    bool mark_negative;
+};
+
+static void paint_init(struct paint *p, const shear_image *image) {
+    for (int i = 0; i <= STEPS; i++) {
+        p->steps[i] = packed(shear_map_colour(image->map, (double)i / STEPS));
+    }
+    p->negative = packed(shear_map_negative());
+    p->not_finite = packed(image->not_finite.a > 0.0 ? image->not_finite : shear_map_not_finite());
+    p->mark_negative = image->mark_negative;
+}
+
+static uint32_t paint_of(const struct paint *p, const shear_stretch *stretch, double value) {
     if (!isfinite(value)) {
-        return image->not_finite.a > 0.0 ? image->not_finite : shear_map_not_finite();
+        return p->not_finite;
     }
-    if (image->mark_negative && value < 0.0) {
-        return shear_map_negative();
+    if (p->mark_negative && value < 0.0) {
+        return p->negative;
     }
-    return shear_map_colour(image->map, shear_stretch_apply(stretch, value));
+    return p->steps[lround(STEPS * shear_stretch_apply(stretch, value))];
 }
 
 /* The stretch with its limits found. False on failure, which is kept. */
@@ -59,20 +75,22 @@ static cairo_surface_t *surface_of(shear_figure *f, const shear_image *image,
         figure_failed(f, SHEAR_E_NOMEM, "no memory for an image");
         return NULL;
     }
+    struct paint paint;
+    paint_init(&paint, image);
     unsigned char *data = cairo_image_surface_get_data(surface);
     const ptrdiff_t stride = cairo_image_surface_get_stride(surface);
     for (int row = 0; row < image->ny; row++) {
         const double *pixels = image->pixels + (ptrdiff_t)row * image->nx;
         uint32_t *out = (uint32_t *)(void *)(data + stride * (image->ny - 1 - row));
         for (int column = 0; column < image->nx; column++) {
-            out[column] = packed(pixel_colour(image, stretch, pixels[column]));
+            out[column] = paint_of(&paint, stretch, pixels[column]);
         }
     }
     cairo_surface_mark_dirty(surface);
     return surface;
 }
 
-static void paint(shear_figure *f, cairo_surface_t *surface, int nx, int ny) {
+static void draw_surface(shear_figure *f, cairo_surface_t *surface, int nx, int ny) {
     const shear_rect r = f->axes.frame;
     const bool shrunk = r.w < nx || r.h < ny;
     cairo_save(f->cr);
@@ -157,7 +175,7 @@ void shear_image_begin(shear_figure *figure, const shear_image *image) {
     if (!surface) {
         return;
     }
-    paint(figure, surface, image->nx, image->ny);
+    draw_surface(figure, surface, image->nx, image->ny);
     cairo_surface_destroy(surface);
     if (image->colour_bar) {
         draw_bar(figure, image, &stretch);

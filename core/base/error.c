@@ -18,14 +18,12 @@ static const char *const code_names[] = {
     [SHEAR_E_INTERNAL] = "internal",
 };
 
-const char *shear_code_name(int code)
-{
+const char *shear_code_name(int code) {
     const int n = (int)(sizeof code_names / sizeof code_names[0]);
     return code >= 0 && code < n ? code_names[code] : "unknown";
 }
 
-int shear_fail(shear_error *err, int code, const char *advice, const char *format, ...)
-{
+int shear_fail(shear_error *err, int code, const char *advice, const char *format, ...) {
     if (err == NULL) {
         return code;
     }
@@ -38,8 +36,7 @@ int shear_fail(shear_error *err, int code, const char *advice, const char *forma
     return code;
 }
 
-int shear_prefix(shear_error *err, int code, const char *format, ...)
-{
+int shear_prefix(shear_error *err, int code, const char *format, ...) {
     if (err == NULL) {
         return code;
     }

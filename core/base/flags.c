@@ -11,18 +11,17 @@ static const struct {
     {"noise_not_finite", "NaN, infinite or BLANK pixels in the noise stamp"},
     {"masked", "CATALOG.FLAGS is not zero"},
     {"empty", "all pixels of the galaxy stamp are equal"},
-    {"psf_unusable", "the stamp's PSF is not finite, has no flux, is too wide for beta, or is missing"},
+    {"psf_unusable",
+     "the stamp's PSF is not finite, has no flux, is too wide for beta, or is missing"},
     {"bad_weight", "CATALOG.WEIGHT is negative or not finite"},
     {"bad_r_gal", "CATALOG.R_GAL is not positive and finite, and the filter needs it"},
     {"overflow", "the pixels are finite, but the moments, or the sums made of them, are not"},
 };
 
-const char *shear_flag_name(int bit)
-{
+const char *shear_flag_name(int bit) {
     return bit >= 0 && bit < SHEAR_N_FLAGS ? flags[bit].name : NULL;
 }
 
-const char *shear_flag_help(int bit)
-{
+const char *shear_flag_help(int bit) {
     return bit >= 0 && bit < SHEAR_N_FLAGS ? flags[bit].help : NULL;
 }

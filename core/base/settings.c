@@ -9,8 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const interpolations[] = {"auto",         "none",        "bilinear",   "bicubic", "spline",
-                                             "log-bilinear", "log-bicubic", "log-spline", NULL};
+static const char *const interpolations[] = {"auto",        "none",       "bilinear",
+                                             "bicubic",     "spline",     "log-bilinear",
+                                             "log-bicubic", "log-spline", NULL};
 static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 
@@ -39,7 +40,8 @@ static const shear_setting_def table[] = {
     {"pedestal", "PEDESTAL", SHEAR_T_DOUBLE, AT(pedestal), NULL, 0, DBL_MAX, false, "", "VALUE",
      "added to both stamps before the log and taken off after the exp, for sky-subtracted data"},
     {"psf-threshold", "PSFTHRES", SHEAR_T_DOUBLE, AT(psf_threshold), NULL, 0, 1, false, "", "X",
-     "PSF modes with |W|^2 below this part of the peak, and all beyond the first such |k|, are cut"},
+     "PSF modes with |W|^2 below this part of the peak, and all beyond the first such |k|, are "
+     "cut"},
     {"power-tolerance", "POWERTOL", SHEAR_T_DOUBLE, AT(power_tolerance), NULL, 0, 1, false, "", "X",
      "largest part of the target's power that may lie beyond the cut"},
     {"noise-correction", "NOISECOR", SHEAR_T_BOOL, AT(noise_correction), NULL, 0, 0, false, "", "",
@@ -47,14 +49,12 @@ static const shear_setting_def table[] = {
 };
 enum { N_SETTINGS = sizeof table / sizeof table[0] };
 
-const shear_setting_def *shear_settings_table(size_t *n)
-{
+const shear_setting_def *shear_settings_table(size_t *n) {
     *n = N_SETTINGS;
     return table;
 }
 
-static bool same_name(const char *a, const char *b)
-{
+static bool same_name(const char *a, const char *b) {
     for (; *a != '\0' && *b != '\0'; a++, b++) {
         const char ca = *a == '_' ? '-' : *a;
         const char cb = *b == '_' ? '-' : *b;
@@ -65,8 +65,7 @@ static bool same_name(const char *a, const char *b)
     return *a == *b;
 }
 
-const shear_setting_def *shear_settings_find(const char *name)
-{
+const shear_setting_def *shear_settings_find(const char *name) {
     for (size_t i = 0; i < N_SETTINGS; i++) {
         if (same_name(table[i].name, name)) {
             return &table[i];
@@ -75,8 +74,7 @@ const shear_setting_def *shear_settings_find(const char *name)
     return NULL;
 }
 
-void shear_settings_init(shear_settings *s)
-{
+void shear_settings_init(shear_settings *s) {
     *s = (shear_settings){
         .interpolation = SHEAR_INTERP_AUTO,
         .oversample = 0,
@@ -93,18 +91,16 @@ void shear_settings_init(shear_settings *s)
     };
 }
 
-static void *member(shear_settings *s, const shear_setting_def *def)
-{
+static void *member(shear_settings *s, const shear_setting_def *def) {
     return (char *)s + def->offset;
 }
 
-static const void *const_member(const shear_settings *s, const shear_setting_def *def)
-{
+static const void *const_member(const shear_settings *s, const shear_setting_def *def) {
     return (const char *)s + def->offset;
 }
 
-static int set_choice(int *value, const shear_setting_def *def, const char *text, shear_error *err)
-{
+static int set_choice(int *value, const shear_setting_def *def, const char *text,
+                      shear_error *err) {
     char known[200] = "";
     for (int i = 0; def->choices[i] != NULL; i++) {
         if (same_name(def->choices[i], text)) {
@@ -118,8 +114,7 @@ static int set_choice(int *value, const shear_setting_def *def, const char *text
                       text, known);
 }
 
-static int set_bool(bool *value, const shear_setting_def *def, const char *text, shear_error *err)
-{
+static int set_bool(bool *value, const shear_setting_def *def, const char *text, shear_error *err) {
     static const char *const words[] = {"false", "true", "no", "yes", "off", "on", "0", "1"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
         if (strcmp(words[i], text) == 0) {
@@ -131,16 +126,14 @@ static int set_bool(bool *value, const shear_setting_def *def, const char *text,
                       def->name, text);
 }
 
-static int out_of_range(const shear_setting_def *def, const char *text, shear_error *err)
-{
-    return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s': '%s' is not %s from %g to %g%s%s%s",
-                      def->name, text, def->type == SHEAR_T_INT ? "a whole number" : "a number",
-                      def->min, def->max, def->unit[0] != '\0' ? " " : "", def->unit,
-                      def->has_auto ? ", or auto" : "");
+static int out_of_range(const shear_setting_def *def, const char *text, shear_error *err) {
+    return shear_fail(err, SHEAR_E_SETTING, NULL,
+                      "setting '%s': '%s' is not %s from %g to %g%s%s%s", def->name, text,
+                      def->type == SHEAR_T_INT ? "a whole number" : "a number", def->min, def->max,
+                      def->unit[0] != '\0' ? " " : "", def->unit, def->has_auto ? ", or auto" : "");
 }
 
-static int set_int(int *value, const shear_setting_def *def, const char *text, shear_error *err)
-{
+static int set_int(int *value, const shear_setting_def *def, const char *text, shear_error *err) {
     char *end = NULL;
     errno = 0;
     const long parsed = strtol(text, &end, 10);
@@ -152,8 +145,8 @@ static int set_int(int *value, const shear_setting_def *def, const char *text, s
     return SHEAR_OK;
 }
 
-static int set_double(double *value, const shear_setting_def *def, const char *text, shear_error *err)
-{
+static int set_double(double *value, const shear_setting_def *def, const char *text,
+                      shear_error *err) {
     char *end = NULL;
     const double parsed = strtod(text, &end);
     if (end == text || *end != '\0' || !(parsed >= def->min) || !(parsed <= def->max)) {
@@ -163,8 +156,7 @@ static int set_double(double *value, const shear_setting_def *def, const char *t
     return SHEAR_OK;
 }
 
-int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err)
-{
+int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err) {
     const shear_setting_def *def = shear_settings_find(name);
     if (def == NULL) {
         return shear_fail(err, SHEAR_E_SETTING, "the settings are listed in shearctl(1)",
@@ -192,8 +184,7 @@ int shear_settings_set(shear_settings *s, const char *name, const char *text, sh
 }
 
 /* The shortest decimal that strtod reads back to the same double. */
-static void format_double(double value, char *buf, size_t size)
-{
+static void format_double(double value, char *buf, size_t size) {
     for (int digits = 1; digits <= DBL_DECIMAL_DIG; digits++) {
         snprintf(buf, size, "%.*g", digits, value);
         if (strtod(buf, NULL) == value) {
@@ -203,8 +194,7 @@ static void format_double(double value, char *buf, size_t size)
 }
 
 char *shear_settings_format(const shear_settings *s, const shear_setting_def *def, char *buf,
-                            size_t size)
-{
+                            size_t size) {
     const void *value = const_member(s, def);
     switch (def->type) {
     case SHEAR_T_CHOICE:
@@ -231,13 +221,11 @@ char *shear_settings_format(const shear_settings *s, const shear_setting_def *de
     return buf;
 }
 
-static bool is_power_of_two(int n)
-{
+static bool is_power_of_two(int n) {
     return n > 0 && (n & (n - 1)) == 0;
 }
 
-static bool in_range(const shear_settings *s, const shear_setting_def *def)
-{
+static bool in_range(const shear_settings *s, const shear_setting_def *def) {
     const void *value = const_member(s, def);
     switch (def->type) {
     case SHEAR_T_CHOICE: {
@@ -261,28 +249,28 @@ static bool in_range(const shear_settings *s, const shear_setting_def *def)
 }
 
 /* Values set by hand, not through shear_settings_set. */
-static int check_ranges(const shear_settings *s, shear_error *err)
-{
+static int check_ranges(const shear_settings *s, shear_error *err) {
     for (size_t i = 0; i < N_SETTINGS; i++) {
         if (!in_range(s, &table[i])) {
-            return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s' is out of range", table[i].name);
+            return shear_fail(err, SHEAR_E_SETTING, NULL, "setting '%s' is out of range",
+                              table[i].name);
         }
     }
     return SHEAR_OK;
 }
 
-int shear_settings_check(const shear_settings *s, shear_error *err)
-{
+int shear_settings_check(const shear_settings *s, shear_error *err) {
     if (check_ranges(s, err) != SHEAR_OK) {
         return SHEAR_E_SETTING;
     }
     const bool core_given = !isnan(s->core_px);
     if (s->oversample != 0 && !is_power_of_two(s->oversample)) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'oversample': %d is not a power of two",
-                          s->oversample);
+        return shear_fail(err, SHEAR_E_SETTING, NULL,
+                          "setting 'oversample': %d is not a power of two", s->oversample);
     }
     if (s->interpolation == SHEAR_INTERP_NONE && s->oversample > 1) {
-        return shear_fail(err, SHEAR_E_SETTING, "choose an interpolation, or leave oversample at auto",
+        return shear_fail(err, SHEAR_E_SETTING,
+                          "choose an interpolation, or leave oversample at auto",
                           "setting 'oversample' is %d but interpolation is none", s->oversample);
     }
     if (core_given && s->filter != SHEAR_FILTER_AUTO) {
@@ -301,18 +289,16 @@ int shear_settings_check(const shear_settings *s, shear_error *err)
     return SHEAR_OK;
 }
 
-const char *shear_interpolation_name(int interpolation)
-{
-    return interpolation >= 0 && interpolation <= SHEAR_INTERP_LOG_SPLINE ? interpolations[interpolation]
-                                                                          : "unknown";
+const char *shear_interpolation_name(int interpolation) {
+    return interpolation >= 0 && interpolation <= SHEAR_INTERP_LOG_SPLINE
+               ? interpolations[interpolation]
+               : "unknown";
 }
 
-const char *shear_filter_name(int filter)
-{
+const char *shear_filter_name(int filter) {
     return filter >= 0 && filter <= SHEAR_FILTER_NONE ? filters[filter] : "unknown";
 }
 
-bool shear_interpolation_is_log(int interpolation)
-{
+bool shear_interpolation_is_log(int interpolation) {
     return interpolation >= SHEAR_INTERP_LOG_BILINEAR && interpolation <= SHEAR_INTERP_LOG_SPLINE;
 }

@@ -13,8 +13,7 @@ struct exact_sum {
     mpz_t units; /* the sum in units of 2^-1074 */
 };
 
-exact_sum *exact_new(int n)
-{
+exact_sum *exact_new(int n) {
     exact_sum *sums = malloc((size_t)n * sizeof *sums);
     for (int i = 0; sums != NULL && i < n; i++) {
         mpz_init(sums[i].units);
@@ -22,16 +21,14 @@ exact_sum *exact_new(int n)
     return sums;
 }
 
-void exact_free(exact_sum *sums, int n)
-{
+void exact_free(exact_sum *sums, int n) {
     for (int i = 0; sums != NULL && i < n; i++) {
         mpz_clear(sums[i].units);
     }
     free(sums);
 }
 
-void exact_add(exact_sum *sums, int i, double value)
-{
+void exact_add(exact_sum *sums, int i, double value) {
     if (value == 0.0) {
         return;
     }
@@ -50,15 +47,13 @@ void exact_add(exact_sum *sums, int i, double value)
     mpz_clear(term);
 }
 
-void exact_join(exact_sum *sums, const exact_sum *other, int n)
-{
+void exact_join(exact_sum *sums, const exact_sum *other, int n) {
     for (int i = 0; i < n; i++) {
         mpz_add(sums[i].units, sums[i].units, other[i].units);
     }
 }
 
-double exact_value(const exact_sum *sums, int i)
-{
+double exact_value(const exact_sum *sums, int i) {
     const size_t bits = mpz_sizeinbase(sums[i].units, 2);
     if (mpz_sgn(sums[i].units) == 0) {
         return 0.0;
@@ -81,14 +76,12 @@ double exact_value(const exact_sum *sums, int i)
     return mpz_sgn(sums[i].units) < 0 ? -magnitude : magnitude;
 }
 
-char *exact_format(const exact_sum *sums, int i)
-{
+char *exact_format(const exact_sum *sums, int i) {
     char *text = malloc(mpz_sizeinbase(sums[i].units, 16) + 2);
     return text != NULL ? mpz_get_str(text, 16, sums[i].units) : NULL;
 }
 
-bool exact_parse(exact_sum *sums, int i, const char *text)
-{
+bool exact_parse(exact_sum *sums, int i, const char *text) {
     /* The largest sum that can occur: 2^63 terms of 2^1024. Longer text is no sum of ours. */
     enum { MAX_DIGITS = (1024 + 1074 + 64) / 4 + 2 };
     const size_t length = strnlen(text, MAX_DIGITS + 1);

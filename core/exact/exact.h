@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* exact/exact.h: an exact sum of doubles.
  *
- * Every finite double is an integer multiple of 2^-1074; the sum is kept as that integer (GMP), so adding and joining
- * never round and the order does not matter. Only exact_value rounds, once, to the nearest double (a tie goes
- * away from zero).
+ * Every finite double is an integer multiple of 2^-1074; the sum is kept as that integer (GMP), so
+ * adding and joining never round and the order does not matter. Only exact_value rounds, once, to
+ * the nearest double (a tie goes away from zero).
  */
 #ifndef SHEAR_EXACT_H
 #define SHEAR_EXACT_H

@@ -1,44 +1,82 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear_block: room for stamps in memory. */
+/* shear_block: room for stamps, one piece of memory laid out as arrays. */
 #include "shear/field.h"
 
-#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* `wanted` ? calloc(count, size) : NULL; *ok becomes false where there is no room. */
-static void *room(bool wanted, size_t count, size_t size, bool *ok) {
-    if (!wanted) {
-        return NULL;
-    }
-    void *memory = calloc(count, size);
-    *ok = *ok && memory != NULL;
-    return memory;
+enum { ALIGN = 64 };
+
+static size_t round_up(size_t bytes) {
+    return (bytes + ALIGN - 1) / ALIGN * ALIGN;
 }
 
-static bool allocate(shear_block *b, const shear_field_info *info) {
-    const shear_geometry *g = &info->geometry;
+/* Hand out the next `bytes` of the memory, aligned; without a base only count them. */
+static void *place(char *base, size_t *at, size_t bytes) {
+    void *here = base != NULL ? base + *at : NULL;
+    *at += round_up(bytes);
+    return here;
+}
+
+static void place_columns(shear_block *b, unsigned columns, char *base, size_t *at) {
     const size_t n = (size_t)b->capacity;
-    const size_t pixels = (size_t)g->nx * (size_t)g->ny;
-    const size_t psf_pixels = (size_t)g->psf_nx * (size_t)g->psf_ny;
-    const bool many = info->psf_layout != SHEAR_PSF_ONE;
-    const unsigned c = info->columns;
-    bool ok = true;
-    /* Sides are at most 4096, so that their product times 8 cannot overflow; calloc checks the
-     * rest. */
-    b->galaxy = room(true, n, pixels * sizeof(double), &ok);
-    b->noise = room(true, n, pixels * sizeof(double), &ok);
-    b->psf = room(many, n, psf_pixels * sizeof(double), &ok);
-    b->psf_index = room(many, n, sizeof *b->psf_index, &ok);
-    b->psf_id = room(many, n, sizeof *b->psf_id, &ok);
-    b->id = room((c & SHEAR_COL_ID) != 0, n, sizeof *b->id, &ok);
-    b->x = room((c & SHEAR_COL_X) != 0, n, sizeof(double), &ok);
-    b->y = room((c & SHEAR_COL_Y) != 0, n, sizeof(double), &ok);
-    b->ra = room((c & SHEAR_COL_RA) != 0, n, sizeof(double), &ok);
-    b->dec = room((c & SHEAR_COL_DEC) != 0, n, sizeof(double), &ok);
-    b->weight = room((c & SHEAR_COL_WEIGHT) != 0, n, sizeof(double), &ok);
-    b->r_gal = room((c & SHEAR_COL_R_GAL) != 0, n, sizeof(double), &ok);
-    b->mask = room((c & SHEAR_COL_FLAGS) != 0, n, sizeof *b->mask, &ok);
-    return ok;
+    const struct {
+        unsigned column;
+        double **array;
+    } doubles[] = {{SHEAR_COL_X, &b->x},           {SHEAR_COL_Y, &b->y},
+                   {SHEAR_COL_RA, &b->ra},         {SHEAR_COL_DEC, &b->dec},
+                   {SHEAR_COL_WEIGHT, &b->weight}, {SHEAR_COL_R_GAL, &b->r_gal}};
+    for (size_t i = 0; i < sizeof doubles / sizeof doubles[0]; i++) {
+        if ((columns & doubles[i].column) != 0) {
+            *doubles[i].array = place(base, at, n * sizeof(double));
+        }
+    }
+    if ((columns & SHEAR_COL_ID) != 0) {
+        b->id = place(base, at, n * sizeof *b->id);
+    }
+    if ((columns & SHEAR_COL_FLAGS) != 0) {
+        b->mask = place(base, at, n * sizeof *b->mask);
+    }
+}
+
+/* Sides are at most 4096 and a capacity is an int, so that no product here can overflow 64 bits. */
+static size_t lay_out(shear_block *b, const shear_field_info *info, int capacity, char *base) {
+    const shear_geometry *g = &info->geometry;
+    const size_t n = (size_t)capacity;
+    size_t at = 0;
+    *b = (shear_block){.capacity = capacity};
+    b->galaxy = place(base, &at, n * (size_t)g->nx * (size_t)g->ny * sizeof(double));
+    b->noise = place(base, &at, n * (size_t)g->nx * (size_t)g->ny * sizeof(double));
+    if (info->psf_layout != SHEAR_PSF_ONE) {
+        b->psf = place(base, &at, n * (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof(double));
+        b->psf_index = place(base, &at, n * sizeof *b->psf_index);
+        b->psf_id = place(base, &at, n * sizeof *b->psf_id);
+    }
+    place_columns(b, info->columns, base, &at);
+    b->stamps = (shear_stamps){.nx = g->nx,
+                               .ny = g->ny,
+                               .galaxy = b->galaxy,
+                               .noise = b->noise,
+                               .psf = b->psf,
+                               .psf_index = b->psf_index,
+                               .weight = b->weight,
+                               .r_gal = b->r_gal,
+                               .mask = b->mask};
+    return at;
+}
+
+size_t shear_block_bytes(const shear_field_info *info, int capacity) {
+    shear_block ignored;
+    return lay_out(&ignored, info, capacity, NULL);
+}
+
+void shear_block_place(shear_block *block, const shear_field_info *info, int capacity,
+                       void *memory) {
+    lay_out(block, info, capacity, memory);
+}
+
+size_t shear_psf_bytes(const shear_field_info *info) {
+    return round_up((size_t)info->geometry.psf_nx * (size_t)info->geometry.psf_ny * sizeof(double));
 }
 
 int shear_block_new(shear_block **block, const shear_field_info *info, int capacity,
@@ -48,44 +86,25 @@ int shear_block_new(shear_block **block, const shear_field_info *info, int capac
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "a block of %d stamps was asked for",
                           capacity);
     }
-    shear_block *b = calloc(1, sizeof *b);
-    if (b != NULL) {
-        b->capacity = capacity;
-    }
-    if (b == NULL || !allocate(b, info)) {
-        shear_block_free(b);
+    const size_t bytes = shear_block_bytes(info, capacity);
+    shear_block *b = malloc(sizeof *b);
+    void *memory = aligned_alloc(ALIGN, bytes);
+    if (b == NULL || memory == NULL) {
+        free(b);
+        free(memory);
         return shear_fail(err, SHEAR_E_NOMEM, "use smaller blocks",
                           "out of memory for a block of %d stamps", capacity);
     }
-    b->stamps = (shear_stamps){.nx = info->geometry.nx,
-                               .ny = info->geometry.ny,
-                               .galaxy = b->galaxy,
-                               .noise = b->noise,
-                               .psf = b->psf,
-                               .psf_index = b->psf_index,
-                               .weight = b->weight,
-                               .r_gal = b->r_gal,
-                               .mask = b->mask};
+    memset(memory, 0, bytes);
+    shear_block_place(b, info, capacity, memory);
+    b->memory = memory;
     *block = b;
     return SHEAR_OK;
 }
 
 void shear_block_free(shear_block *block) {
-    if (block == NULL) {
-        return;
+    if (block != NULL) {
+        free(block->memory);
+        free(block);
     }
-    free(block->galaxy);
-    free(block->noise);
-    free(block->psf);
-    free(block->psf_index);
-    free(block->psf_id);
-    free(block->id);
-    free(block->x);
-    free(block->y);
-    free(block->ra);
-    free(block->dec);
-    free(block->weight);
-    free(block->r_gal);
-    free(block->mask);
-    free(block);
 }

@@ -12,13 +12,14 @@ static int read_member(fitsfile *fits, sf_place at, const sf_member *m, double *
                        shear_catalog_table *t, shear_error *err) {
     int number = 0;
     int status = 0;
+    int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it unasked where a table holds NaN */
     double null = NAN;
     const int rc = sf_find_number_column(fits, at, m->name, &number, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
     if (number > 0) {
-        fits_read_col(fits, TDOUBLE, number, 1, 1, t->n, &null, values, NULL, &status);
+        fits_read_col(fits, TDOUBLE, number, 1, 1, t->n, &null, values, &any_null, &status);
     }
     for (int64_t i = 0; i < t->n; i++) {
         const double value = number > 0 && status == 0 ? values[i] : NAN;
@@ -31,11 +32,12 @@ static int read_flags(fitsfile *fits, sf_place at, double *values, shear_catalog
                       shear_error *err) {
     int number = 0;
     int status = 0;
+    int any_null = 0;
     const int rc = sf_find_number_column(fits, at, "FLAGS", &number, err);
     if (rc != SHEAR_OK || number == 0) {
         return rc;
     }
-    fits_read_col(fits, TDOUBLE, number, 1, 1, t->n, NULL, values, NULL, &status);
+    fits_read_col(fits, TDOUBLE, number, 1, 1, t->n, NULL, values, &any_null, &status);
     for (int64_t i = 0; status == 0 && i < t->n; i++) {
         t->rows[i].flags = values[i] >= 0.0 && values[i] <= UINT32_MAX ? (uint32_t)values[i] : 0u;
     }

@@ -150,8 +150,8 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
                         const shear_block *block, shear_error *err) {
     if (count < 1 || first < 0 || first > c->n - count) {
         return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){c->out.name, SF_CATALOG_HDU}, NULL,
-                       "rows %lld to %lld were written, but there are %lld", (long long)first,
-                       (long long)first + count - 1, (long long)c->n);
+                       "%d rows from %lld on were written, but there are %lld", count,
+                       (long long)first, (long long)c->n);
     }
     int rc = make_room(c, count, err);
     if (rc != SHEAR_OK) {

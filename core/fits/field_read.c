@@ -5,10 +5,10 @@
 static int check_range(const shear_field *f, int64_t first, int count, const shear_block *block,
                        shear_error *err) {
     if (count < 1 || count > block->capacity || first < 0 || first > f->info.n_stamps - count) {
-        return sf_fail(err, SHEAR_E_INTERNAL, f->galaxy.image.at, NULL,
-                       "stamps %lld to %lld were asked for into a block of %d, but there are %lld",
-                       (long long)first, (long long)first + count - 1, block->capacity,
-                       (long long)f->info.n_stamps);
+        return sf_fail(
+            err, SHEAR_E_INTERNAL, f->galaxy.image.at, NULL,
+            "%d stamps from %lld on were asked for into a block of %d, but there are %lld", count,
+            (long long)first, block->capacity, (long long)f->info.n_stamps);
     }
     return SHEAR_OK;
 }

@@ -216,8 +216,8 @@ int shear_field_write(shear_field_writer *w, int64_t first, int count, const dou
     static const shear_catalog_columns none = {0};
     if (count < 1 || first < 0 || first > w->spec.n_stamps - count) {
         return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){w->out.name, NULL}, NULL,
-                       "stamps %lld to %lld were written, but there are %lld", (long long)first,
-                       (long long)first + count - 1, (long long)w->spec.n_stamps);
+                       "%d stamps from %lld on were written, but there are %lld", count,
+                       (long long)first, (long long)w->spec.n_stamps);
     }
     int rc = write_stamps(w, HDU_GALAXY, first, count, galaxy, err);
     if (rc == SHEAR_OK) {

@@ -210,7 +210,7 @@ static int check_axes(sf_header *h, const char *file, shear_error *err) {
         return bad(h, file, "NAXIS", "does not agree with the number of NAXISn keywords", err);
     }
     for (int k = 0; k < SF_AXES; k++) {
-        char key[SF_KEY + 1];
+        char key[24];
         snprintf(key, sizeof key, "NAXIS%d", k + 1);
         if (k >= hdu->naxis) {
             hdu->axes[k] = 1;

@@ -4,28 +4,27 @@
 #include <math.h>
 #include <stdlib.h>
 
-static axis_weights linear_weights(double t)
-{
+static axis_weights linear_weights(double t) {
     return (axis_weights){.a = 1.0 - t, .b = t};
 }
 
-/* Cubic Hermite basis: what label A_bicubic and its derivatives at the cell's ends amount to in one dimension. */
-static axis_weights hermite_weights(double t)
-{
+/* Cubic Hermite basis: what label A_bicubic and its derivatives at the cell's ends amount to in one
+ * dimension. */
+static axis_weights hermite_weights(double t) {
     const double u = 1.0 - t;
-    return (axis_weights){
-        .a = (1.0 + 2.0 * t) * u * u, .b = t * t * (3.0 - 2.0 * t), .c = t * u * u, .d = -t * t * u};
+    return (axis_weights){.a = (1.0 + 2.0 * t) * u * u,
+                          .b = t * t * (3.0 - 2.0 * t),
+                          .c = t * u * u,
+                          .d = -t * t * u};
 }
 
 /* Label HKUV with unit spacing: a = H, b = K, c = U, d = V. */
-static axis_weights spline_weights(double t)
-{
+static axis_weights spline_weights(double t) {
     const double h = 1.0 - t;
     return (axis_weights){.a = h, .b = t, .c = (h * h * h - h) / 6.0, .d = (t * t * t - t) / 6.0};
 }
 
-static axis_weights weights(int kind, double t)
-{
+static axis_weights weights(int kind, double t) {
     switch (kind) {
     case AXIS_CUBIC:
         return hermite_weights(t);
@@ -36,19 +35,18 @@ static axis_weights weights(int kind, double t)
     }
 }
 
-/* The spline's equations e_{i-1} + 4 e_i + e_{i+1} = 6 (f_{i+1} - 2 f_i + f_{i-1}) for the inner points of a line whose
- * end points have e = 0, eliminated forward: pivot_i = 1 / (4 - pivot_{i-1}). The factors depend only on the
- * distance from the line's start, so every stretch of a broken line uses them from its own beginning. */
-static void fill_pivots(double *pivot, int n)
-{
+/* The spline's equations e_{i-1} + 4 e_i + e_{i+1} = 6 (f_{i+1} - 2 f_i + f_{i-1}) for the inner
+ * points of a line whose end points have e = 0, eliminated forward: pivot_i = 1 / (4 -
+ * pivot_{i-1}). The factors depend only on the distance from the line's start, so every stretch of
+ * a broken line uses them from its own beginning. */
+static void fill_pivots(double *pivot, int n) {
     pivot[0] = 0.0;
     for (int i = 1; i < n; i++) {
         pivot[i] = 1.0 / (4.0 - pivot[i - 1]);
     }
 }
 
-bool axis_init(axis *ax, int kind, int n, int s)
-{
+bool axis_init(axis *ax, int kind, int n, int s) {
     *ax = (axis){.kind = kind, .n = n, .s = s};
     ax->phase = malloc((size_t)s * sizeof *ax->phase);
     ax->pivot = malloc((size_t)n * sizeof *ax->pivot);
@@ -62,15 +60,13 @@ bool axis_init(axis *ax, int kind, int n, int s)
     return true;
 }
 
-void axis_deinit(axis *ax)
-{
+void axis_deinit(axis *ax) {
     free(ax->phase);
     free(ax->pivot);
     *ax = (axis){0};
 }
 
-axis_weights axis_at(const axis *ax, int fine, int *left, int *right)
-{
+axis_weights axis_at(const axis *ax, int fine, int *left, int *right) {
     const int phase = fine % ax->s;
     *left = fine / ax->s;
     if (*left < ax->n - 1) {
@@ -82,8 +78,7 @@ axis_weights axis_at(const axis *ax, int fine, int *left, int *right)
 }
 
 /* Label dAdxdy: central differences, one-sided at the two ends. */
-static void cubic_slopes(int n, const double *f, double *e, size_t stride, int lanes)
-{
+static void cubic_slopes(int n, const double *f, double *e, size_t stride, int lanes) {
     for (int i = 0; i < n; i++) {
         const double *before = f + (size_t)(i > 0 ? i - 1 : i) * stride;
         const double *after = f + (size_t)(i < n - 1 ? i + 1 : i) * stride;
@@ -97,8 +92,7 @@ static void cubic_slopes(int n, const double *f, double *e, size_t stride, int l
 }
 
 static void spline_slopes(const double *pivot, int n, const double *f, double *e, size_t stride,
-                          int lanes)
-{
+                          int lanes) {
     for (int l = 0; l < lanes; l++) {
         e[l] = 0.0;
     }
@@ -108,7 +102,8 @@ static void spline_slopes(const double *pivot, int n, const double *f, double *e
         const double p = pivot[i];
 #pragma omp simd
         for (int l = 0; l < lanes; l++) {
-            const double curve = 6.0 * (at[l + (ptrdiff_t)stride] - 2.0 * at[l] + at[l - (ptrdiff_t)stride]);
+            const double curve =
+                6.0 * (at[l + (ptrdiff_t)stride] - 2.0 * at[l] + at[l - (ptrdiff_t)stride]);
             out[l] = p * (curve - out[l - (ptrdiff_t)stride]);
         }
     }
@@ -125,8 +120,7 @@ static void spline_slopes(const double *pivot, int n, const double *f, double *e
     }
 }
 
-void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes)
-{
+void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes) {
     if (ax->kind == AXIS_CUBIC) {
         cubic_slopes(ax->n, f, e, stride, lanes);
     } else if (ax->kind == AXIS_SPLINE) {
@@ -134,13 +128,12 @@ void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int 
     }
 }
 
-static bool is_mark(double f)
-{
+static bool is_mark(double f) {
     return f == -INFINITY;
 }
 
-void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e, size_t stride)
-{
+void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e,
+                        size_t stride) {
     int i = 0;
     while (i < ax->n) {
         e[(size_t)i * stride] = 0.0;
@@ -167,8 +160,7 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
     }
 }
 
-void axis_expand(const axis *ax, const double *f, const double *e, bool marked, double *fine)
-{
+void axis_expand(const axis *ax, const double *f, const double *e, bool marked, double *fine) {
     for (int i = 0; i < ax->n; i++) {
         const bool closing = i == ax->n - 1;
         const int j = closing ? 0 : i + 1;

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/axis.h: interpolation along one axis. All of the paper's methods are separable: bicubic with the paper's mixed
- * derivative is a cubic Hermite interpolation along x, then along y; the 2-D spline is defined that way.
+/* measure/axis.h: interpolation along one axis. All of the paper's methods are separable: bicubic
+ * with the paper's mixed derivative is a cubic Hermite interpolation along x, then along y; the 2-D
+ * spline is defined that way.
  *
  * On the cell between grid points i and i+1, at t = 0, 1/s, ... (label tu),
  *     f(t) = a(t) f_i + b(t) f_{i+1} + c(t) e_i + d(t) e_{i+1}
- * with e = nothing (linear), the first derivative (cubic, label dAdxdy) or the second (spline, labels A_spline and
- * HKUV). A grid of n points has n s fine points at 0, 1/s, ..., n - 1/s: the last s-1 of them lie beyond the last grid
- * point, in the cell that closes the period; there f is linear between the last and the first point, so that a
- * constant stays constant, the fine grid is as symmetric as the stamp, and the DFT sees no jump of our making.
+ * with e = nothing (linear), the first derivative (cubic, label dAdxdy) or the second (spline,
+ * labels A_spline and HKUV). A grid of n points has n s fine points at 0, 1/s, ..., n - 1/s: the
+ * last s-1 of them lie beyond the last grid point, in the cell that closes the period; there f is
+ * linear between the last and the first point, so that a constant stays constant, the fine grid is
+ * as symmetric as the stamp, and the DFT sees no jump of our making.
  */
 #ifndef SHEAR_AXIS_H
 #define SHEAR_AXIS_H
@@ -22,29 +24,32 @@ typedef struct axis_weights {
 } axis_weights;
 
 typedef struct axis {
-    int kind;              /* enum axis_kind */
-    int n;                 /* grid points, >= 2 */
-    int s;                 /* fine points per grid point */
-    axis_weights *phase;   /* [s] */
-    double *pivot;         /* [n] elimination factors of the natural spline */
+    int kind;            /* enum axis_kind */
+    int n;               /* grid points, >= 2 */
+    int s;               /* fine points per grid point */
+    axis_weights *phase; /* [s] */
+    double *pivot;       /* [n] elimination factors of the natural spline */
 } axis;
 
 /* false when memory is out; deinit is safe then too. */
 bool axis_init(axis *ax, int kind, int n, int s);
 void axis_deinit(axis *ax);
 
-/* The cell and weights of fine point `fine`: i and the index of its right neighbour (0 in the closing cell). */
+/* The cell and weights of fine point `fine`: i and the index of its right neighbour (0 in the
+ * closing cell). */
 axis_weights axis_at(const axis *ax, int fine, int *left, int *right);
 
 /* e of `lanes` lines at once: point i of lane l is f[i * stride + l]. No point may be -INFINITY. */
 void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes);
 
-/* The same for one line in which -INFINITY in `marks` (f itself, or the values that f was made of) marks a zero pixel under a log
- * method with zeros=skip: differences are one-sided beside a mark, and splines run over the unbroken stretches. e is 0 at
- * marks. */
-void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e, size_t stride);
+/* The same for one line in which -INFINITY in `marks` (f itself, or the values that f was made of)
+ * marks a zero pixel under a log method with zeros=skip: differences are one-sided beside a mark,
+ * and splines run over the unbroken stretches. e is 0 at marks. */
+void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e,
+                        size_t stride);
 
-/* The fine line [n s] of one line (stride 1) with its slopes. marked: cells that touch a mark become marks. */
+/* The fine line [n s] of one line (stride 1) with its slopes. marked: cells that touch a mark
+ * become marks. */
 void axis_expand(const axis *ax, const double *f, const double *e, bool marked, double *fine);
 
 #endif

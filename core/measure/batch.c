@@ -4,10 +4,10 @@
 #include <omp.h>
 #include <stdlib.h>
 
-/* Blocks of the batch are handed out to the threads of the team; every row depends on its stamp alone. */
+/* Blocks of the batch are handed out to the threads of the team; every row depends on its stamp
+ * alone. */
 static int measure_blocks(const shear_plan *plan, const shear_stamps *stamps, int threads,
-                          shear_workspace *const *ws, shear_row *rows, shear_error *err)
-{
+                          shear_workspace *const *ws, shear_row *rows, shear_error *err) {
     const int blocks = (stamps->count + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
     int first_bad = blocks;
     int code = SHEAR_OK;
@@ -33,15 +33,15 @@ static int measure_blocks(const shear_plan *plan, const shear_stamps *stamps, in
 }
 
 int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int threads,
-                        shear_workspace *const *ws, shear_row *rows, shear_error *err)
-{
+                        shear_workspace *const *ws, shear_row *rows, shear_error *err) {
     const int team = threads > 0 ? threads : omp_get_max_threads();
     if (ws != NULL) {
         return measure_blocks(plan, stamps, team, ws, rows, err);
     }
     shear_workspace **own = calloc((size_t)team, sizeof(shear_workspace *));
-    int code = own != NULL ? SHEAR_OK
-                           : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d workspaces", team);
+    int code = own != NULL
+                   ? SHEAR_OK
+                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d workspaces", team);
     for (int i = 0; code == SHEAR_OK && i < team; i++) {
         code = shear_workspace_new(&own[i], plan, err);
     }

@@ -3,14 +3,12 @@
 
 #include <math.h>
 
-void shear_block_sums_init(shear_block_sums *b)
-{
+void shear_block_sums_init(shear_block_sums *b) {
     *b = (shear_block_sums){0};
 }
 
 /* Neumaier's compensated summation: what each addition rounds off is gathered in lo. */
-static void add_term(shear_block_sums *b, int term, double x)
-{
+static void add_term(shear_block_sums *b, int term, double x) {
     const double sum = b->hi[term] + x;
     b->lo[term] += fabs(b->hi[term]) >= fabs(x) ? (b->hi[term] - sum) + x : (x - sum) + b->hi[term];
     b->hi[term] = sum;
@@ -19,8 +17,7 @@ static void add_term(shear_block_sums *b, int term, double x)
 /* N and D up to its root, summed over 1e10 stamps and multiplied with each other, stay finite. */
 static const double largest_term = 1e280;
 
-bool block_terms(const shear_row *row, double *terms)
-{
+bool block_terms(const shear_row *row, double *terms) {
     const double n1 = row->weight * row->n1;
     const double n2 = row->weight * row->n2;
     const double d = row->weight * row->d;
@@ -52,11 +49,11 @@ bool block_terms(const shear_row *row, double *terms)
     return good;
 }
 
-void shear_block_sums_add(shear_block_sums *b, const shear_row *row)
-{
+void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
     double terms[SHEAR_N_TERMS];
     const bool summable = block_terms(row, terms);
-    const uint32_t flags = row->flags == 0 && !summable ? (uint32_t)SHEAR_FLAG_OVERFLOW : row->flags;
+    const uint32_t flags =
+        row->flags == 0 && !summable ? (uint32_t)SHEAR_FLAG_OVERFLOW : row->flags;
     b->n_stamps++;
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
         b->flagged[bit] += (flags >> bit) & 1u;

@@ -5,8 +5,9 @@
 
 #include "shear/sums.h"
 
-/* The terms of an unflagged row, into terms[SHEAR_N_TERMS]. False where one is not finite, or so large (1e280) that sums of them,
- * or products of such sums, could leave the range of double: then the row cannot be used. */
+/* The terms of an unflagged row, into terms[SHEAR_N_TERMS]. False where one is not finite, or so
+ * large (1e280) that sums of them, or products of such sums, could leave the range of double: then
+ * the row cannot be used. */
 bool block_terms(const shear_row *row, double *terms);
 
 #endif

@@ -9,11 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The text form: "shear-sums 1", then n_stamps, n_used, the flags' counts and the terms, blank-separated. */
+/* The text form: "shear-sums 1", then n_stamps, n_used, the flags' counts and the terms,
+ * blank-separated. */
 static const char magic[] = "shear-sums 1";
 
-int shear_field_sums_new(shear_field_sums **out, shear_error *err)
-{
+int shear_field_sums_new(shear_field_sums **out, shear_error *err) {
     shear_field_sums *f = calloc(1, sizeof *f);
     if (f != NULL) {
         f->sums = exact_new(SHEAR_N_TERMS);
@@ -27,16 +27,14 @@ int shear_field_sums_new(shear_field_sums **out, shear_error *err)
     return SHEAR_OK;
 }
 
-void shear_field_sums_free(shear_field_sums *f)
-{
+void shear_field_sums_free(shear_field_sums *f) {
     if (f != NULL) {
         exact_free(f->sums, SHEAR_N_TERMS);
         free(f);
     }
 }
 
-void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b)
-{
+void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
     f->n_stamps += b->n_stamps;
     f->n_used += b->n_used;
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
@@ -48,8 +46,7 @@ void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b)
     }
 }
 
-void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g)
-{
+void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
     f->n_stamps += g->n_stamps;
     f->n_used += g->n_used;
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
@@ -58,8 +55,7 @@ void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g)
     exact_join(f->sums, g->sums, SHEAR_N_TERMS);
 }
 
-static bool write_text(const shear_field_sums *f, FILE *out)
-{
+static bool write_text(const shear_field_sums *f, FILE *out) {
     fprintf(out, "%s %" PRId64 " %" PRId64, magic, f->n_stamps, f->n_used);
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
         fprintf(out, " %" PRId64, f->flagged[i]);
@@ -75,8 +71,7 @@ static bool write_text(const shear_field_sums *f, FILE *out)
     return ferror(out) == 0;
 }
 
-int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error *err)
-{
+int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error *err) {
     size_t size = 0;
     *text = NULL;
     FILE *out = open_memstream(text, &size);
@@ -93,13 +88,11 @@ int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error 
 }
 
 /* The next blank-separated word of *rest, which is cut out of it; NULL at the end. */
-static char *next_word(char **rest)
-{
+static char *next_word(char **rest) {
     return strsep(rest, " ");
 }
 
-static bool read_count(char **rest, int64_t *count)
-{
+static bool read_count(char **rest, int64_t *count) {
     const char *word = next_word(rest);
     char *end = NULL;
     if (word == NULL || !isdigit((unsigned char)*word)) {
@@ -110,9 +103,9 @@ static bool read_count(char **rest, int64_t *count)
     return *end == '\0' && errno == 0;
 }
 
-static bool read_text(shear_field_sums *f, char *rest)
-{
-    bool good = read_count(&rest, &f->n_stamps) && read_count(&rest, &f->n_used) && f->n_used <= f->n_stamps;
+static bool read_text(shear_field_sums *f, char *rest) {
+    bool good = read_count(&rest, &f->n_stamps) && read_count(&rest, &f->n_used) &&
+                f->n_used <= f->n_stamps;
     for (int i = 0; good && i < SHEAR_N_FLAGS; i++) {
         good = read_count(&rest, &f->flagged[i]) && f->flagged[i] <= f->n_stamps - f->n_used;
     }
@@ -123,8 +116,7 @@ static bool read_text(shear_field_sums *f, char *rest)
     return good && rest == NULL;
 }
 
-int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error *err)
-{
+int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error *err) {
     const int code = shear_field_sums_new(out, err);
     if (code != SHEAR_OK) {
         return code;
@@ -143,8 +135,8 @@ int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error
     if (!good) {
         shear_field_sums_free(*out);
         *out = NULL;
-        return shear_fail(err, SHEAR_E_FORMAT, NULL, "these are not the sums of a field (expected '%s ...')",
-                          magic);
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "these are not the sums of a field (expected '%s ...')", magic);
     }
     return SHEAR_OK;
 }

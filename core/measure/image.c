@@ -10,8 +10,7 @@
  * result scales with the flux. */
 static const double floor_of_peak = 1e-12;
 
-static int axis_kind_of(int interpolation)
-{
+static int axis_kind_of(int interpolation) {
     switch (interpolation) {
     case SHEAR_INTERP_BILINEAR:
     case SHEAR_INTERP_LOG_BILINEAR:
@@ -27,11 +26,12 @@ static int axis_kind_of(int interpolation)
     }
 }
 
-/* What a marked image needs at each pixel: the value, the slopes along x and y, the mixed one, and room for its second half. */
+/* What a marked image needs at each pixel: the value, the slopes along x and y, the mixed one, and
+ * room for its second half. */
 enum { SURFACE_PARTS = 5 };
 
-bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros, double pedestal)
-{
+bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros,
+                     double pedestal) {
     const int kind = axis_kind_of(interpolation);
     *g = (image_grid){.log = shear_interpolation_is_log(interpolation),
                       .zeros = zeros,
@@ -44,14 +44,12 @@ bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, in
     return x_made && y_made;
 }
 
-void image_grid_deinit(image_grid *g)
-{
+void image_grid_deinit(image_grid *g) {
     axis_deinit(&g->x);
     axis_deinit(&g->y);
 }
 
-bool image_init(image *im, const image_grid *g)
-{
+bool image_init(image *im, const image_grid *g) {
     *im = (image){0};
     if (g->x.kind == AXIS_NONE) {
         return true;
@@ -61,13 +59,13 @@ bool image_init(image *im, const image_grid *g)
     im->e = fft_alloc(numbers * sizeof *im->e);
     im->line = fft_alloc(2 * (size_t)g->x.n * sizeof *im->line);
     if (g->log) {
-        im->surface = fft_alloc(SURFACE_PARTS * (size_t)g->x.n * (size_t)g->y.n * sizeof *im->surface);
+        im->surface =
+            fft_alloc(SURFACE_PARTS * (size_t)g->x.n * (size_t)g->y.n * sizeof *im->surface);
     }
     return im->f != NULL && im->e != NULL && im->line != NULL && (im->surface != NULL || !g->log);
 }
 
-void image_deinit(image *im)
-{
+void image_deinit(image *im) {
     fft_free(im->f);
     fft_free(im->e);
     fft_free(im->line);
@@ -75,8 +73,7 @@ void image_deinit(image *im)
     *im = (image){0};
 }
 
-static void extremes(const double *pixels, size_t n, double *low, double *high)
-{
+static void extremes(const double *pixels, size_t n, double *low, double *high) {
     double least = INFINITY;
     double most = -INFINITY;
 #pragma omp simd reduction(min : least) reduction(max : most)
@@ -88,9 +85,9 @@ static void extremes(const double *pixels, size_t n, double *low, double *high)
     *high = most;
 }
 
-/* ln of a row of pixels. Zeros become marks (ln 0) or, under zeros=floor, the logarithm of `tiny`. */
-static void take_log(const double *pixels, size_t n, double pedestal, double tiny, double *out)
-{
+/* ln of a row of pixels. Zeros become marks (ln 0) or, under zeros=floor, the logarithm of `tiny`.
+ */
+static void take_log(const double *pixels, size_t n, double pedestal, double tiny, double *out) {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         const double value = pixels[i] + pedestal;
@@ -98,8 +95,7 @@ static void take_log(const double *pixels, size_t n, double pedestal, double tin
     }
 }
 
-static void find_negative(const image_grid *g, const double *pixels, int *bad_x, int *bad_y)
-{
+static void find_negative(const image_grid *g, const double *pixels, int *bad_x, int *bad_y) {
     int i = 0;
     while (!(pixels[i] + g->pedestal < 0.0)) {
         i++;
@@ -109,8 +105,8 @@ static void find_negative(const image_grid *g, const double *pixels, int *bad_x,
 }
 
 /* One row of pixels to a row that is fine along x. */
-static void expand_row(image *im, const image_grid *g, const double *pixels, double tiny, double *out)
-{
+static void expand_row(image *im, const image_grid *g, const double *pixels, double tiny,
+                       double *out) {
     double *values = im->line;
     double *slopes = im->line + g->x.n;
     if (g->log) {
@@ -123,8 +119,8 @@ static void expand_row(image *im, const image_grid *g, const double *pixels, dou
 }
 
 /* All lines of one direction: along x for step 1, along y for step nx. */
-static void mark_slopes(const image_grid *g, const double *marks, const double *f, double *e, bool along_x)
-{
+static void mark_slopes(const image_grid *g, const double *marks, const double *f, double *e,
+                        bool along_x) {
     const size_t nx = (size_t)g->x.n;
     const int lines = along_x ? g->y.n : g->x.n;
     for (int i = 0; i < lines; i++) {
@@ -133,10 +129,10 @@ static void mark_slopes(const image_grid *g, const double *marks, const double *
     }
 }
 
-/* Beside marks the two directions do not commute: fine rows first, then columns, would be another surface than columns first,
- * and imprint a shape. So all slopes are fixed at the pixels, and the mixed one is the mean of both orders. */
-static void load_marked(image *im, const image_grid *g, const double *pixels)
-{
+/* Beside marks the two directions do not commute: fine rows first, then columns, would be another
+ * surface than columns first, and imprint a shape. So all slopes are fixed at the pixels, and the
+ * mixed one is the mean of both orders. */
+static void load_marked(image *im, const image_grid *g, const double *pixels) {
     const size_t n = (size_t)g->x.n * (size_t)g->y.n;
     double *f = im->surface;
     double *fx = f + n;
@@ -158,8 +154,7 @@ static void load_marked(image *im, const image_grid *g, const double *pixels)
     }
 }
 
-bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x, int *bad_y)
-{
+bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x, int *bad_y) {
     im->pixels = pixels;
     if (g->x.kind == AXIS_NONE) {
         return true;
@@ -189,8 +184,7 @@ bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x
     return true;
 }
 
-static void combine(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out)
-{
+static void combine(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
     int j;
     int k;
     const axis_weights w = axis_at(&g->y, fine_y, &j, &k);
@@ -221,10 +215,10 @@ static void combine(const image *im, const image_grid *g, int fine_y, int x0, in
     }
 }
 
-void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out)
-{
+void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
     if (g->x.kind == AXIS_NONE) {
-        memcpy(out, im->pixels + (size_t)fine_y * (size_t)g->x.n + x0, (size_t)(x1 - x0) * sizeof *out);
+        memcpy(out, im->pixels + (size_t)fine_y * (size_t)g->x.n + x0,
+               (size_t)(x1 - x0) * sizeof *out);
         return;
     }
     combine(im, g, fine_y, x0, x1, out);

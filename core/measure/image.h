@@ -9,15 +9,16 @@
 /* How images of one shape are interpolated; immutable, shared by threads. */
 typedef struct image_grid {
     axis x, y;
-    bool log;          /* interpolate ln(pixel + pedestal) */
-    int zeros;         /* enum shear_zeros, where log */
+    bool log;  /* interpolate ln(pixel + pedestal) */
+    int zeros; /* enum shear_zeros, where log */
     double pedestal;
     int fine_nx, fine_ny;
-    size_t stride;     /* numbers in a line of the scratch arrays, >= fine_nx */
+    size_t stride; /* numbers in a line of the scratch arrays, >= fine_nx */
 } image_grid;
 
 /* interpolation: never AUTO. false when memory is out; deinit is safe then too. */
-bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros, double pedestal);
+bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros,
+                     double pedestal);
 void image_grid_deinit(image_grid *g);
 
 /* One image's scratch: rows already fine along x, still coarse along y. */
@@ -26,14 +27,14 @@ typedef struct image {
     double *f;            /* [ny][stride] values, or logarithms */
     double *e;            /* [ny][stride] slopes along y */
     double *line;         /* [2][nx] */
-    double *surface;      /* [5][ny][nx] where marked: value, slopes and mixed slopes at the pixels */
-    bool marked;          /* f holds marks: zeros under zeros=skip */
+    double *surface; /* [5][ny][nx] where marked: value, slopes and mixed slopes at the pixels */
+    bool marked;     /* f holds marks: zeros under zeros=skip */
 } image;
 bool image_init(image *im, const image_grid *g);
 void image_deinit(image *im);
 
-/* Take up the pixels [ny][nx] (kept by the caller until the rows have been read). false where a log method meets a
- * negative number: pixel (*bad_x, *bad_y). */
+/* Take up the pixels [ny][nx] (kept by the caller until the rows have been read). false where a log
+ * method meets a negative number: pixel (*bad_x, *bad_y). */
 bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x, int *bad_y);
 
 /* Fine row `fine_y`, columns [x0, x1), into out[0 .. x1-x0). */

@@ -5,8 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static bool allocate(shear_inspection *out)
-{
+static bool allocate(shear_inspection *out) {
     const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
     const size_t modes = (size_t)out->spec_nx * (size_t)out->spec_ny;
     out->galaxy_fine = malloc(points * sizeof(double));
@@ -19,8 +18,7 @@ static bool allocate(shear_inspection *out)
            out->power != NULL && out->target_power != NULL && out->transfer != NULL;
 }
 
-void shear_inspection_free(shear_inspection *out)
-{
+void shear_inspection_free(shear_inspection *out) {
     if (out != NULL) {
         free(out->galaxy_fine);
         free(out->noise_fine);
@@ -32,9 +30,10 @@ void shear_inspection_free(shear_inspection *out)
     }
 }
 
-/* A noise stamp that is not corrected for may be negative under a log method: then there is no picture of it. */
-static void copy_images(const shear_plan *plan, const shear_workspace *ws, bool has_noise, shear_inspection *out)
-{
+/* A noise stamp that is not corrected for may be negative under a log method: then there is no
+ * picture of it. */
+static void copy_images(const shear_plan *plan, const shear_workspace *ws, bool has_noise,
+                        shear_inspection *out) {
     for (int y = 0; y < out->fine_ny; y++) {
         const size_t at = (size_t)y * (size_t)out->fine_nx;
         image_row(&ws->galaxy, &plan->grid, y, 0, out->fine_nx, out->galaxy_fine + at);
@@ -43,20 +42,21 @@ static void copy_images(const shear_plan *plan, const shear_workspace *ws, bool 
         }
         for (int x = 0; x < out->fine_nx; x++) {
             out->noise_fine[at + (size_t)x] = has_noise ? out->noise_fine[at + (size_t)x] : NAN;
-            out->galaxy_filtered[at + (size_t)x] = creal(ws->pair[(size_t)y * plan->stride + (size_t)x]);
+            out->galaxy_filtered[at + (size_t)x] =
+                creal(ws->pair[(size_t)y * plan->stride + (size_t)x]);
         }
     }
 }
 
 static void copy_spectra(const shear_plan *plan, const shear_workspace *ws, const transfer *t,
-                         shear_inspection *out)
-{
+                         shear_inspection *out) {
     const transfer_plan *p = &plan->transfer_plan;
     const double s2 = (double)p->s * p->s;
     const double norm = (double)p->nx * p->ny * s2 * s2;
     for (int jy = -t->jy; jy <= t->jy; jy++) {
         for (int jx = -t->jx; jx <= t->jx; jx++) {
-            const size_t at = (size_t)(jy + p->max_jy) * (size_t)out->spec_nx + (size_t)(jx + p->max_jx);
+            const size_t at =
+                (size_t)(jy + p->max_jy) * (size_t)out->spec_nx + (size_t)(jx + p->max_jx);
             /* T is kept for jx >= 0 with the weight of both halves; T(-k) = T(k). */
             const int tx = jx < 0 ? -jx : jx;
             const int ty = jx < 0 ? -jy : jy;
@@ -70,8 +70,7 @@ static void copy_spectra(const shear_plan *plan, const shear_workspace *ws, cons
 }
 
 int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                  shear_inspection *out, shear_error *err)
-{
+                  shear_inspection *out, shear_error *err) {
     const transfer_plan *p = &plan->transfer_plan;
     *out = (shear_inspection){.fine_nx = plan->info.fine_nx,
                               .fine_ny = plan->info.fine_ny,
@@ -80,7 +79,8 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     shear_row row;
     int code = shear_measure(plan, ws, stamps, i, &row, err);
     if (code == SHEAR_OK && row.flags != 0) {
-        code = shear_fail(err, SHEAR_E_FORMAT, NULL, "stamp %lld is flagged (0x%x) and cannot be shown",
+        code = shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "stamp %lld is flagged (0x%x) and cannot be shown",
                           (long long)(stamps->first + i), row.flags);
     }
     if (code == SHEAR_OK && !allocate(out)) {
@@ -98,9 +98,10 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
     const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
     int bad;
-    const bool has_noise = image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
-    pack_pair(plan, ws, fine, stamps->galaxy + (size_t)i * pixels, stamps->noise + (size_t)i * pixels,
-              &failure);
+    const bool has_noise =
+        image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
+    pack_pair(plan, ws, fine, stamps->galaxy + (size_t)i * pixels,
+              stamps->noise + (size_t)i * pixels, &failure);
     copy_images(plan, ws, has_noise, out);
     transform_pair(plan, ws, fine, t);
     copy_spectra(plan, ws, t, out);

@@ -16,11 +16,11 @@ struct shear_jackknife {
     ratio_sums *blocks; /* [room], n in use: one a block */
 };
 
-int shear_jackknife_new(shear_jackknife **out, int groups, shear_error *err)
-{
+int shear_jackknife_new(shear_jackknife **out, int groups, shear_error *err) {
     *out = NULL;
     if (groups < 2) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "a jackknife needs at least 2 groups, not %d", groups);
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "a jackknife needs at least 2 groups, not %d",
+                          groups);
     }
     *out = calloc(1, sizeof **out);
     if (*out == NULL) {
@@ -30,31 +30,29 @@ int shear_jackknife_new(shear_jackknife **out, int groups, shear_error *err)
     return SHEAR_OK;
 }
 
-void shear_jackknife_free(shear_jackknife *j)
-{
+void shear_jackknife_free(shear_jackknife *j) {
     if (j != NULL) {
         free(j->blocks);
         free(j);
     }
 }
 
-static int make_room(shear_jackknife *j, size_t n, shear_error *err)
-{
+static int make_room(shear_jackknife *j, size_t n, shear_error *err) {
     size_t room = j->room > 0 ? j->room : 256;
     while (room < n) {
         room *= 2;
     }
     ratio_sums *blocks = room > j->room ? realloc(j->blocks, room * sizeof *blocks) : j->blocks;
     if (blocks == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks", n);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks",
+                          n);
     }
     j->blocks = blocks;
     j->room = room;
     return SHEAR_OK;
 }
 
-int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err)
-{
+int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err) {
     const int code = make_room(j, j->n + 1, err);
     if (code == SHEAR_OK) {
         j->blocks[j->n++] = (ratio_sums){.n1 = b->hi[SHEAR_S_N1] + b->lo[SHEAR_S_N1],
@@ -64,8 +62,7 @@ int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_err
     return code;
 }
 
-int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err)
-{
+int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err) {
     const int code = make_room(j, j->n + other->n, err);
     if (code == SHEAR_OK && other->n > 0) {
         memcpy(j->blocks + j->n, other->blocks, other->n * sizeof *other->blocks);
@@ -74,8 +71,7 @@ int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear
     return code;
 }
 
-static ratio_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to)
-{
+static ratio_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to) {
     ratio_sums sum = {0};
     for (size_t i = from; i < to; i++) {
         sum.n1 += j->blocks[i].n1;
@@ -85,13 +81,13 @@ static ratio_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to)
     return sum;
 }
 
-int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err)
-{
+int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err) {
     const size_t groups = (size_t)j->groups;
     if (j->n < groups) {
-        return shear_fail(err, SHEAR_E_SETTING, "ask for fewer groups",
-                          "a jackknife of %zu groups needs as many blocks of %d stamps; the field has %zu", groups,
-                          SHEAR_BLOCK, j->n);
+        return shear_fail(
+            err, SHEAR_E_SETTING, "ask for fewer groups",
+            "a jackknife of %zu groups needs as many blocks of %d stamps; the field has %zu",
+            groups, SHEAR_BLOCK, j->n);
     }
     const ratio_sums all = sum_blocks(j, 0, j->n);
     double mean1 = 0.0;

@@ -12,9 +12,9 @@ typedef struct pixel_scan {
     bool finite;
 } pixel_scan;
 
-static pixel_scan scan_pixels(const double *pixels, size_t n)
-{
-    /* Squares are taken about one of the pixels: about zero, a bright sky would swallow its own noise. */
+static pixel_scan scan_pixels(const double *pixels, size_t n) {
+    /* Squares are taken about one of the pixels: about zero, a bright sky would swallow its own
+     * noise. */
     const double origin = pixels[0];
     double sum = 0.0;
     double sum1 = 0.0;
@@ -34,7 +34,8 @@ static pixel_scan scan_pixels(const double *pixels, size_t n)
     }
     const double mean = sum1 / (double)n;
     const double var = fmax(0.0, sum2 / (double)n - mean * mean);
-    return (pixel_scan){.sum = sum, .low = low, .high = high, .var = var, .finite = not_finite == 0.0};
+    return (pixel_scan){
+        .sum = sum, .low = low, .high = high, .var = var, .finite = not_finite == 0.0};
 }
 
 /* Mean and variance of the one-pixel border. */
@@ -42,8 +43,7 @@ typedef struct border {
     double mean, var;
 } border;
 
-static border scan_border(const double *pixels, int nx, int ny)
-{
+static border scan_border(const double *pixels, int nx, int ny) {
     const int n = 2 * (nx + ny) - 4;
     double mean = 0.0;
     for (int pass = 0;; pass++) {
@@ -62,8 +62,7 @@ static border scan_border(const double *pixels, int nx, int ny)
     }
 }
 
-static void row_init(shear_row *row, double weight, uint32_t flags)
-{
+static void row_init(shear_row *row, double weight, uint32_t flags) {
     *row = (shear_row){.n1 = NAN,
                        .n2 = NAN,
                        .d = NAN,
@@ -85,8 +84,7 @@ static void row_init(shear_row *row, double weight, uint32_t flags)
 
 /* Flux, signal to noise and the border's excess over the noise stamp. */
 static void fill_photometry(shear_row *row, const shear_stamps *st, const double *galaxy,
-                            const double *noise, const pixel_scan *g, const pixel_scan *n)
-{
+                            const double *noise, const pixel_scan *g, const pixel_scan *n) {
     const double pixels = (double)st->nx * st->ny;
     /* A constant noise stamp (all zero, say) has no variance but that of rounding. */
     const bool noisy = n->high > n->low;
@@ -99,8 +97,7 @@ static void fill_photometry(shear_row *row, const shear_stamps *st, const double
     row->border_var_noise = of_noise.var;
 }
 
-static double removed_flux(const filter_map *coarse, const double *galaxy, const double *noise)
-{
+static double removed_flux(const filter_map *coarse, const double *galaxy, const double *noise) {
     const size_t n = (size_t)coarse->nx * (size_t)coarse->ny;
     const double *value = coarse->value;
     double removed = 0.0;
@@ -112,8 +109,7 @@ static double removed_flux(const filter_map *coarse, const double *galaxy, const
 }
 
 void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                   const filter_map **fine, const filter_map **coarse, uint32_t *flags)
-{
+                   const filter_map **fine, const filter_map **coarse, uint32_t *flags) {
     *fine = plan->filtered ? &plan->fine : NULL;
     *coarse = plan->filtered ? &plan->coarse : NULL;
     if (!plan->info.filter_per_stamp) {
@@ -132,8 +128,7 @@ void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stam
 }
 
 const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,
-                                const shear_stamps *stamps, int i, uint32_t *flags)
-{
+                                const shear_stamps *stamps, int i, uint32_t *flags) {
     if (plan->has_psf) {
         return &plan->transfer;
     }
@@ -157,18 +152,18 @@ const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,
 }
 
 static int negative_pixel(const shear_plan *plan, const shear_stamps *stamps, int i,
-                          const pack_failure *where, shear_error *err)
-{
-    return shear_fail(err, SHEAR_E_NEGATIVE,
-                      "give a pedestal above the most negative pixel, or an interpolation that is not logarithmic",
-                      "%s stamp %lld (from 0) is negative at pixel (%d, %d), and %s takes logarithms",
-                      where->in_noise ? "noise" : "galaxy", (long long)(stamps->first + i), where->x + 1,
-                      where->y + 1, shear_interpolation_name(plan->info.interpolation));
+                          const pack_failure *where, shear_error *err) {
+    return shear_fail(
+        err, SHEAR_E_NEGATIVE,
+        "give a pedestal above the most negative pixel, or an interpolation that is not "
+        "logarithmic",
+        "%s stamp %lld (from 0) is negative at pixel (%d, %d), and %s takes logarithms",
+        where->in_noise ? "noise" : "galaxy", (long long)(stamps->first + i), where->x + 1,
+        where->y + 1, shear_interpolation_name(plan->info.interpolation));
 }
 
 /* METHOD steps 5 and 6. */
-static void fill_moments(shear_row *row, const moments *m, double beta)
-{
+static void fill_moments(shear_row *row, const moments *m, double beta) {
     row->m20 = m->m20;
     row->m02 = m->m02;
     row->m11 = m->m11;
@@ -184,16 +179,15 @@ static void fill_moments(shear_row *row, const moments *m, double beta)
     }
 }
 
-static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double weight)
-{
+static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double weight) {
     const bool masked = stamps->mask != NULL && stamps->mask[i] != 0;
     const bool bad_weight = !(weight >= 0.0) || !isfinite(weight);
-    return (masked ? (uint32_t)SHEAR_FLAG_MASKED : 0u) | (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
+    return (masked ? (uint32_t)SHEAR_FLAG_MASKED : 0u) |
+           (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
 }
 
-static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                shear_row *row, shear_error *err)
-{
+static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                       int i, shear_row *row, shear_error *err) {
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
     const double *galaxy = stamps->galaxy + (size_t)i * pixels;
     const double *noise = stamps->noise + (size_t)i * pixels;
@@ -226,8 +220,7 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     return SHEAR_OK;
 }
 
-static int check_shape(const shear_plan *plan, const shear_stamps *stamps, shear_error *err)
-{
+static int check_shape(const shear_plan *plan, const shear_stamps *stamps, shear_error *err) {
     const shear_geometry *g = &plan->info.geometry;
     if (stamps->nx == g->nx && stamps->ny == g->ny) {
         return SHEAR_OK;
@@ -238,8 +231,7 @@ static int check_shape(const shear_plan *plan, const shear_stamps *stamps, shear
 }
 
 int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
-                        int from, int to, shear_row *rows, shear_error *err)
-{
+                        int from, int to, shear_row *rows, shear_error *err) {
     int code = check_shape(plan, stamps, err);
     ws->transfer_of = NULL; /* the caller may have put other images into the same memory */
     for (int i = from; i < to && code == SHEAR_OK; i++) {
@@ -249,7 +241,6 @@ int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear
 }
 
 int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                  shear_row *row, shear_error *err)
-{
+                  shear_row *row, shear_error *err) {
     return shear_measure_range(plan, ws, stamps, i, i + 1, row, err);
 }

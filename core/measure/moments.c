@@ -3,13 +3,12 @@
 
 #include <math.h>
 
-static size_t wrap(int j, int n)
-{
+static size_t wrap(int j, int n) {
     return (size_t)(j < 0 ? j + n : j);
 }
 
-double moments_power(const double complex *z, size_t stride, const transfer_plan *p, int jx, int jy)
-{
+double moments_power(const double complex *z, size_t stride, const transfer_plan *p, int jx,
+                     int jy) {
     const int nx = p->nx * p->s;
     const int ny = p->ny * p->s;
     const double complex here = z[wrap(jy, ny) * stride + wrap(jx, nx)];
@@ -22,9 +21,10 @@ typedef struct row_sums {
     double s0, s1, s2, s3, s4;
 } row_sums;
 
-/* here: modes (0 .. jx, jy); there: the row of -jy, whose mode -jx lies at [nx - jx]. Interleaved re, im. */
-static row_sums sum_row(const double *here, const double *there, const double *t, int nx, int last)
-{
+/* here: modes (0 .. jx, jy); there: the row of -jy, whose mode -jx lies at [nx - jx]. Interleaved
+ * re, im. */
+static row_sums sum_row(const double *here, const double *there, const double *t, int nx,
+                        int last) {
     const double power0 = here[0] * there[0] - here[1] * there[1];
     double s0 = t[0] * power0;
     double s1 = 0.0;
@@ -46,8 +46,8 @@ static row_sums sum_row(const double *here, const double *there, const double *t
     return (row_sums){s0, s1, s2, s3, s4};
 }
 
-moments moments_of(const double complex *z, size_t stride, const transfer_plan *p, const transfer *t)
-{
+moments moments_of(const double complex *z, size_t stride, const transfer_plan *p,
+                   const transfer *t) {
     const int nx = p->nx * p->s;
     const int ny = p->ny * p->s;
     const double ux = 2.0 * M_PI / p->nx;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/moments.h: the moments of a noise-corrected power spectrum from the transform of a packed pair.
+/* measure/moments.h: the moments of a noise-corrected power spectrum from the transform of a packed
+ * pair.
  *
  * The galaxy g and the noise n are real, z = g + i n is transformed once, and
  *     Re[Z(k) Z(-k)] = |G(k)|^2 - |N(k)|^2
@@ -17,9 +18,11 @@ typedef struct moments {
 } moments;
 
 /* Z: [ny s][stride] with columns -t->jx .. t->jx (mod nx s) transformed. */
-moments moments_of(const double complex *z, size_t stride, const transfer_plan *p, const transfer *t);
+moments moments_of(const double complex *z, size_t stride, const transfer_plan *p,
+                   const transfer *t);
 
 /* The corrected power of one mode, |jx| and |jy| within the transformed columns. For pictures. */
-double moments_power(const double complex *z, size_t stride, const transfer_plan *p, int jx, int jy);
+double moments_power(const double complex *z, size_t stride, const transfer_plan *p, int jx,
+                     int jy);
 
 #endif

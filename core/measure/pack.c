@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From a stamp pair to its transform: galaxy + i noise on the fine grid, filtered, one complex FFT for both. */
+/* From a stamp pair to its transform: galaxy + i noise on the fine grid, filtered, one complex FFT
+ * for both. */
 #include "measure/plan_impl.h"
 
 #include <string.h>
 
-static void pack_row(double complex *out, const double *galaxy, const double *noise, const double *filter,
-                     int n)
-{
+static void pack_row(double complex *out, const double *galaxy, const double *noise,
+                     const double *filter, int n) {
     double *pairs = (double *)out;
     if (filter != NULL) {
 #pragma omp simd
@@ -24,8 +24,7 @@ static void pack_row(double complex *out, const double *galaxy, const double *no
 }
 
 /* One fine row of the pair: interpolated where the filter lets it through, zero elsewhere. */
-static void make_row(const shear_plan *plan, shear_workspace *ws, const filter_map *filter, int y)
-{
+static void make_row(const shear_plan *plan, shear_workspace *ws, const filter_map *filter, int y) {
     const int width = plan->info.fine_nx;
     double complex *row = ws->pair + (size_t)y * plan->stride;
     const int x0 = filter != NULL ? filter->x0[y] : 0;
@@ -42,14 +41,12 @@ static void make_row(const shear_plan *plan, shear_workspace *ws, const filter_m
     pack_row(row + x0, ws->galaxy_row, ws->noise_row, values, x1 - x0);
 }
 
-static bool row_is_empty(const filter_map *filter, int y)
-{
+static bool row_is_empty(const filter_map *filter, int y) {
     return filter != NULL && filter->x1[y] == filter->x0[y];
 }
 
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-               const double *galaxy, const double *noise, pack_failure *failure)
-{
+               const double *galaxy, const double *noise, pack_failure *failure) {
     failure->in_noise = false;
     if (!image_load(&ws->galaxy, &plan->grid, galaxy, &failure->x, &failure->y)) {
         return false;
@@ -70,14 +67,14 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
 }
 
 void transform_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-                    const transfer *t)
-{
+                    const transfer *t) {
     for (int y = 0; y < plan->info.fine_ny; y++) {
         if (!row_is_empty(filter, y)) {
             fft_image_row(plan->fft, ws->pair + (size_t)y * plan->stride);
         }
     }
-    /* Only columns with |jx| <= t->jx carry information: groups from the left, then those from the right. */
+    /* Only columns with |jx| <= t->jx carry information: groups from the left, then those from the
+     * right. */
     const int last = (plan->info.fine_nx - 1) / FFT_COLUMNS;
     const int left = t->jx / FFT_COLUMNS;
     const int right = (plan->info.fine_nx - t->jx) / FFT_COLUMNS;

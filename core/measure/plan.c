@@ -11,12 +11,12 @@ static const double max_fine_points = 67108864.0;
 /* Below this PSF radius (pixels) auto interpolates (METHOD section 3). */
 static const double well_sampled_px = 1.0;
 
-static int check_geometry(const shear_geometry *g, shear_error *err)
-{
+static int check_geometry(const shear_geometry *g, shear_error *err) {
     if (g->nx < SHEAR_MIN_SIDE || g->ny < SHEAR_MIN_SIDE || g->nx > SHEAR_MAX_SIDE ||
         g->ny > SHEAR_MAX_SIDE) {
-        return shear_fail(err, SHEAR_E_FORMAT, NULL, "stamps of %d x %d px: each side must be %d to %d px",
-                          g->nx, g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "stamps of %d x %d px: each side must be %d to %d px", g->nx, g->ny,
+                          SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
     }
     if (g->psf_nx < 2 || g->psf_ny < 2 || g->psf_oversample < 1) {
         return shear_fail(err, SHEAR_E_PSF, NULL, "a PSF of %d x %d samples, %d a pixel: too small",
@@ -26,23 +26,22 @@ static int check_geometry(const shear_geometry *g, shear_error *err)
 }
 
 /* The PSF's fine image and its transform must fit too; this also keeps nx q far from overflow. */
-static int check_psf_size(const shear_plan_info *info, int factor, shear_error *err)
-{
+static int check_psf_size(const shear_plan_info *info, int factor, shear_error *err) {
     const shear_geometry *g = &info->geometry;
     const double q = info->psf_oversample;
     const double samples = (double)g->psf_nx * factor * g->psf_ny * factor;
     const double modes = 0.5 * g->nx * fmin(q, info->oversample) * g->ny * q;
     if (modes > max_fine_points || (factor > 1 && samples > max_fine_points)) {
-        return shear_fail(err, SHEAR_E_PSF, "give a PSF of fewer samples, or of fewer a pixel (OVERSAMP)",
-                          "a PSF of %d x %d samples, %d a pixel, is too large for stamps of %d x %d px", g->psf_nx,
-                          g->psf_ny, g->psf_oversample, g->nx, g->ny);
+        return shear_fail(
+            err, SHEAR_E_PSF, "give a PSF of fewer samples, or of fewer a pixel (OVERSAMP)",
+            "a PSF of %d x %d samples, %d a pixel, is too large for stamps of %d x %d px",
+            g->psf_nx, g->psf_ny, g->psf_oversample, g->nx, g->ny);
     }
     return SHEAR_OK;
 }
 
 /* The smallest power of two with 1/s < r/4. */
-static int finest_needed(double r_psf_px)
-{
+static int finest_needed(double r_psf_px) {
     int s = 1;
     while (1.0 / s >= r_psf_px / 4.0 && s < 1024) {
         s *= 2;
@@ -50,16 +49,16 @@ static int finest_needed(double r_psf_px)
     return s;
 }
 
-/* Interpolation, s and the PSF's own sampling. A PSF that is given finer than the pixels is taken as it is, as long as its
- * samples are not wider apart than its radius. */
+/* Interpolation, s and the PSF's own sampling. A PSF that is given finer than the pixels is taken
+ * as it is, as long as its samples are not wider apart than its radius. */
 static int resolve_sampling(const shear_settings *set, shear_plan_info *info, int *psf_factor,
-                            shear_error *err)
-{
+                            shear_error *err) {
     const double r = info->r_psf_px;
     info->interpolation = set->interpolation;
     if (info->interpolation == SHEAR_INTERP_AUTO) {
         const bool asked = set->oversample > 1 || set->pedestal > 0;
-        info->interpolation = r >= well_sampled_px && !asked ? SHEAR_INTERP_NONE : SHEAR_INTERP_LOG_BICUBIC;
+        info->interpolation =
+            r >= well_sampled_px && !asked ? SHEAR_INTERP_NONE : SHEAR_INTERP_LOG_BICUBIC;
     }
     const bool none = info->interpolation == SHEAR_INTERP_NONE;
     info->oversample = none ? 1 : set->oversample > 0 ? set->oversample : finest_needed(r);
@@ -73,16 +72,16 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
     info->fine_nx = info->geometry.nx * info->oversample;
     info->fine_ny = info->geometry.ny * info->oversample;
     if ((double)info->fine_nx * info->fine_ny > max_fine_points) {
-        return shear_fail(err, SHEAR_E_SETTING, "set oversample to a smaller number, or cut smaller stamps",
-                          "a fine grid of %d x %d points (oversample %d) is too large", info->fine_nx,
-                          info->fine_ny, info->oversample);
+        return shear_fail(err, SHEAR_E_SETTING,
+                          "set oversample to a smaller number, or cut smaller stamps",
+                          "a fine grid of %d x %d points (oversample %d) is too large",
+                          info->fine_nx, info->fine_ny, info->oversample);
     }
     return check_psf_size(info, *psf_factor, err);
 }
 
 static int resolve_filter(const shear_settings *set, shear_plan_info *info, bool has_r_gal,
-                          shear_error *err)
-{
+                          shear_error *err) {
     const bool core_given = !isnan(set->core_px);
     info->filter = set->filter;
     if (info->filter == SHEAR_FILTER_AUTO) {
@@ -95,25 +94,28 @@ static int resolve_filter(const shear_settings *set, shear_plan_info *info, bool
         return SHEAR_OK;
     }
     if (info->filter_per_stamp && !has_r_gal) {
-        return shear_fail(err, SHEAR_E_SETTING, "add the column R_GAL, or give a core, or use filter=edge",
-                          "filter=paper needs R_G of the galaxies, and there is no column R_GAL in CATALOG");
+        return shear_fail(
+            err, SHEAR_E_SETTING, "add the column R_GAL, or give a core, or use filter=edge",
+            "filter=paper needs R_G of the galaxies, and there is no column R_GAL in CATALOG");
     }
     const bool edge = info->filter == SHEAR_FILTER_EDGE;
-    info->width_px = !isnan(set->width_px) ? set->width_px : edge ? 0.5 * info->beta_px : info->beta_px;
+    info->width_px = !isnan(set->width_px) ? set->width_px
+                     : edge                ? 0.5 * info->beta_px
+                                           : info->beta_px;
     info->core_px = core_given ? set->core_px : NAN;
     if (edge) {
         info->core_px = filter_edge_core(info->geometry.nx, info->geometry.ny, info->width_px);
         if (!(info->core_px > 0.0)) {
-            return shear_fail(err, SHEAR_E_SETTING, "set a smaller width, or cut larger stamps",
-                              "filter=edge: a fall of width %.3g px does not fit into stamps of %d x %d px",
-                              info->width_px, info->geometry.nx, info->geometry.ny);
+            return shear_fail(
+                err, SHEAR_E_SETTING, "set a smaller width, or cut larger stamps",
+                "filter=edge: a fall of width %.3g px does not fit into stamps of %d x %d px",
+                info->width_px, info->geometry.nx, info->geometry.ny);
         }
     }
     return SHEAR_OK;
 }
 
-static bool make_grids(shear_plan *plan, int psf_factor)
-{
+static bool make_grids(shear_plan *plan, int psf_factor) {
     const shear_plan_info *info = &plan->info;
     const shear_settings *set = &plan->settings;
     const shear_geometry *g = &info->geometry;
@@ -138,15 +140,16 @@ static bool make_grids(shear_plan *plan, int psf_factor)
     return grid_made && psf_grid_made && transfer_made && plan->fft != NULL;
 }
 
-static bool make_filter(shear_plan *plan)
-{
+static bool make_filter(shear_plan *plan) {
     const shear_plan_info *info = &plan->info;
     plan->filtered = info->filter != SHEAR_FILTER_NONE;
     if (!plan->filtered || info->filter_per_stamp) {
         return true;
     }
-    const bool fine_made = filter_map_init(&plan->fine, info->geometry.nx, info->geometry.ny, info->oversample);
-    const bool coarse_made = filter_map_init(&plan->coarse, info->geometry.nx, info->geometry.ny, 1);
+    const bool fine_made =
+        filter_map_init(&plan->fine, info->geometry.nx, info->geometry.ny, info->oversample);
+    const bool coarse_made =
+        filter_map_init(&plan->coarse, info->geometry.nx, info->geometry.ny, 1);
     if (fine_made && coarse_made) {
         filter_map_fill(&plan->fine, info->core_px, info->width_px);
         filter_map_fill(&plan->coarse, info->core_px, info->width_px);
@@ -154,14 +157,12 @@ static bool make_filter(shear_plan *plan)
     return fine_made && coarse_made;
 }
 
-static int out_of_memory(shear_error *err)
-{
+static int out_of_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while planning");
 }
 
 /* The field's one transfer, with scratch of its own. */
-static int make_transfer(shear_plan *plan, const double *psf, shear_error *err)
-{
+static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) {
     transfer_scratch scratch = {0};
     int code = SHEAR_E_NOMEM;
     if (transfer_init(&plan->transfer, &plan->transfer_plan) &&
@@ -176,9 +177,8 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err)
     return code;
 }
 
-static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool has_r_gal, int *psf_factor,
-                   shear_error *err)
-{
+static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool has_r_gal,
+                   int *psf_factor, shear_error *err) {
     shear_plan_info *info = &plan->info;
     const shear_geometry *g = &info->geometry;
     int code = shear_settings_check(&plan->settings, err);
@@ -193,7 +193,8 @@ static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool ha
         return code;
     }
     if (!(info->r_psf_px > 0.0) || !isfinite(info->r_psf_px)) {
-        return shear_fail(err, SHEAR_E_PSF, NULL, "the PSF's scale radius is %g px", info->r_psf_px);
+        return shear_fail(err, SHEAR_E_PSF, NULL, "the PSF's scale radius is %g px",
+                          info->r_psf_px);
     }
     const shear_settings *set = &plan->settings;
     info->beta_px = !isnan(set->beta_px) ? set->beta_px : set->beta_ratio * info->r_psf_px;
@@ -202,21 +203,20 @@ static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool ha
 }
 
 /* With a PSF a stamp, only the grid's own limit can be judged here. */
-static int check_limit(shear_plan *plan, shear_error *err)
-{
+static int check_limit(shear_plan *plan, shear_error *err) {
     const transfer_plan *p = &plan->transfer_plan;
     plan->info.k_cut = p->k_limit;
     if (transfer_power_beyond(p->beta_px, p->k_limit) > p->power_tolerance) {
-        return shear_fail(err, SHEAR_E_BETA, "use a larger beta, or interpolate",
-                          "beta = %.4g px is too small for this sampling; the smallest that works is %.4f px",
-                          p->beta_px, transfer_smallest_beta(p->k_limit, p->power_tolerance));
+        return shear_fail(
+            err, SHEAR_E_BETA, "use a larger beta, or interpolate",
+            "beta = %.4g px is too small for this sampling; the smallest that works is %.4f px",
+            p->beta_px, transfer_smallest_beta(p->k_limit, p->power_tolerance));
     }
     return SHEAR_OK;
 }
 
 int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear_geometry *geometry,
-                   const double *psf, double r_psf_px, bool has_r_gal, shear_error *err)
-{
+                   const double *psf, double r_psf_px, bool has_r_gal, shear_error *err) {
     *out = NULL;
     shear_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL) {
@@ -240,8 +240,7 @@ int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear
     return SHEAR_OK;
 }
 
-void shear_plan_free(shear_plan *plan)
-{
+void shear_plan_free(shear_plan *plan) {
     if (plan == NULL) {
         return;
     }
@@ -254,12 +253,10 @@ void shear_plan_free(shear_plan *plan)
     free(plan);
 }
 
-const shear_plan_info *shear_plan_get_info(const shear_plan *plan)
-{
+const shear_plan_info *shear_plan_get_info(const shear_plan *plan) {
     return &plan->info;
 }
 
-const shear_settings *shear_plan_get_settings(const shear_plan *plan)
-{
+const shear_settings *shear_plan_get_settings(const shear_plan *plan) {
     return &plan->settings;
 }

@@ -12,14 +12,14 @@
 struct shear_plan {
     shear_settings settings;
     shear_plan_info info;
-    image_grid grid;             /* stamps to the fine grid */
-    size_t stride;               /* of a fine row of the packed pair */
-    fft_image_plan *fft;         /* the packed pair's */
+    image_grid grid;     /* stamps to the fine grid */
+    size_t stride;       /* of a fine row of the packed pair */
+    fft_image_plan *fft; /* the packed pair's */
     transfer_plan transfer_plan;
-    bool has_psf;                /* `transfer` serves all stamps */
+    bool has_psf; /* `transfer` serves all stamps */
     transfer transfer;
-    bool filtered;               /* info.filter is not NONE */
-    filter_map fine, coarse;     /* the filter on both grids, unless it differs from stamp to stamp */
+    bool filtered;           /* info.filter is not NONE */
+    filter_map fine, coarse; /* the filter on both grids, unless it differs from stamp to stamp */
 };
 
 struct shear_workspace {
@@ -29,11 +29,13 @@ struct shear_workspace {
     filter_map fine, coarse;        /* where the filter differs from stamp to stamp */
     transfer_scratch scratch;       /* where each stamp has its own PSF */
     transfer transfer;
-    const double *transfer_of;      /* the PSF image `transfer` was made from in this batch; NULL: none */
+    const double
+        *transfer_of; /* the PSF image `transfer` was made from in this batch; NULL: none */
 };
 
-/* The packed pair of stamp i on the fine grid, filtered, rows and columns not yet transformed. False where a log method
- * meets a negative pixel: (*bad_x, *bad_y), in the noise stamp if *in_noise. */
+/* The packed pair of stamp i on the fine grid, filtered, rows and columns not yet transformed.
+ * False where a log method meets a negative pixel: (*bad_x, *bad_y), in the noise stamp if
+ * *in_noise. */
 typedef struct pack_failure {
     int x, y;
     bool in_noise;
@@ -44,7 +46,8 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
 void transform_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                     const transfer *t);
 
-/* The filter and the transfer of stamp i; NULL filter: none. Flags in *flags where they cannot be had. */
+/* The filter and the transfer of stamp i; NULL filter: none. Flags in *flags where they cannot be
+ * had. */
 void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                    const filter_map **fine, const filter_map **coarse, uint32_t *flags);
 const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The PSF's scale radius: the area above exp(-1/2) of the peak, found on samples REFINE times finer. Cells of those
- * samples that the contour crosses count by the part that lies inside, with the contour taken as straight
- * (marching squares). Between the given samples the logarithm is interpolated bicubically: for a
- * Gaussian it is a quadratic, which the paper's derivative estimates reproduce exactly. */
+/* The PSF's scale radius: the area above exp(-1/2) of the peak, found on samples REFINE times
+ * finer. Cells of those samples that the contour crosses count by the part that lies inside, with
+ * the contour taken as straight (marching squares). Between the given samples the logarithm is
+ * interpolated bicubically: for a Gaussian it is a quadratic, which the paper's derivative
+ * estimates reproduce exactly. */
 #include "measure/psf.h"
 
 #include "shear/plan.h"
@@ -10,22 +11,22 @@
 #include <math.h>
 #include <stdbool.h>
 
-int psf_check(const double *psf, int nx, int ny, shear_error *err)
-{
-    static const char advice[] = "the PSF must be an image of positive total flux, pixel response included";
+int psf_check(const double *psf, int nx, int ny, shear_error *err) {
+    static const char advice[] =
+        "the PSF must be an image of positive total flux, pixel response included";
     double sum = 0.0;
     double peak = -INFINITY;
     for (long i = 0; i < (long)nx * ny; i++) {
         if (!isfinite(psf[i])) {
-            return shear_fail(err, SHEAR_E_PSF, advice, "the PSF is not finite at sample (%ld, %ld)",
-                              i % nx + 1, i / nx + 1);
+            return shear_fail(err, SHEAR_E_PSF, advice,
+                              "the PSF is not finite at sample (%ld, %ld)", i % nx + 1, i / nx + 1);
         }
         sum += psf[i];
         peak = fmax(peak, psf[i]);
     }
     if (!(sum > 0.0) || !(peak > 0.0) || !isfinite(sum)) {
-        return shear_fail(err, SHEAR_E_PSF, advice, "the PSF's sum is %g and its peak %g: not positive",
-                          sum, peak);
+        return shear_fail(err, SHEAR_E_PSF, advice,
+                          "the PSF's sum is %g and its peak %g: not positive", sum, peak);
     }
     return SHEAR_OK;
 }
@@ -35,24 +36,22 @@ typedef struct psf_view {
     int nx, ny;
 } psf_view;
 
-static double sample(const psf_view *v, int x, int y)
-{
+static double sample(const psf_view *v, int x, int y) {
     const int cx = x < 0 ? 0 : x >= v->nx ? v->nx - 1 : x;
     const int cy = y < 0 ? 0 : y >= v->ny ? v->ny - 1 : y;
     return v->psf[(long)cy * v->nx + cx];
 }
 
 /* Cubic Hermite interpolation with central differences between b and c. */
-static double cubic(double a, double b, double c, double d, double t)
-{
+static double cubic(double a, double b, double c, double d, double t) {
     const double u = 1.0 - t;
     return (1.0 + 2.0 * t) * u * u * b + t * t * (3.0 - 2.0 * t) * c + 0.5 * t * u * u * (c - a) -
            0.5 * t * t * u * (d - b);
 }
 
-/* The 16 samples around the cell (i, j) .. (i+1, j+1), as logarithms; false where one is not positive. */
-static bool log_patch(const psf_view *v, int i, int j, double patch[4][4])
-{
+/* The 16 samples around the cell (i, j) .. (i+1, j+1), as logarithms; false where one is not
+ * positive. */
+static bool log_patch(const psf_view *v, int i, int j, double patch[4][4]) {
     for (int b = 0; b < 4; b++) {
         for (int a = 0; a < 4; a++) {
             const double value = sample(v, i - 1 + a, j - 1 + b);
@@ -65,8 +64,7 @@ static bool log_patch(const psf_view *v, int i, int j, double patch[4][4])
     return true;
 }
 
-static double patch_at(double patch[4][4], double t, double u)
-{
+static double patch_at(double patch[4][4], double t, double u) {
     double column[4];
     for (int b = 0; b < 4; b++) {
         column[b] = cubic(patch[b][0], patch[b][1], patch[b][2], patch[b][3], t);
@@ -74,9 +72,9 @@ static double patch_at(double patch[4][4], double t, double u)
     return cubic(column[0], column[1], column[2], column[3], u);
 }
 
-/* ln of the PSF at (x, y), in samples: log-bicubic; where a sample around is not positive, the nearest sample. */
-static double log_at(const psf_view *v, double x, double y)
-{
+/* ln of the PSF at (x, y), in samples: log-bicubic; where a sample around is not positive, the
+ * nearest sample. */
+static double log_at(const psf_view *v, double x, double y) {
     const int i = (int)floor(x);
     const int j = (int)floor(y);
     double patch[4][4];
@@ -89,11 +87,10 @@ static double log_at(const psf_view *v, double x, double y)
 
 enum { MAX_REFINE = 32 };
 
-/* How far the PSF is above the level, positive inside, on the (refine+1)^2 corners of the cell's subcells: in logarithms
- * where all samples around are positive, else bilinear. */
+/* How far the PSF is above the level, positive inside, on the (refine+1)^2 corners of the cell's
+ * subcells: in logarithms where all samples around are positive, else bilinear. */
 static void cell_heights(const psf_view *v, int i, int j, int refine, double level,
-                         double height[MAX_REFINE + 1][MAX_REFINE + 1])
-{
+                         double height[MAX_REFINE + 1][MAX_REFINE + 1]) {
     double patch[4][4];
     const bool positive = log_patch(v, i, j, patch);
     const double log_level = log(level);
@@ -101,17 +98,18 @@ static void cell_heights(const psf_view *v, int i, int j, int refine, double lev
         for (int p = 0; p <= refine; p++) {
             const double t = (double)p / refine;
             const double u = (double)q / refine;
-            height[q][p] = positive
-                               ? patch_at(patch, t, u) - log_level
-                               : (1 - t) * (1 - u) * sample(v, i, j) + t * (1 - u) * sample(v, i + 1, j) +
-                                     (1 - t) * u * sample(v, i, j + 1) + t * u * sample(v, i + 1, j + 1) - level;
+            height[q][p] = positive ? patch_at(patch, t, u) - log_level
+                                    : (1 - t) * (1 - u) * sample(v, i, j) +
+                                          t * (1 - u) * sample(v, i + 1, j) +
+                                          (1 - t) * u * sample(v, i, j + 1) +
+                                          t * u * sample(v, i + 1, j + 1) - level;
         }
     }
 }
 
-/* The part of a triangle with corner values a, b, c (areas above 0 count) that is above 0, contour straight. */
-static double triangle(double a, double b, double c)
-{
+/* The part of a triangle with corner values a, b, c (areas above 0 count) that is above 0, contour
+ * straight. */
+static double triangle(double a, double b, double c) {
     const int above = (a > 0) + (b > 0) + (c > 0);
     if (above == 0 || above == 3) {
         return above == 3 ? 1.0 : 0.0;
@@ -132,8 +130,7 @@ static double triangle(double a, double b, double c)
 }
 
 /* The area above `level` of the cell between four samples, in cells. */
-static double cell_area(const psf_view *v, int i, int j, int refine, double level)
-{
+static double cell_area(const psf_view *v, int i, int j, int refine, double level) {
     double height[MAX_REFINE + 1][MAX_REFINE + 1];
     cell_heights(v, i, j, refine, level, height);
     double area = 0.0;
@@ -149,8 +146,7 @@ static double cell_area(const psf_view *v, int i, int j, int refine, double leve
 }
 
 /* The highest point near sample (x, y), climbing from it with halved steps. */
-static double peak_near(const psf_view *v, int x, int y)
-{
+static double peak_near(const psf_view *v, int x, int y) {
     double best = log(sample(v, x, y));
     double best_x = x;
     double best_y = y;
@@ -173,9 +169,9 @@ static double peak_near(const psf_view *v, int x, int y)
     return exp(best);
 }
 
-/* 1 where the cell and all around it is above the level, 0 where all is well below it, -1 where the contour may pass. */
-static int cell_side(const psf_view *v, int i, int j, double level)
-{
+/* 1 where the cell and all around it is above the level, 0 where all is well below it, -1 where the
+ * contour may pass. */
+static int cell_side(const psf_view *v, int i, int j, double level) {
     double high = -INFINITY;
     double low = INFINITY;
     for (int b = -1; b <= 2; b++) {
@@ -189,8 +185,7 @@ static int cell_side(const psf_view *v, int i, int j, double level)
 }
 
 int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
-                     shear_error *err)
-{
+                     shear_error *err) {
     if (psf_check(psf, nx, ny, err) != SHEAR_OK) {
         return SHEAR_E_PSF;
     }
@@ -209,8 +204,10 @@ int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *
     double area = 0.0;
     for (int j = -1; j < ny; j++) {
         for (int i = -1; i < nx; i++) {
+            /* Beyond the outermost samples half a cell still belongs to the image. */
+            const double part = (i < 0 || i == nx - 1 ? 0.5 : 1.0) * (j < 0 || j == ny - 1 ? 0.5 : 1.0);
             const int side = cell_side(&view, i, j, level);
-            area += side >= 0 ? side : cell_area(&view, i, j, refine, level);
+            area += part * (side >= 0 ? side : cell_area(&view, i, j, refine, level));
         }
     }
     *r_psf_px = sqrt(area / M_PI) / oversample;

@@ -5,7 +5,8 @@
 
 #include "shear/error.h"
 
-/* SHEAR_E_PSF where the image [ny][nx] is not finite, or its sum or its brightest sample is not positive. */
+/* SHEAR_E_PSF where the image [ny][nx] is not finite, or its sum or its brightest sample is not
+ * positive. */
 int psf_check(const double *psf, int nx, int ny, shear_error *err);
 
 #endif

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/transfer.h: T(k) = |W_beta(k)|^2 / |W(k)|^2 on the modes of a stamp, with the isotropic cut.
+/* measure/transfer.h: T(k) = |W_beta(k)|^2 / |W(k)|^2 on the modes of a stamp, with the isotropic
+ * cut.
  *
- * Modes: k = (2 pi jx / nx, 2 pi jy / ny) radians per galaxy pixel, kept for 0 <= jx <= max_jx and |jy| <= max_jy: half
- * the plane is enough, since |F(k)|^2 of a real image is even. T holds the weight of both halves (2 for jx > 0)
- * and the factor 1/(nx ny s^4) that makes sums over modes integrals over the plane (Parseval).
+ * Modes: k = (2 pi jx / nx, 2 pi jy / ny) radians per galaxy pixel, kept for 0 <= jx <= max_jx and
+ * |jy| <= max_jy: half the plane is enough, since |F(k)|^2 of a real image is even. T holds the
+ * weight of both halves (2 for jx > 0) and the factor 1/(nx ny s^4) that makes sums over modes
+ * integrals over the plane (Parseval).
  */
 #ifndef SHEAR_TRANSFER_H
 #define SHEAR_TRANSFER_H
@@ -16,15 +18,15 @@
 
 /* What the transfers of one plan share. Immutable. */
 typedef struct transfer_plan {
-    int nx, ny;          /* stamp, pixels */
-    int s;               /* fine pixels per pixel of the stamps */
-    int psf_nx, psf_ny;  /* PSF image, samples */
-    int q;               /* PSF samples per pixel when transformed (after its interpolation) */
-    int max_jx, max_jy;  /* modes with |k| < k_limit */
-    size_t stride;       /* of a row of T */
-    double k_limit;      /* pi min(s, q): the Nyquist circle */
+    int nx, ny;         /* stamp, pixels */
+    int s;              /* fine pixels per pixel of the stamps */
+    int psf_nx, psf_ny; /* PSF image, samples */
+    int q;              /* PSF samples per pixel when transformed (after its interpolation) */
+    int max_jx, max_jy; /* modes with |k| < k_limit */
+    size_t stride;      /* of a row of T */
+    double k_limit;     /* pi min(s, q): the Nyquist circle */
     double beta_px, threshold, power_tolerance;
-    image_grid grid;     /* the PSF's own interpolation */
+    image_grid grid;             /* the PSF's own interpolation */
     fft_line_plan *row, *column; /* nx q real, ny q complex */
 } transfer_plan;
 
@@ -39,15 +41,15 @@ typedef struct transfer_scratch {
     double complex *modes;   /* [nx q / 2 + 1] its transform */
     double complex *columns; /* [max_jx + 1][column_stride] */
     size_t column_stride;
-    double *power;           /* [2 max_jy + 1][stride] |W|^2 */
+    double *power; /* [2 max_jy + 1][stride] |W|^2 */
 } transfer_scratch;
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p);
 void transfer_scratch_deinit(transfer_scratch *t);
 
 typedef struct transfer {
-    double k_cut;    /* T = 0 at |k| >= k_cut */
-    int jx, jy;      /* T = 0 beyond these modes: <= max_jx, max_jy */
-    double *t;       /* [2 max_jy + 1][stride], row max_jy + jy */
+    double k_cut; /* T = 0 at |k| >= k_cut */
+    int jx, jy;   /* T = 0 beyond these modes: <= max_jx, max_jy */
+    double *t;    /* [2 max_jy + 1][stride], row max_jy + jy */
 } transfer;
 bool transfer_init(transfer *t, const transfer_plan *p); /* false when memory is out */
 void transfer_deinit(transfer *t);
@@ -56,10 +58,11 @@ void transfer_deinit(transfer *t);
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
                   shear_error *err);
 
-/* The part of the target's power, weighted with k^4 as in M4, that lies beyond k_cut: (1 + x + x^2/2) exp(-x) with
- * x = (beta k_cut)^2. */
+/* The part of the target's power, weighted with k^4 as in M4, that lies beyond k_cut: (1 + x +
+ * x^2/2) exp(-x) with x = (beta k_cut)^2. */
 double transfer_power_beyond(double beta_px, double k_cut);
-/* The smallest beta, in steps of 1e-4 px, for which that is at most `tolerance`; INFINITY where none is. */
+/* The smallest beta, in steps of 1e-4 px, for which that is at most `tolerance`; INFINITY where
+ * none is. */
 double transfer_smallest_beta(double k_cut, double tolerance);
 
 #endif

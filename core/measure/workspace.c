@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool allocate(shear_workspace *ws, const shear_plan *plan)
-{
+static bool allocate(shear_workspace *ws, const shear_plan *plan) {
     const shear_plan_info *info = &plan->info;
     const size_t row = (size_t)info->fine_nx;
     const size_t points = plan->stride * (size_t)info->fine_ny;
@@ -19,7 +18,8 @@ static bool allocate(shear_workspace *ws, const shear_plan *plan)
         memset(ws->pair, 0, points * sizeof *ws->pair);
     }
     if (info->filter_per_stamp) {
-        ok = filter_map_init(&ws->fine, info->geometry.nx, info->geometry.ny, info->oversample) && ok;
+        ok = filter_map_init(&ws->fine, info->geometry.nx, info->geometry.ny, info->oversample) &&
+             ok;
         ok = filter_map_init(&ws->coarse, info->geometry.nx, info->geometry.ny, 1) && ok;
     }
     if (!plan->has_psf) {
@@ -29,20 +29,19 @@ static bool allocate(shear_workspace *ws, const shear_plan *plan)
     return ok;
 }
 
-int shear_workspace_new(shear_workspace **out, const shear_plan *plan, shear_error *err)
-{
+int shear_workspace_new(shear_workspace **out, const shear_plan *plan, shear_error *err) {
     *out = calloc(1, sizeof **out);
     if (*out == NULL || !allocate(*out, plan)) {
         shear_workspace_free(*out);
         *out = NULL;
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a workspace of %d x %d points",
-                          plan->info.fine_nx, plan->info.fine_ny);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL,
+                          "out of memory for a workspace of %d x %d points", plan->info.fine_nx,
+                          plan->info.fine_ny);
     }
     return SHEAR_OK;
 }
 
-void shear_workspace_free(shear_workspace *ws)
-{
+void shear_workspace_free(shear_workspace *ws) {
     if (ws == NULL) {
         return;
     }

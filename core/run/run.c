@@ -16,15 +16,20 @@ typedef struct file_source {
     int threads;
 } file_source;
 
-static int read_file(void *self, int slot, int64_t first, int count, const shear_block **block, shear_error *err)
-{
+static int read_file(void *self, int slot, int64_t first, int count, const shear_block **block,
+                     shear_error *err) {
     file_source *source = self;
     *block = source->blocks[slot];
     return shear_field_read(source->field, first, count, source->blocks[slot], err);
 }
 
-static int file_source_init(file_source *source, shear_field *field, int threads, int capacity, shear_error *err)
-{
+static int write_catalog(void *self, int64_t first, int count, const shear_row *rows,
+                         const shear_block *block, shear_error *err) {
+    return shear_catalog_write(self, first, count, rows, block, err);
+}
+
+static int file_source_init(file_source *source, shear_field *field, int threads, int capacity,
+                            shear_error *err) {
     *source = (file_source){.field = field, .threads = threads};
     source->blocks = calloc((size_t)threads, sizeof(shear_block *));
     int code = source->blocks != NULL
@@ -36,8 +41,7 @@ static int file_source_init(file_source *source, shear_field *field, int threads
     return code;
 }
 
-static void file_source_deinit(file_source *source)
-{
+static void file_source_deinit(file_source *source) {
     for (int i = 0; source->blocks != NULL && i < source->threads; i++) {
         shear_block_free(source->blocks[i]);
     }
@@ -45,8 +49,7 @@ static void file_source_deinit(file_source *source)
 }
 
 /* Tell the caller how far we are; non-zero where he wants to stop. Only one thread calls. */
-static int report_progress(const shear_run_options *options, shear_work *work)
-{
+static int report_progress(const shear_run_options *options, shear_work *work) {
     if (options->progress == NULL) {
         return 0;
     }
@@ -56,8 +59,7 @@ static int report_progress(const shear_run_options *options, shear_work *work)
 
 /* All threads take turns until none is left; the first of them reports. */
 static int run_team(shear_work *work, const shear_plan *plan, shear_turn_size size, int threads,
-                    const shear_run_options *options, shear_error *err)
-{
+                    const shear_run_options *options, shear_error *err) {
     int code = SHEAR_OK;
 #pragma omp parallel num_threads(threads)
     {
@@ -91,17 +93,16 @@ static int run_team(shear_work *work, const shear_plan *plan, shear_turn_size si
     return code;
 }
 
-static double now_s(void)
-{
+static double now_s(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* Put the catalogue in place; frees it. */
-static int finish_catalog(shear_catalog *catalog, const shear_plan *plan, const shear_result *result,
-                          const char *path, const shear_run_options *options, shear_error *err)
-{
+static int finish_catalog(shear_catalog *catalog, const shear_plan *plan,
+                          const shear_result *result, const char *path,
+                          const shear_run_options *options, shear_error *err) {
     char checksum[SHEAR_CHECKSUM_SIZE] = "";
     if (options->checksum == NULL) {
         const int code = shear_file_checksum(path, checksum, err);
@@ -124,8 +125,7 @@ typedef struct run {
     shear_field_sums *sums;
 } run;
 
-static void run_deinit(run *r)
-{
+static void run_deinit(run *r) {
     shear_work_free(r->work);
     file_source_deinit(&r->source);
     shear_field_sums_free(r->sums);
@@ -136,8 +136,7 @@ static void run_deinit(run *r)
 
 static int run_init(run *r, shear_field *field, const shear_settings *settings,
                     const shear_run_options *options, int threads, const shear_jackknife *jack,
-                    shear_turn_size *size, shear_error *err)
-{
+                    shear_turn_size *size, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     *size = shear_turn_size_for(info, threads);
     int code = shear_plan_for_field(&r->plan, settings, field, err);
@@ -148,18 +147,20 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
         code = shear_jackknife_new(&r->jackknife, 2, err);
     }
     if (code == SHEAR_OK && options->catalog_path != NULL) {
-        code = shear_catalog_create(&r->catalog, options->catalog_path, info, options->overwrite, err);
+        code =
+            shear_catalog_create(&r->catalog, options->catalog_path, info, options->overwrite, err);
     }
     if (code == SHEAR_OK) {
         code = file_source_init(&r->source, field, threads, size->stamps, err);
     }
     if (code == SHEAR_OK) {
-        const shear_work_spec spec = {.info = info,
-                                      .plan = r->plan,
-                                      .source = {.self = &r->source, .read = read_file},
-                                      .size = *size,
-                                      .catalog = r->catalog,
-                                      .jackknife = r->jackknife};
+        const shear_work_spec spec = {
+            .info = info,
+            .plan = r->plan,
+            .source = {.self = &r->source, .read = read_file},
+            .size = *size,
+            .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
+            .jackknife = r->jackknife};
         code = shear_work_new(&r->work, &spec, err);
     }
     return code;
@@ -168,8 +169,7 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
 /* Measure an open field; on success the report's result and the catalogue are complete. */
 static int run_field(run *r, const char *path, shear_field *field, const shear_settings *settings,
                      const shear_run_options *options, const shear_jackknife *jack,
-                     shear_run_report *report, shear_error *err)
-{
+                     shear_run_report *report, shear_error *err) {
     const int threads = options->threads > 0 ? options->threads : omp_get_max_threads();
     shear_turn_size size;
     int code = run_init(r, field, settings, options, threads, jack, &size, err);
@@ -188,10 +188,9 @@ static int run_field(run *r, const char *path, shear_field *field, const shear_s
     return code;
 }
 
-int shear_run_file(const char *path, const shear_settings *settings, const shear_run_options *options,
-                   shear_field_sums *sums, shear_jackknife *jack, shear_run_report *report,
-                   shear_error *err)
-{
+int shear_run_file(const char *path, const shear_settings *settings,
+                   const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
+                   shear_run_report *report, shear_error *err) {
     static const shear_run_options defaults = {0};
     const double start = now_s();
     shear_field *field = NULL;
@@ -201,7 +200,8 @@ int shear_run_file(const char *path, const shear_settings *settings, const shear
         return code;
     }
     report->field = *shear_field_get_info(field);
-    code = run_field(&r, path, field, settings, options != NULL ? options : &defaults, jack, report, err);
+    code = run_field(&r, path, field, settings, options != NULL ? options : &defaults, jack, report,
+                     err);
     if (code == SHEAR_OK && jack != NULL) {
         code = shear_jackknife_join(jack, r.jackknife, err);
     }

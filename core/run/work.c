@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two locks, never held together: `reader` is held while stamps are read, `results` while finished turns are joined. */
+/* Two locks, never held together: `reader` is held while stamps are read, `results` while finished
+ * turns are joined. */
 #include "shear/work.h"
 
 #include <math.h>
@@ -27,11 +28,11 @@ struct shear_work {
 
     pthread_mutex_t results; /* guards all below */
     shear_field_sums *joined;
-    int64_t next_block;      /* the first block that is not in `joined` */
-    finished *waiting;       /* [room], n_waiting in use, in no order */
+    int64_t next_block; /* the first block that is not in `joined` */
+    finished *waiting;  /* [room], n_waiting in use, in no order */
     size_t n_waiting, room;
     int64_t done;
-    int64_t failed_at;       /* first block of the failed turn that comes first in the file */
+    int64_t failed_at; /* first block of the failed turn that comes first in the file */
     int code;
     shear_error error;
 };
@@ -51,8 +52,7 @@ typedef struct turn {
     int64_t first, end; /* its stamps */
 } turn;
 
-shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads)
-{
+shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads) {
     const double pair_pixels = 2.0 * info->geometry.nx * info->geometry.ny;
     const double fit = fmax(1.0, floor(pixels_at_once / pair_pixels));
     const double blocks = fmax(1.0, floor(fit / SHEAR_BLOCK));
@@ -61,8 +61,7 @@ shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads)
     return (shear_turn_size){.blocks = (int)taken, .stamps = (int)fmin(fit, taken * SHEAR_BLOCK)};
 }
 
-int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err)
-{
+int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err) {
     shear_work *work = calloc(1, sizeof *work);
     *out = NULL;
     if (work == NULL) {
@@ -83,8 +82,7 @@ int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *e
     return SHEAR_OK;
 }
 
-void shear_work_free(shear_work *work)
-{
+void shear_work_free(shear_work *work) {
     if (work == NULL) {
         return;
     }
@@ -99,8 +97,7 @@ void shear_work_free(shear_work *work)
 }
 
 int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size size, int slot,
-                     shear_error *err)
-{
+                     shear_error *err) {
     shear_worker *worker = calloc(1, sizeof *worker);
     *out = NULL;
     int code = worker != NULL ? shear_workspace_new(&worker->ws, plan, err) : SHEAR_E_NOMEM;
@@ -119,8 +116,7 @@ int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size
     return SHEAR_OK;
 }
 
-void shear_worker_free(shear_worker *worker)
-{
+void shear_worker_free(shear_worker *worker) {
     if (worker != NULL) {
         shear_workspace_free(worker->ws);
         free(worker->rows);
@@ -129,8 +125,7 @@ void shear_worker_free(shear_worker *worker)
     }
 }
 
-static bool take_turn(shear_work *work, turn *t)
-{
+static bool take_turn(shear_work *work, turn *t) {
     pthread_mutex_lock(&work->reader);
     const int64_t left = work->stopped ? 0 : work->n_blocks - work->next_turn;
     const bool taken = left > 0;
@@ -147,8 +142,7 @@ static bool take_turn(shear_work *work, turn *t)
     return taken;
 }
 
-static void end_turn(shear_work *work, bool stop)
-{
+static void end_turn(shear_work *work, bool stop) {
     pthread_mutex_lock(&work->reader);
     work->under_way--;
     work->stopped = work->stopped || stop;
@@ -156,8 +150,7 @@ static void end_turn(shear_work *work, bool stop)
 }
 
 static int read_stamps(shear_work *work, const shear_worker *worker, int64_t first, int count,
-                       const shear_block **block, shear_error *err)
-{
+                       const shear_block **block, shear_error *err) {
     const shear_source *source = &work->spec.source;
     pthread_mutex_lock(&work->reader);
     const int code = source->read(source->self, worker->slot, first, count, block, err);
@@ -166,19 +159,18 @@ static int read_stamps(shear_work *work, const shear_worker *worker, int64_t fir
 }
 
 static int write_rows(shear_work *work, const shear_worker *worker, const shear_block *block,
-                      int64_t first, int count, shear_error *err)
-{
-    if (work->spec.catalog == NULL) {
+                      int64_t first, int count, shear_error *err) {
+    const shear_sink *sink = &work->spec.sink;
+    if (sink->write == NULL) {
         return SHEAR_OK;
     }
     pthread_mutex_lock(&work->results);
-    const int code = shear_catalog_write(work->spec.catalog, first, count, worker->rows, block, err);
+    const int code = sink->write(sink->self, first, count, worker->rows, block, err);
     pthread_mutex_unlock(&work->results);
     return code;
 }
 
-static void sum_rows(shear_worker *worker, const turn *t, int64_t first, int count)
-{
+static void sum_rows(shear_worker *worker, const turn *t, int64_t first, int count) {
     for (int i = 0; i < count; i++) {
         shear_block_sums *b = &worker->sums[(first + i - t->first) / SHEAR_BLOCK];
         if ((first + i) % SHEAR_BLOCK == 0) {
@@ -188,8 +180,7 @@ static void sum_rows(shear_worker *worker, const turn *t, int64_t first, int cou
     }
 }
 
-static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, shear_error *err)
-{
+static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, shear_error *err) {
     int code = SHEAR_OK;
     for (int64_t at = t->first; at < t->end && code == SHEAR_OK; at += worker->size.stamps) {
         const int64_t left = t->end - at;
@@ -197,7 +188,8 @@ static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, s
         const shear_block *block = NULL;
         code = read_stamps(work, worker, at, count, &block, err);
         if (code == SHEAR_OK) {
-            code = shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count, worker->rows, err);
+            code = shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count,
+                                       worker->rows, err);
         }
         if (code == SHEAR_OK) {
             code = write_rows(work, worker, block, at, count, err);
@@ -210,8 +202,7 @@ static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, s
 }
 
 /* Under the results lock: blocks that come next, into the joined sums. */
-static int join_blocks(shear_work *work, const shear_block_sums *sums, int n, shear_error *err)
-{
+static int join_blocks(shear_work *work, const shear_block_sums *sums, int n, shear_error *err) {
     int code = SHEAR_OK;
     for (int i = 0; i < n && code == SHEAR_OK; i++) {
         if (work->spec.jackknife != NULL) {
@@ -224,13 +215,14 @@ static int join_blocks(shear_work *work, const shear_block_sums *sums, int n, sh
 }
 
 /* Under the results lock: put a turn aside until those before it have come. */
-static int put_aside(shear_work *work, const turn *t, const shear_block_sums *sums, shear_error *err)
-{
+static int put_aside(shear_work *work, const turn *t, const shear_block_sums *sums,
+                     shear_error *err) {
     if (work->n_waiting == work->room) {
         const size_t room = work->room > 0 ? 2 * work->room : 16;
         finished *waiting = realloc(work->waiting, room * sizeof *waiting);
         if (waiting == NULL) {
-            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu finished turns", room);
+            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu finished turns",
+                              room);
         }
         work->waiting = waiting;
         work->room = room;
@@ -245,8 +237,7 @@ static int put_aside(shear_work *work, const turn *t, const shear_block_sums *su
 }
 
 /* Under the results lock: whatever waits and comes next now. */
-static int join_waiting(shear_work *work, shear_error *err)
-{
+static int join_waiting(shear_work *work, shear_error *err) {
     int code = SHEAR_OK;
     for (size_t i = 0; i < work->n_waiting && code == SHEAR_OK;) {
         if (work->waiting[i].block != work->next_block) {
@@ -261,8 +252,8 @@ static int join_waiting(shear_work *work, shear_error *err)
     return code;
 }
 
-static int hand_over(shear_work *work, const shear_worker *worker, const turn *t, shear_error *err)
-{
+static int hand_over(shear_work *work, const shear_worker *worker, const turn *t,
+                     shear_error *err) {
     pthread_mutex_lock(&work->results);
     int code;
     if (t->block == work->next_block) {
@@ -278,8 +269,7 @@ static int hand_over(shear_work *work, const shear_worker *worker, const turn *t
     return code;
 }
 
-static void record_failure(shear_work *work, const turn *t, int code, const shear_error *error)
-{
+static void record_failure(shear_work *work, const turn *t, int code, const shear_error *error) {
     pthread_mutex_lock(&work->results);
     if (work->code == SHEAR_OK || t->block < work->failed_at) {
         work->code = code;
@@ -289,8 +279,7 @@ static void record_failure(shear_work *work, const turn *t, int code, const shea
     pthread_mutex_unlock(&work->results);
 }
 
-bool shear_work_step(shear_work *work, shear_worker *worker)
-{
+bool shear_work_step(shear_work *work, shear_worker *worker) {
     turn t;
     if (!take_turn(work, &t)) {
         return false;
@@ -307,15 +296,19 @@ bool shear_work_step(shear_work *work, shear_worker *worker)
     return code == SHEAR_OK;
 }
 
-void shear_work_stop(shear_work *work)
-{
+void shear_work_stop(shear_work *work) {
     pthread_mutex_lock(&work->reader);
     work->stopped = true;
     pthread_mutex_unlock(&work->reader);
 }
 
-shear_work_status shear_work_get_status(shear_work *work)
-{
+void shear_work_fail(shear_work *work, const shear_error *err) {
+    const turn nowhere = {.block = work->n_blocks};
+    record_failure(work, &nowhere, err->code, err);
+    shear_work_stop(work);
+}
+
+shear_work_status shear_work_get_status(shear_work *work) {
     shear_work_status status = {.stamps_total = work->spec.info->n_stamps};
     pthread_mutex_lock(&work->reader);
     status.exhausted = work->stopped || work->next_turn >= work->n_blocks;
@@ -330,8 +323,7 @@ shear_work_status shear_work_get_status(shear_work *work)
     return status;
 }
 
-int shear_work_get_error(shear_work *work, shear_error *err)
-{
+int shear_work_get_error(shear_work *work, shear_error *err) {
     pthread_mutex_lock(&work->results);
     const int code = work->code;
     if (err != NULL) {
@@ -341,8 +333,7 @@ int shear_work_get_error(shear_work *work, shear_error *err)
     return code;
 }
 
-int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums)
-{
+int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
     pthread_mutex_lock(&work->results);
     shear_field_sums_join(sums, work->joined);
     const int64_t next = work->next_block;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard-reader: the child that reads one FITS file for the daemon. All of CFITSIO that ever sees a stranger's bytes runs
- * here, sandboxed before the first of them is read. Descriptors: reader/wire.h. Arguments: the file's name
- * (for messages), memory, processor seconds, largest unpacked file, scratch directory. */
+/* sheard-reader: the child that reads one FITS file for the daemon. All of CFITSIO that ever sees a
+ * stranger's bytes runs here, sandboxed before the first of them is read. Descriptors:
+ * reader/wire.h. Arguments: the file's name (for messages), memory, processor seconds, largest
+ * unpacked file, scratch directory. */
 #include "reader/sandbox.h"
 #include "reader/wire.h"
 
@@ -20,8 +21,7 @@ typedef struct child {
     reader_request map; /* the sizes that the daemon chose */
 } child;
 
-static int do_open(child *c, reader_reply *reply, shear_error *err)
-{
+static int do_open(child *c, reader_reply *reply, shear_error *err) {
     if (c->field != NULL) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader has a file already");
     }
@@ -32,11 +32,11 @@ static int do_open(child *c, reader_reply *reply, shear_error *err)
     return code;
 }
 
-static int do_map(child *c, const reader_request *r, shear_error *err)
-{
+static int do_map(child *c, const reader_request *r, shear_error *err) {
     c->map = *r;
     c->memory_bytes = (size_t)(r->psf_bytes + r->slots * r->slot_bytes);
-    c->memory = mmap(NULL, c->memory_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, READER_FD_MEMORY, 0);
+    c->memory =
+        mmap(NULL, c->memory_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, READER_FD_MEMORY, 0);
     if (c->memory == MAP_FAILED) {
         c->memory = NULL;
         return shear_fail(err, SHEAR_E_NOMEM, "allow the reader more memory ([reader] memory)",
@@ -45,8 +45,7 @@ static int do_map(child *c, const reader_request *r, shear_error *err)
     return SHEAR_OK;
 }
 
-static int do_stamps(child *c, const reader_request *r, reader_reply *reply, shear_error *err)
-{
+static int do_stamps(child *c, const reader_request *r, reader_reply *reply, shear_error *err) {
     shear_block block;
     shear_block_place(&block, shear_field_get_info(c->field), (int)c->map.capacity,
                       c->memory + c->map.psf_bytes + r->slot * c->map.slot_bytes);
@@ -55,8 +54,7 @@ static int do_stamps(child *c, const reader_request *r, reader_reply *reply, she
     return code;
 }
 
-static int answer(child *c, const reader_request *r, reader_reply *reply)
-{
+static int answer(child *c, const reader_request *r, reader_reply *reply) {
     shear_error *err = &reply->error;
     switch (r->op) {
     case READER_OPEN:
@@ -72,8 +70,7 @@ static int answer(child *c, const reader_request *r, reader_reply *reply)
     }
 }
 
-static int serve(child *c)
-{
+static int serve(child *c) {
     reader_request request;
     for (;;) {
         const ssize_t got = recv(READER_FD_SOCKET, &request, sizeof request, 0);
@@ -91,8 +88,7 @@ static int serve(child *c)
     }
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
     if (argc != 6) {
         fprintf(stderr, "sheard-reader is started by sheard, not by hand\n");
         return 2;
@@ -106,7 +102,8 @@ int main(int argc, char **argv)
     setenv("TMPDIR", argv[5], 1);
     setenv("SHEAR_UNPACK_LIMIT", argv[4], 1);
     if (sandbox_enter(&limits, READER_FD_FILE, argv[5], &landlocked, &err) != SHEAR_OK) {
-        const reader_reply reply = {.version = READER_WIRE_VERSION, .op = READER_OPEN, .code = err.code, .error = err};
+        const reader_reply reply = {
+            .version = READER_WIRE_VERSION, .op = READER_OPEN, .code = err.code, .error = err};
         send(READER_FD_SOCKET, &reply, sizeof reply, MSG_NOSIGNAL);
         return 1;
     }

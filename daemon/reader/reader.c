@@ -19,12 +19,12 @@
 #include <unistd.h>
 
 struct reader {
-    pid_t pid;       /* 0 once reaped */
+    pid_t pid; /* 0 once reaped */
     int socket;
     int memory_fd;
     int timeout_ms;
     int64_t shared_bytes;
-    int failed;      /* enum reader_code after the first failure of the child itself */
+    int failed; /* enum reader_code after the first failure of the child itself */
     shear_error failure;
     shear_field_info info;
     char *memory;
@@ -35,18 +35,18 @@ struct reader {
 
 /* ---- the child's life ---- */
 
-static void describe_end(int status, char *out, size_t size)
-{
+static void describe_end(int status, char *out, size_t size) {
     if (WIFSIGNALED(status)) {
-        snprintf(out, size, "it was killed by signal %d, %s", WTERMSIG(status), strsignal(WTERMSIG(status)));
+        snprintf(out, size, "it was killed by signal %d, %s", WTERMSIG(status),
+                 strsignal(WTERMSIG(status)));
     } else {
         snprintf(out, size, "it ended with code %d", WEXITSTATUS(status));
     }
 }
 
-/* Reap the child. A child whose socket is closed may still be dying: it has a second before it is killed. */
-static void reap(reader *r, bool kill_now, char *end, size_t size)
-{
+/* Reap the child. A child whose socket is closed may still be dying: it has a second before it is
+ * killed. */
+static void reap(reader *r, bool kill_now, char *end, size_t size) {
     int status = 0;
     const struct timespec pause = {.tv_nsec = 5000000};
     pid_t got = 0;
@@ -69,14 +69,14 @@ static void reap(reader *r, bool kill_now, char *end, size_t size)
 }
 
 /* The child is of no more use: reap it, and remember why for this call and all later ones. */
-static int give_up(reader *r, int code, const char *what, shear_error *err)
-{
+static int give_up(reader *r, int code, const char *what, shear_error *err) {
     char end[160] = "it is gone";
     if (r->pid > 0) {
         reap(r, code != READER_E_DIED, end, sizeof end);
     }
     shear_fail(&r->failure, code,
-               "the file is damaged in a way that CFITSIO does not survive, or the limits in section [reader] are too small "
+               "the file is damaged in a way that CFITSIO does not survive, or the limits in "
+               "section [reader] are too small "
                "for it",
                "the reader failed to %s: %s", what,
                code == READER_E_HUNG       ? "no answer in time, it was stopped"
@@ -89,18 +89,21 @@ static int give_up(reader *r, int code, const char *what, shear_error *err)
     return code;
 }
 
-/* Descriptors of the child: the file, its end of the socket pair, the shared memory. All others are close-on-exec. */
-static int spawn(reader *r, int file_fd, int child_socket, const char *name, const reader_limits *limits)
-{
+/* Descriptors of the child: the file, its end of the socket pair, the shared memory. All others are
+ * close-on-exec. */
+static int spawn(reader *r, int file_fd, int child_socket, const char *name,
+                 const reader_limits *limits) {
     char memory[24];
     char cpu[24];
     char unpacked[24];
     snprintf(memory, sizeof memory, "%" PRId64, limits->memory_bytes);
     snprintf(cpu, sizeof cpu, "%" PRId64, limits->cpu_seconds);
     snprintf(unpacked, sizeof unpacked, "%" PRId64, limits->unpacked_bytes);
-    char *const argv[] = {(char *)"sheard-reader", (char *)name, memory, cpu, unpacked, (char *)limits->scratch, NULL};
+    char *const argv[] = {(char *)"sheard-reader", (char *)name, memory, cpu, unpacked,
+                          (char *)limits->scratch, NULL};
     char *const environment[] = {NULL};
-    /* Duplicates above the fixed numbers first, so that no dup2 below overwrites one that is still needed. */
+    /* Duplicates above the fixed numbers first, so that no dup2 below overwrites one that is still
+     * needed. */
     int from[3] = {fcntl(file_fd, F_DUPFD_CLOEXEC, 16), fcntl(child_socket, F_DUPFD_CLOEXEC, 16),
                    fcntl(r->memory_fd, F_DUPFD_CLOEXEC, 16)};
     static const int to[3] = {READER_FD_FILE, READER_FD_SOCKET, READER_FD_MEMORY};
@@ -118,7 +121,8 @@ static int spawn(reader *r, int file_fd, int child_socket, const char *name, con
     posix_spawnattr_setsigmask(&attributes, &none);
     posix_spawnattr_setsigdefault(&attributes, &defaults);
     posix_spawnattr_setpgroup(&attributes, 0); /* a terminal's ^C is the daemon's to handle */
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
+                                              POSIX_SPAWN_SETPGROUP);
     int rc = 0;
     for (int i = 0; i < 3 && rc == 0; i++) {
         rc = from[i] < 0 ? EMFILE : posix_spawn_file_actions_adddup2(&actions, from[i], to[i]);
@@ -138,8 +142,7 @@ static int spawn(reader *r, int file_fd, int child_socket, const char *name, con
 
 /* ---- questions and answers ---- */
 
-static int wait_for_answer(const reader *r)
-{
+static int wait_for_answer(const reader *r) {
     struct pollfd p = {.fd = r->socket, .events = POLLIN};
     int ready;
     do {
@@ -148,9 +151,10 @@ static int wait_for_answer(const reader *r)
     return ready;
 }
 
-/* Send a request and receive its reply: what the child itself says is in reply->code, its own failure is returned. */
-static int ask(reader *r, const reader_request *request, const char *what, reader_reply *reply, shear_error *err)
-{
+/* Send a request and receive its reply: what the child itself says is in reply->code, its own
+ * failure is returned. */
+static int ask(reader *r, const reader_request *request, const char *what, reader_reply *reply,
+               shear_error *err) {
     if (r->failed != 0) {
         if (err != NULL) {
             *err = r->failure;
@@ -167,8 +171,8 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
     if (got <= 0) {
         return give_up(r, READER_E_DIED, what, err);
     }
-    if (got != (ssize_t)sizeof *reply || reply->version != READER_WIRE_VERSION || reply->op != request->op ||
-        reply->code < 0 || reply->code > SHEAR_E_INTERNAL) {
+    if (got != (ssize_t)sizeof *reply || reply->version != READER_WIRE_VERSION ||
+        reply->op != request->op || reply->code < 0 || reply->code > SHEAR_E_INTERNAL) {
         return give_up(r, READER_E_PROTOCOL, what, err);
     }
     reply->error.message[sizeof reply->error.message - 1] = '\0';
@@ -180,34 +184,37 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
     return reply->code;
 }
 
-static bool in_range(int64_t value, int64_t low, int64_t high)
-{
+static bool in_range(int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
 }
 
 /* Numbers that the daemon will allocate and index by. */
-static bool info_is_sane(shear_field_info *info)
-{
+static bool info_is_sane(shear_field_info *info) {
     const shear_geometry *g = &info->geometry;
     info->name[sizeof info->name - 1] = '\0';
-    return in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) && in_range(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
-           in_range(g->psf_nx, 1, 4096) && in_range(g->psf_ny, 1, 4096) && in_range(g->psf_oversample, 1, 64) &&
-           in_range(info->n_stamps, 1, INT64_C(1) << 40) && in_range(info->n_psf, 1, INT64_C(1) << 40) &&
+    return in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
+           in_range(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) && in_range(g->psf_nx, 1, 4096) &&
+           in_range(g->psf_ny, 1, 4096) && in_range(g->psf_oversample, 1, 64) &&
+           in_range(info->n_stamps, 1, INT64_C(1) << 40) &&
+           in_range(info->n_psf, 1, INT64_C(1) << 40) &&
            in_range(info->layout, SHEAR_LAYOUT_CUBE, SHEAR_LAYOUT_MOSAIC) &&
            in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_BY_ID);
 }
 
-int reader_start(reader **out, int fd, const char *name, const reader_limits *limits, shear_error *err)
-{
+int reader_start(reader **out, int fd, const char *name, const reader_limits *limits,
+                 shear_error *err) {
     int pair[2] = {-1, -1};
     reader *r = calloc(1, sizeof *r);
     *out = NULL;
     if (r == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a reader");
     }
-    *r = (reader){.socket = -1, .timeout_ms = limits->timeout_ms, .shared_bytes = limits->shared_bytes};
+    *r = (reader){
+        .socket = -1, .timeout_ms = limits->timeout_ms, .shared_bytes = limits->shared_bytes};
     r->memory_fd = memfd_create("sheard-stamps", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    int rc = r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0 ? errno : 0;
+    int rc = r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0
+                 ? errno
+                 : 0;
     r->socket = pair[0];
     rc = rc == 0 ? spawn(r, fd, pair[1], name, limits) : rc;
     if (pair[1] >= 0) {
@@ -215,8 +222,8 @@ int reader_start(reader **out, int fd, const char *name, const reader_limits *li
     }
     if (rc != 0) {
         reader_stop(r);
-        return shear_fail(err, SHEAR_E_IO, "is sheard-reader installed beside sheard?", "the reader '%s' does not start: %s",
-                          limits->program, strerror(rc));
+        return shear_fail(err, SHEAR_E_IO, "is sheard-reader installed beside sheard?",
+                          "the reader '%s' does not start: %s", limits->program, strerror(rc));
     }
     const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_OPEN};
     reader_reply reply;
@@ -233,8 +240,7 @@ int reader_start(reader **out, int fd, const char *name, const reader_limits *li
     return SHEAR_OK;
 }
 
-void reader_stop(reader *r)
-{
+void reader_stop(reader *r) {
     char ignored[160];
     if (r == NULL) {
         return;
@@ -255,35 +261,37 @@ void reader_stop(reader *r)
     free(r);
 }
 
-const shear_field_info *reader_get_info(const reader *r)
-{
+const shear_field_info *reader_get_info(const reader *r) {
     return &r->info;
 }
 
 /* Size the memory, and seal the size: a child that shrank it would crash the daemon. */
-static int make_memory(reader *r, shear_error *err)
-{
-    const bool sized = ftruncate(r->memory_fd, (off_t)r->memory_bytes) == 0 &&
-                       fcntl(r->memory_fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0;
-    void *memory = sized ? mmap(NULL, r->memory_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, r->memory_fd, 0) : MAP_FAILED;
+static int make_memory(reader *r, shear_error *err) {
+    const bool sized =
+        ftruncate(r->memory_fd, (off_t)r->memory_bytes) == 0 &&
+        fcntl(r->memory_fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0;
+    void *memory =
+        sized ? mmap(NULL, r->memory_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, r->memory_fd, 0)
+              : MAP_FAILED;
     if (memory == MAP_FAILED) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no shared memory of %zu bytes: %s", r->memory_bytes, strerror(errno));
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no shared memory of %zu bytes: %s",
+                          r->memory_bytes, strerror(errno));
     }
     r->memory = memory;
     return SHEAR_OK;
 }
 
-int reader_map(reader *r, int slots, int capacity, shear_error *err)
-{
+int reader_map(reader *r, int slots, int capacity, shear_error *err) {
     r->slots = slots;
     r->capacity = capacity;
     r->psf_bytes = shear_psf_bytes(&r->info);
     r->slot_bytes = shear_block_bytes(&r->info, capacity);
     r->memory_bytes = r->psf_bytes + (size_t)slots * r->slot_bytes;
     if (r->memory_bytes > (size_t)r->shared_bytes) {
-        return shear_fail(err, SHEAR_E_NOMEM, "raise [reader] shared_memory, or cut smaller stamps and PSFs",
-                          "%d blocks of %d stamp pairs take %zu bytes of shared memory, allowed are %" PRId64, slots, capacity,
-                          r->memory_bytes, r->shared_bytes);
+        return shear_fail(
+            err, SHEAR_E_NOMEM, "raise [reader] shared_memory, or cut smaller stamps and PSFs",
+            "%d blocks of %d stamp pairs take %zu bytes of shared memory, allowed are %" PRId64,
+            slots, capacity, r->memory_bytes, r->shared_bytes);
     }
     int code = make_memory(r, err);
     r->blocks = calloc((size_t)slots, sizeof *r->blocks);
@@ -303,23 +311,28 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err)
     return ask(r, &request, "share memory", &reply, err);
 }
 
-int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *err)
-{
-    const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_PSF, .first = index};
+int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *err) {
+    const reader_request request = {
+        .version = READER_WIRE_VERSION, .op = READER_PSF, .first = index};
     reader_reply reply;
     *psf = (const double *)(void *)r->memory;
     return ask(r, &request, "read a PSF", &reply, err);
 }
 
-int reader_read(void *self, int slot, int64_t first, int count, const shear_block **block, shear_error *err)
-{
+int reader_read(void *self, int slot, int64_t first, int count, const shear_block **block,
+                shear_error *err) {
     reader *r = self;
-    const reader_request request = {
-        .version = READER_WIRE_VERSION, .op = READER_STAMPS, .slot = slot, .first = first, .count = count};
+    const reader_request request = {.version = READER_WIRE_VERSION,
+                                    .op = READER_STAMPS,
+                                    .slot = slot,
+                                    .first = first,
+                                    .count = count};
     reader_reply reply;
     shear_block *b = &r->blocks[slot];
-    /* The views are laid out anew on our side: nothing that the child writes is a pointer or a size. */
-    shear_block_place(b, &r->info, r->capacity, r->memory + r->psf_bytes + (size_t)slot * r->slot_bytes);
+    /* The views are laid out anew on our side: nothing that the child writes is a pointer or a
+     * size. */
+    shear_block_place(b, &r->info, r->capacity,
+                      r->memory + r->psf_bytes + (size_t)slot * r->slot_bytes);
     int code = ask(r, &request, "read stamps", &reply, err);
     if (code == SHEAR_OK && !in_range(reply.n_psf, 0, count)) {
         code = give_up(r, READER_E_PROTOCOL, "read stamps", err);

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/reader.h: the daemon's side of a reader child: start it on an open file, ask it for stamps, outlive it.
+/* reader/reader.h: the daemon's side of a reader child: start it on an open file, ask it for
+ * stamps, outlive it.
  *
- * A reader is used by one thread at a time. Every call waits for the child at most the time it was given; a child
- * that dies, hangs or answers nonsense is killed, and the call (and every later one) fails with a code of its own, which
- * the service treats as a bug of the reader, not as a fault of the file's data. */
+ * A reader is used by one thread at a time. Every call waits for the child at most the time it was
+ * given; a child that dies, hangs or answers nonsense is killed, and the call (and every later one)
+ * fails with a code of its own, which the service treats as a bug of the reader, not as a fault of
+ * the file's data. */
 #ifndef SHEARD_READER_H
 #define SHEARD_READER_H
 
@@ -13,8 +15,8 @@
 #include <stdint.h>
 
 enum reader_code {
-    READER_E_DIED = 100,   /* the child ended: a crash, or a limit on memory or processor time */
-    READER_E_HUNG = 101,   /* no answer in time */
+    READER_E_DIED = 100,    /* the child ended: a crash, or a limit on memory or processor time */
+    READER_E_HUNG = 101,    /* no answer in time */
     READER_E_PROTOCOL = 102 /* an answer that makes no sense */
 };
 
@@ -30,9 +32,10 @@ typedef struct reader_limits {
 
 typedef struct reader reader;
 
-/* Start a child on `fd` (open for reading, a regular file; duplicated) and let it open the file. Errors are those of
- * shear_field_open, or enum reader_code. *r is NULL on error. */
-int reader_start(reader **r, int fd, const char *name, const reader_limits *limits, shear_error *err);
+/* Start a child on `fd` (open for reading, a regular file; duplicated) and let it open the file.
+ * Errors are those of shear_field_open, or enum reader_code. *r is NULL on error. */
+int reader_start(reader **r, int fd, const char *name, const reader_limits *limits,
+                 shear_error *err);
 /* Ask it to end, or kill it, and reap it. NULL is accepted. */
 void reader_stop(reader *r);
 
@@ -42,7 +45,9 @@ const shear_field_info *reader_get_info(const reader *r);
 int reader_map(reader *r, int slots, int capacity, shear_error *err);
 /* PSF image `index`; *psf [psf_ny][psf_nx] is valid until the next call. */
 int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *err);
-/* Pairs [first, first+count) into `slot`; *block is valid until the slot is read again. The form of shear_source.read. */
-int reader_read(void *r, int slot, int64_t first, int count, const shear_block **block, shear_error *err);
+/* Pairs [first, first+count) into `slot`; *block is valid until the slot is read again. The form of
+ * shear_source.read. */
+int reader_read(void *r, int slot, int64_t first, int count, const shear_block **block,
+                shear_error *err);
 
 #endif

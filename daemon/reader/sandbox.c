@@ -11,20 +11,17 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-static int fail_errno(shear_error *err, const char *what)
-{
+static int fail_errno(shear_error *err, const char *what) {
     return shear_fail(err, SHEAR_E_IO, "the kernel must offer seccomp; see sheard(8), SECURITY",
                       "the reader's sandbox: %s: %s", what, strerror(errno));
 }
 
-static int limit(int resource, int64_t value, const char *what, shear_error *err)
-{
+static int limit(int resource, int64_t value, const char *what, shear_error *err) {
     const struct rlimit r = {.rlim_cur = (rlim_t)value, .rlim_max = (rlim_t)value};
     return setrlimit((__rlimit_resource_t)resource, &r) == 0 ? SHEAR_OK : fail_errno(err, what);
 }
 
-static int set_limits(const sandbox_limits *limits, shear_error *err)
-{
+static int set_limits(const sandbox_limits *limits, shear_error *err) {
     int code = limit(RLIMIT_CORE, 0, "core size", err);
     if (code == SHEAR_OK && limits->memory_bytes > 0) {
         code = limit(RLIMIT_AS, limits->memory_bytes, "memory", err);
@@ -38,31 +35,30 @@ static int set_limits(const sandbox_limits *limits, shear_error *err)
     return code == SHEAR_OK ? limit(RLIMIT_NOFILE, 64, "open files", err) : code;
 }
 
-static int allow_path(int ruleset, int fd, uint64_t access)
-{
+static int allow_path(int ruleset, int fd, uint64_t access) {
     const struct landlock_path_beneath_attr rule = {.allowed_access = access, .parent_fd = fd};
     return (int)syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
 }
 
-/* Files: read the one, and make scratch files. Everything else in the file system is out of reach. */
-static int enter_landlock(int file_fd, const char *scratch, int *landlocked, shear_error *err)
-{
+/* Files: read the one, and make scratch files. Everything else in the file system is out of reach.
+ */
+static int enter_landlock(int file_fd, const char *scratch, int *landlocked, shear_error *err) {
     const struct landlock_ruleset_attr handled = {
-        .handled_access_fs =
-            LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_READ_FILE |
-            LANDLOCK_ACCESS_FS_READ_DIR | LANDLOCK_ACCESS_FS_REMOVE_DIR | LANDLOCK_ACCESS_FS_REMOVE_FILE |
-            LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_MAKE_REG |
-            LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
-            LANDLOCK_ACCESS_FS_MAKE_SYM};
+        .handled_access_fs = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE |
+                             LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR |
+                             LANDLOCK_ACCESS_FS_REMOVE_DIR | LANDLOCK_ACCESS_FS_REMOVE_FILE |
+                             LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_DIR |
+                             LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_MAKE_SOCK |
+                             LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
+                             LANDLOCK_ACCESS_FS_MAKE_SYM};
     *landlocked = 0;
     const int ruleset = (int)syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0);
     if (ruleset < 0) {
         return errno == ENOSYS || errno == EOPNOTSUPP ? SHEAR_OK : fail_errno(err, "Landlock");
     }
     const int dir = open(scratch, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    const uint64_t scratch_access =
-        LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG |
-        LANDLOCK_ACCESS_FS_REMOVE_FILE;
+    const uint64_t scratch_access = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_WRITE_FILE |
+                                    LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
     const int ok = allow_path(ruleset, file_fd, LANDLOCK_ACCESS_FS_READ_FILE) == 0 &&
                    (dir < 0 || allow_path(ruleset, dir, scratch_access) == 0) &&
                    syscall(SYS_landlock_restrict_self, ruleset, 0) == 0;
@@ -75,39 +71,73 @@ static int enter_landlock(int file_fd, const char *scratch, int *landlocked, she
     return code;
 }
 
-/* What CFITSIO, zlib and libc need to read a file; nothing that makes processes, sockets or names. */
+/* What CFITSIO, zlib and libc need to read a file; nothing that makes processes, sockets or names.
+ */
 static const int allowed[] = {
-    SCMP_SYS(read),       SCMP_SYS(pread64),       SCMP_SYS(readv),         SCMP_SYS(write),
-    SCMP_SYS(pwrite64),   SCMP_SYS(writev),        SCMP_SYS(lseek),         SCMP_SYS(fstat),
-    SCMP_SYS(newfstatat), SCMP_SYS(statx),         SCMP_SYS(ftruncate),     SCMP_SYS(fallocate),
-    SCMP_SYS(close),      SCMP_SYS(dup),           SCMP_SYS(fcntl),         SCMP_SYS(mmap),
-    SCMP_SYS(munmap),     SCMP_SYS(mremap),        SCMP_SYS(mprotect),      SCMP_SYS(madvise),
-    SCMP_SYS(brk),        SCMP_SYS(futex),         SCMP_SYS(rt_sigreturn),  SCMP_SYS(rt_sigaction),
-    SCMP_SYS(rt_sigprocmask), SCMP_SYS(exit),      SCMP_SYS(exit_group),    SCMP_SYS(recvmsg),
-    SCMP_SYS(sendmsg),    SCMP_SYS(recvfrom),      SCMP_SYS(sendto),        SCMP_SYS(clock_gettime),
-    SCMP_SYS(gettimeofday), SCMP_SYS(getpid),      SCMP_SYS(gettid),        SCMP_SYS(tgkill),
-    SCMP_SYS(getrandom),  SCMP_SYS(sched_yield),   SCMP_SYS(sched_getaffinity), SCMP_SYS(restart_syscall),
-    SCMP_SYS(set_robust_list), SCMP_SYS(rseq),     SCMP_SYS(prlimit64),     SCMP_SYS(sigaltstack),
+    SCMP_SYS(read),
+    SCMP_SYS(pread64),
+    SCMP_SYS(readv),
+    SCMP_SYS(write),
+    SCMP_SYS(pwrite64),
+    SCMP_SYS(writev),
+    SCMP_SYS(lseek),
+    SCMP_SYS(fstat),
+    SCMP_SYS(newfstatat),
+    SCMP_SYS(statx),
+    SCMP_SYS(ftruncate),
+    SCMP_SYS(fallocate),
+    SCMP_SYS(close),
+    SCMP_SYS(dup),
+    SCMP_SYS(fcntl),
+    SCMP_SYS(mmap),
+    SCMP_SYS(munmap),
+    SCMP_SYS(mremap),
+    SCMP_SYS(mprotect),
+    SCMP_SYS(madvise),
+    SCMP_SYS(brk),
+    SCMP_SYS(futex),
+    SCMP_SYS(rt_sigreturn),
+    SCMP_SYS(rt_sigaction),
+    SCMP_SYS(rt_sigprocmask),
+    SCMP_SYS(exit),
+    SCMP_SYS(exit_group),
+    SCMP_SYS(recvmsg),
+    SCMP_SYS(sendmsg),
+    SCMP_SYS(recvfrom),
+    SCMP_SYS(sendto),
+    SCMP_SYS(clock_gettime),
+    SCMP_SYS(gettimeofday),
+    SCMP_SYS(getpid),
+    SCMP_SYS(gettid),
+    SCMP_SYS(tgkill),
+    SCMP_SYS(getrandom),
+    SCMP_SYS(sched_yield),
+    SCMP_SYS(sched_getaffinity),
+    SCMP_SYS(restart_syscall),
+    SCMP_SYS(set_robust_list),
+    SCMP_SYS(rseq),
+    SCMP_SYS(prlimit64),
+    SCMP_SYS(sigaltstack),
 };
 
 /* Opening is for reading, or for a nameless scratch file; Landlock says which files. */
-static int allow_opening(scmp_filter_ctx filter)
-{
-    const scmp_datum_t forbidden = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY);
+static int allow_opening(scmp_filter_ctx filter) {
+    const scmp_datum_t forbidden =
+        O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY);
     const scmp_datum_t scratch = O_TMPFILE | O_RDWR;
     int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
                               SCMP_A2(SCMP_CMP_MASKED_EQ, forbidden, 0));
     if (rc == 0) {
-        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
-                              SCMP_A2(SCMP_CMP_MASKED_EQ, scratch | O_CREAT | O_TRUNC | O_APPEND, scratch));
+        rc = seccomp_rule_add(
+            filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
+            SCMP_A2(SCMP_CMP_MASKED_EQ, scratch | O_CREAT | O_TRUNC | O_APPEND, scratch));
     }
     return rc;
 }
 
-static int enter_seccomp(shear_error *err)
-{
-    /* A call that is not on the list fails, and the library says so, like any other failure: a reader
-     * that was taken over gains nothing by trying. */
+static int enter_seccomp(shear_error *err) {
+    /* A call that is not on the list fails, and the library says so, like any other failure: a
+     * reader that was taken over gains nothing by trying. */
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     int rc = filter != NULL ? allow_opening(filter) : -ENOMEM;
     for (size_t i = 0; rc == 0 && i < sizeof allowed / sizeof allowed[0]; i++) {
@@ -122,10 +152,10 @@ static int enter_seccomp(shear_error *err)
 }
 
 int sandbox_enter(const sandbox_limits *limits, int file_fd, const char *scratch, int *landlocked,
-                  shear_error *err)
-{
+                  shear_error *err) {
     int code = set_limits(limits, err);
-    if (code == SHEAR_OK && (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0)) {
+    if (code == SHEAR_OK &&
+        (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0)) {
         code = fail_errno(err, "no new privileges");
     }
     if (code == SHEAR_OK) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/sandbox.h: what the reader child may do: read one file, use one scratch directory for unpacking, answer its socket. */
+/* reader/sandbox.h: what the reader child may do: read one file, use one scratch directory for
+ * unpacking, answer its socket. */
 #ifndef SHEARD_READER_SANDBOX_H
 #define SHEARD_READER_SANDBOX_H
 
@@ -10,11 +11,12 @@
 typedef struct sandbox_limits {
     int64_t memory_bytes; /* address space */
     int64_t cpu_seconds;
-    int64_t file_bytes;   /* largest unpacked file */
+    int64_t file_bytes; /* largest unpacked file */
 } sandbox_limits;
 
-/* Enter it, for good: resource limits, no new privileges, not dumpable, Landlock (files), seccomp (system calls). scratch:
- * the directory in which unpacked copies may be made. Landlock may be missing in old kernels: *landlocked says. */
+/* Enter it, for good: resource limits, no new privileges, not dumpable, Landlock (files), seccomp
+ * (system calls). scratch: the directory in which unpacked copies may be made. Landlock may be
+ * missing in old kernels: *landlocked says. */
 int sandbox_enter(const sandbox_limits *limits, int file_fd, const char *scratch, int *landlocked,
                   shear_error *err);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/wire.h: what the daemon and its reader child say to each other, over a SOCK_SEQPACKET pair: one request, one reply, each
- * a whole struct (both ends are of one build). Stamps do not travel here: they lie in shared memory.
+/* reader/wire.h: what the daemon and its reader child say to each other, over a SOCK_SEQPACKET
+ * pair: one request, one reply, each a whole struct (both ends are of one build). Stamps do not
+ * travel here: they lie in shared memory.
  *
  * The daemon trusts nothing that comes back: every number is checked before use (reader.c). */
 #ifndef SHEARD_READER_WIRE_H

@@ -10,14 +10,13 @@
 #include <string.h>
 #include <unistd.h>
 
-int database_exec(sqlite3 *db, const char *path, const char *sql, shear_error *err)
-{
+int database_exec(sqlite3 *db, const char *path, const char *sql, shear_error *err) {
     const int rc = sqlite3_exec(db, sql, NULL, NULL, NULL);
     return rc == SQLITE_OK ? SHEAR_OK : database_fail(db, path, rc, "setting up", err);
 }
 
-int database_number(sqlite3 *db, const char *path, const char *sql, int64_t *value, shear_error *err)
-{
+int database_number(sqlite3 *db, const char *path, const char *sql, int64_t *value,
+                    shear_error *err) {
     sqlite3_stmt *stmt = NULL;
     *value = 0;
     int rc = sqlite3_prepare_v2(db, sql, -1, &stmt, NULL);
@@ -33,10 +32,9 @@ int database_number(sqlite3 *db, const char *path, const char *sql, int64_t *val
     return code;
 }
 
-/* SQLite would make the file readable by all (but for the umask). Where the file exists it is not even opened here:
- * closing it would drop the locks that this process may hold on it. */
-static int make_file(const char *path, shear_error *err)
-{
+/* SQLite would make the file readable by all (but for the umask). Where the file exists it is not
+ * even opened here: closing it would drop the locks that this process may hold on it. */
+static int make_file(const char *path, shear_error *err) {
     const int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOCTTY, 0600);
     if (fd >= 0) {
         close(fd);
@@ -50,15 +48,14 @@ static int make_file(const char *path, shear_error *err)
 }
 
 /* Settings that write nothing, and the lock. */
-static int prepare(sqlite3 *db, const char *path, int busy_ms, shear_error *err)
-{
+static int prepare(sqlite3 *db, const char *path, int busy_ms, shear_error *err) {
     sqlite3_extended_result_codes(db, 1);
     sqlite3_busy_timeout(db, busy_ms);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DML, 0, NULL);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DDL, 0, NULL);
-    /* The exclusive transaction comes before anything is read, so that of two services that start together one
-     * gets the file; with this locking mode its end does not give the lock back. */
+    /* The exclusive transaction comes before anything is read, so that of two services that start
+     * together one gets the file; with this locking mode its end does not give the lock back. */
     return database_exec(db, path,
                          "PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = FULL;"
                          "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF;"
@@ -69,8 +66,7 @@ static int prepare(sqlite3 *db, const char *path, int busy_ms, shear_error *err)
 }
 
 /* Whose database is it, and how old? */
-static int identify(sqlite3 *db, const char *path, int *version, shear_error *err)
-{
+static int identify(sqlite3 *db, const char *path, int *version, shear_error *err) {
     int64_t application = 0;
     int64_t written = 0;
     int64_t tables = 0;
@@ -92,7 +88,8 @@ static int identify(sqlite3 *db, const char *path, int *version, shear_error *er
     }
     if (written > SCHEMA_VERSION || written < 0) {
         return shear_fail(err, STORE_NEWER, "install the newer version of the service again",
-                          "%s: has schema version %" PRId64 ", this version of the service knows %d",
+                          "%s: has schema version %" PRId64
+                          ", this version of the service knows %d",
                           path, written, SCHEMA_VERSION);
     }
     *version = (int)written;
@@ -100,14 +97,14 @@ static int identify(sqlite3 *db, const char *path, int *version, shear_error *er
 }
 
 int database_connect(sqlite3 **db, const char *path, const store_options *options, int *version,
-                     shear_error *err)
-{
+                     shear_error *err) {
     *db = NULL;
     int code = make_file(path, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    const int rc = sqlite3_open_v2(path, db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, options->vfs);
+    const int rc =
+        sqlite3_open_v2(path, db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, options->vfs);
     if (rc != SQLITE_OK) {
         code = database_fail(*db, path, rc, "opening", err);
     } else {
@@ -123,8 +120,7 @@ int database_connect(sqlite3 **db, const char *path, const store_options *option
     return code;
 }
 
-int database_use_wal(sqlite3 *db, const char *path, shear_error *err)
-{
+int database_use_wal(sqlite3 *db, const char *path, shear_error *err) {
     sqlite3_stmt *stmt = NULL;
     int rc = sqlite3_prepare_v2(db, "PRAGMA journal_mode = WAL", -1, &stmt, NULL);
     if (rc == SQLITE_OK) {
@@ -139,5 +135,6 @@ int database_use_wal(sqlite3 *db, const char *path, shear_error *err)
     }
     sqlite3_finalize(stmt);
     /* The log shrinks back to this after a burst. */
-    return code == SHEAR_OK ? database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err) : code;
+    return code == SHEAR_OK ? database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err)
+                            : code;
 }

@@ -4,16 +4,14 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-void job_brief_deinit(job_brief *b)
-{
+void job_brief_deinit(job_brief *b) {
     free(b->field);
     free(b->settings_digest);
     free(b->content);
     *b = (job_brief){0};
 }
 
-int job_brief_get(store *s, int64_t id, job_brief *b, shear_error *err)
-{
+int job_brief_get(store *s, int64_t id, job_brief *b, shear_error *err) {
     bool row = false;
     *b = (job_brief){.id = id};
     query q = query_on(s, SQL_JOB_BRIEF);
@@ -34,21 +32,19 @@ int job_brief_get(store *s, int64_t id, job_brief *b, shear_error *err)
     return code;
 }
 
-int job_wrong_state(const job_brief *b, const char *wanted, shear_error *err)
-{
+int job_wrong_state(const job_brief *b, const char *wanted, shear_error *err) {
     return shear_fail(err, STORE_WRONG_STATE, NULL, "job %" PRId64 " is %s, not %s", b->id,
                       store_state_name(b->state), wanted);
 }
 
-int job_brief_running(store *s, int64_t id, job_brief *b, shear_error *err)
-{
+int job_brief_running(store *s, int64_t id, job_brief *b, shear_error *err) {
     const int code = job_brief_get(s, id, b, err);
-    return code == SHEAR_OK && b->state != STORE_RUNNING ? job_wrong_state(b, "running", err) : code;
+    return code == SHEAR_OK && b->state != STORE_RUNNING ? job_wrong_state(b, "running", err)
+                                                         : code;
 }
 
 int job_close_attempt(store *s, int64_t id, int ending, int64_t now_ms, const store_failure *why,
-                      shear_error *err)
-{
+                      shear_error *err) {
     query q = query_on(s, SQL_ATTEMPT_CLOSE);
     query_int(&q, id);
     query_int(&q, now_ms);
@@ -59,8 +55,7 @@ int job_close_attempt(store *s, int64_t id, int ending, int64_t now_ms, const st
     return query_run(&q, err);
 }
 
-int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err)
-{
+int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err) {
     query q = query_on(s, SQL_JOB_CANCEL);
     query_int(&q, id);
     query_int(&q, now_ms);
@@ -68,16 +63,14 @@ int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err)
     return code == SHEAR_OK ? query_run_id(s, SQL_CHECKPOINT_DROP, id, err) : code;
 }
 
-static int requeue(store *s, int64_t id, bool interrupted, shear_error *err)
-{
+static int requeue(store *s, int64_t id, bool interrupted, shear_error *err) {
     query q = query_on(s, SQL_REQUEUE);
     query_int(&q, id);
     query_int(&q, interrupted);
     return query_run(&q, err);
 }
 
-int job_put_back(store *s, int64_t id, int ending, int64_t now_ms, int *state, shear_error *err)
-{
+int job_put_back(store *s, int64_t id, int ending, int64_t now_ms, int *state, shear_error *err) {
     job_brief b;
     *state = 0;
     int code = job_brief_running(s, id, &b, err);
@@ -93,8 +86,7 @@ int job_put_back(store *s, int64_t id, int ending, int64_t now_ms, int *state, s
     return code;
 }
 
-int job_check_room(store *s, int64_t max_unfinished, shear_error *err)
-{
+int job_check_room(store *s, int64_t max_unfinished, shear_error *err) {
     bool row = false;
     query q = query_on(s, SQL_UNFINISHED);
     const int code = query_step(&q, &row, err);

@@ -1,52 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store.h"
 
-static const char *name_in(const char *const *names, int n, int value)
-{
+static const char *name_in(const char *const *names, int n, int value) {
     return value >= 0 && value < n ? names[value] : "unknown";
 }
 #define NAME_IN(names, value) name_in(names, (int)(sizeof(names) / sizeof(names)[0]), value)
 
-const char *store_code_name(int code)
-{
+const char *store_code_name(int code) {
     static const char *const names[] = {"queue_full", "key_reused", "not_found", "wrong_state",
-                                        "too_long",   "locked",     "newer"};
-    return code < STORE_QUEUE_FULL ? shear_code_name(code) : NAME_IN(names, code - STORE_QUEUE_FULL);
+                                        "bad_text",   "locked",     "newer"};
+    return code < STORE_QUEUE_FULL ? shear_code_name(code)
+                                   : NAME_IN(names, code - STORE_QUEUE_FULL);
 }
 
-const char *store_state_name(int state)
-{
+const char *store_state_name(int state) {
     static const char *const names[] = {"queued", "running", "waiting",
                                         "done",   "failed",  "cancelled"};
     return NAME_IN(names, state);
 }
 
-const char *store_outcome_name(int outcome)
-{
+const char *store_outcome_name(int outcome) {
     static const char *const names[] = {"none", "counted", "duplicate"};
     return NAME_IN(names, outcome);
 }
 
-const char *store_origin_name(int origin)
-{
+const char *store_origin_name(int origin) {
     static const char *const names[] = {"spool", "socket"};
     return NAME_IN(names, origin);
 }
 
-const char *store_class_name(int failure_class)
-{
+const char *store_class_name(int failure_class) {
     static const char *const names[] = {"none", "transient", "data", "bug"};
     return NAME_IN(names, failure_class);
 }
 
-const char *store_ending_name(int ending)
-{
+const char *store_ending_name(int ending) {
     static const char *const names[] = {"open",      "done",     "failed",
                                         "cancelled", "released", "interrupted"};
     return NAME_IN(names, ending);
 }
 
-bool store_is_transient(int code)
-{
+bool store_is_transient(int code) {
     return code == SHEAR_E_IO || code == SHEAR_E_NOMEM;
 }

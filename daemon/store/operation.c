@@ -3,40 +3,41 @@
 
 #include "query.h"
 
-static int run(store *s, enum sql which, shear_error *err)
-{
+static int run(store *s, enum sql which, shear_error *err) {
     query q = query_on(s, which);
     return query_run(&q, err);
 }
 
-static bool in_transaction(const store *s)
-{
+static bool in_transaction(const store *s) {
     return sqlite3_get_autocommit(s->db) == 0;
 }
 
-static void roll_back(store *s)
-{
+static void roll_back(store *s) {
     if (in_transaction(s)) {
         run(s, SQL_ROLLBACK, NULL);
     }
 }
 
-static int fail_lost(const store *s, shear_error *err)
-{
+/* SQLite rolls a whole transaction back after some errors, even those of a query between two
+ * operations. */
+static bool is_lost(store *s) {
+    s->group_lost = s->group_lost || !in_transaction(s);
+    return s->group_lost;
+}
+
+static int fail_lost(const store *s, shear_error *err) {
     return shear_fail(err, SHEAR_E_IO, "repeat the operation",
                       "%s: the group of changes was given up after an error of the disk", s->path);
 }
 
-int operation_begin(store *s, shear_error *err)
-{
+int operation_begin(store *s, shear_error *err) {
     if (!s->in_group) {
         return run(s, SQL_BEGIN, err);
     }
-    return s->group_lost ? fail_lost(s, err) : run(s, SQL_SAVEPOINT, err);
+    return is_lost(s) ? fail_lost(s, err) : run(s, SQL_SAVEPOINT, err);
 }
 
-static int commit(store *s, shear_error *err)
-{
+static int commit(store *s, shear_error *err) {
     const int code = run(s, SQL_COMMIT, err);
     if (code != SHEAR_OK) {
         roll_back(s);
@@ -44,17 +45,15 @@ static int commit(store *s, shear_error *err)
     return code;
 }
 
-static void undo_in_group(store *s)
-{
-    if (!in_transaction(s) || run(s, SQL_ROLLBACK_TO, NULL) != SHEAR_OK ||
+static void undo_in_group(store *s) {
+    if (is_lost(s) || run(s, SQL_ROLLBACK_TO, NULL) != SHEAR_OK ||
         run(s, SQL_RELEASE, NULL) != SHEAR_OK) {
         roll_back(s);
         s->group_lost = true;
     }
 }
 
-int operation_end(store *s, int code, shear_error *err)
-{
+int operation_end(store *s, int code, shear_error *err) {
     if (!s->in_group) {
         if (code == SHEAR_OK) {
             return commit(s, err);
@@ -71,8 +70,7 @@ int operation_end(store *s, int code, shear_error *err)
     return code;
 }
 
-int store_begin(store *s, shear_error *err)
-{
+int store_begin(store *s, shear_error *err) {
     if (s->in_group) {
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
                           "%s: a group of changes within another", s->path);
@@ -83,18 +81,16 @@ int store_begin(store *s, shear_error *err)
     return code;
 }
 
-int store_commit(store *s, shear_error *err)
-{
+int store_commit(store *s, shear_error *err) {
     if (!s->in_group) {
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
                           "%s: no group of changes is open", s->path);
     }
     s->in_group = false;
-    return s->group_lost ? fail_lost(s, err) : commit(s, err);
+    return is_lost(s) ? fail_lost(s, err) : commit(s, err);
 }
 
-void store_rollback(store *s)
-{
+void store_rollback(store *s) {
     if (s->in_group) {
         s->in_group = false;
         roll_back(s);

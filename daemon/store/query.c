@@ -3,31 +3,26 @@
 
 #include <string.h>
 
-query query_on(store *s, enum sql which)
-{
+query query_on(store *s, enum sql which) {
     return (query){.s = s, .stmt = s->statements[which], .rc = SQLITE_OK};
 }
 
-static void note(query *q, int rc)
-{
+static void note(query *q, int rc) {
     if (q->rc == SQLITE_OK) {
         q->rc = rc;
     }
 }
 
-void query_int(query *q, int64_t value)
-{
+void query_int(query *q, int64_t value) {
     note(q, sqlite3_bind_int64(q->stmt, ++q->bound, value));
 }
 
-void query_text(query *q, const char *text)
-{
+void query_text(query *q, const char *text) {
     /* A NULL text binds as null. */
     note(q, sqlite3_bind_text(q->stmt, ++q->bound, text, -1, SQLITE_STATIC));
 }
 
-int query_step(query *q, bool *row, shear_error *err)
-{
+int query_step(query *q, bool *row, shear_error *err) {
     int rc = q->rc;
     if (rc == SQLITE_OK) {
         rc = sqlite3_step(q->stmt);
@@ -38,7 +33,8 @@ int query_step(query *q, bool *row, shear_error *err)
         return SHEAR_OK;
     }
     const int code = database_fail(q->s->db, q->s->path, rc, sqlite3_sql(q->stmt), err);
-    /* Once the database is ours, nobody can be in the way but a file system that plays tricks with locks. */
+    /* Once the database is ours, nobody can be in the way but a file system that plays tricks with
+     * locks. */
     if (code == STORE_LOCKED) {
         return shear_fail(err, SHEAR_E_IO, "keep the state directory on a local file system",
                           "%s: lost its lock", q->s->path);
@@ -46,13 +42,11 @@ int query_step(query *q, bool *row, shear_error *err)
     return code;
 }
 
-int64_t query_get_int(query *q)
-{
+int64_t query_get_int(query *q) {
     return sqlite3_column_int64(q->stmt, q->column++);
 }
 
-char *query_get_text(query *q)
-{
+char *query_get_text(query *q) {
     const int column = q->column++;
     if (sqlite3_column_type(q->stmt, column) == SQLITE_NULL) {
         return NULL;
@@ -63,48 +57,43 @@ char *query_get_text(query *q)
     return copy;
 }
 
-int query_got(const query *q, shear_error *err)
-{
+int query_got(const query *q, shear_error *err) {
     return q->no_memory ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a job's texts")
                         : SHEAR_OK;
 }
 
-void query_end(query *q)
-{
+void query_end(query *q) {
     sqlite3_reset(q->stmt);
     /* Texts of the caller's must not be looked at again. */
     sqlite3_clear_bindings(q->stmt);
 }
 
-int query_run(query *q, shear_error *err)
-{
+int query_run(query *q, shear_error *err) {
     bool row = false;
     const int code = query_step(q, &row, err);
     query_end(q);
     return code;
 }
 
-int query_run_id(store *s, enum sql which, int64_t id, shear_error *err)
-{
+int query_run_id(store *s, enum sql which, int64_t id, shear_error *err) {
     query q = query_on(s, which);
     query_int(&q, id);
     return query_run(&q, err);
 }
 
 int query_check_text(const char *what, const char *text, size_t max, bool optional,
-                     shear_error *err)
-{
+                     shear_error *err) {
     if (text == NULL) {
         return optional ? SHEAR_OK
-                        : shear_fail(err, STORE_TOO_LONG, NULL, "the %s is missing", what);
+                        : shear_fail(err, STORE_BAD_TEXT, NULL, "the %s is missing", what);
     }
     const size_t length = strnlen(text, max + 1);
     if (length > max) {
-        return shear_fail(err, STORE_TOO_LONG, "shorten it", "the %s has more than %zu bytes", what,
+        return shear_fail(err, STORE_BAD_TEXT, "shorten it", "the %s has more than %zu bytes", what,
                           max);
     }
     if (length == 0) {
-        return shear_fail(err, STORE_TOO_LONG, NULL, "the %s is empty", what);
+        return shear_fail(err, STORE_BAD_TEXT, NULL, "the %s is empty", what);
     }
     return SHEAR_OK;
 }

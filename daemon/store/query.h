@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* store/query.h: one use of a cached statement: bind the parameters in order, step, read the columns in order, end.
+/* store/query.h: one use of a cached statement: bind the parameters in order, step, read the
+ * columns in order, end.
  *
  *     query q = query_on(s, SQL_JOB_BRIEF);
  *     query_int(&q, id);
@@ -15,9 +16,9 @@
 typedef struct query {
     store *s;
     sqlite3_stmt *stmt;
-    int bound; /* parameters so far */
-    int column; /* the next one to read of the present row */
-    int rc;    /* the first error of binding */
+    int bound;      /* parameters so far */
+    int column;     /* the next one to read of the present row */
+    int rc;         /* the first error of binding */
     bool no_memory; /* in reading a text */
 } query;
 
@@ -29,14 +30,16 @@ int query_step(query *q, bool *row, shear_error *err);
 int64_t query_get_int(query *q);
 /* A copy, the caller's; NULL where the column is null, or memory is out (then query_got tells). */
 char *query_get_text(query *q);
-int query_got(const query *q, shear_error *err); /* SHEAR_E_NOMEM where a text could not be copied */
-void query_end(query *q);                        /* may be called twice */
+int query_got(const query *q,
+              shear_error *err); /* SHEAR_E_NOMEM where a text could not be copied */
+void query_end(query *q);        /* may be called twice */
 
 /* For statements without rows: step and end; and those of one parameter. */
 int query_run(query *q, shear_error *err);
 int query_run_id(store *s, enum sql which, int64_t id, shear_error *err);
 
-/* STORE_TOO_LONG where `text` has more than `max` bytes, or is empty; NULL passes only where it is optional. */
+/* STORE_BAD_TEXT where `text` has more than `max` bytes, or is empty; NULL passes only where it is
+ * optional. */
 int query_check_text(const char *what, const char *text, size_t max, bool optional,
                      shear_error *err);
 

@@ -5,8 +5,9 @@
 
 /* Numbers for state, outcome, origin, class and ending are those of store.h.
  *
- * No statement may cost more because more jobs have finished: what is asked for often has an index that holds only
- * the few rows concerned (queue, waiting, pending), and what would have to be counted is kept (counts, totals). */
+ * No statement may cost more because more jobs have finished: what is asked for often has an index
+ * that holds only the few rows concerned (queue, waiting, pending), and what would have to be
+ * counted is kept (counts, totals). */
 static const char *const version_1[] = {
     /* `uses`: jobs and fields that name it. */
     "CREATE TABLE settings("
@@ -51,8 +52,7 @@ static const char *const version_1[] = {
     " catalogue TEXT"
     ") STRICT",
     /* For pages: each ends in the id. */
-    "CREATE INDEX jobs_state ON jobs(state)",
-    "CREATE INDEX jobs_owner ON jobs(owner, state)",
+    "CREATE INDEX jobs_state ON jobs(state)", "CREATE INDEX jobs_owner ON jobs(owner, state)",
     "CREATE INDEX jobs_field ON jobs(field, state)",
     "CREATE INDEX jobs_owner_field ON jobs(owner, field, state)",
     "CREATE UNIQUE INDEX jobs_key ON jobs(owner, idempotency_key)"
@@ -92,8 +92,8 @@ static const char *const version_1[] = {
     " UNIQUE (name, settings)"
     ") STRICT",
 
-    /* Outlives its job, so that a duplicate is recognised after the job was retired: no foreign key. A forced job may have
-     * the identity of another one; a job has one row at most. */
+    /* Outlives its job, so that a duplicate is recognised after the job was retired: no foreign
+     * key. A forced job may have the identity of another one; a job has one row at most. */
     "CREATE TABLE contributions("
     " id INTEGER PRIMARY KEY,"
     " field INTEGER NOT NULL REFERENCES fields(id),"
@@ -178,8 +178,7 @@ static const char *const version_1[] = {
 const schema_step schema_steps[SCHEMA_VERSION] = {version_1};
 
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
-                   shear_error *err)
-{
+                   shear_error *err) {
     char stamp[96];
     int code = SHEAR_OK;
     for (int v = from; v < to && code == SHEAR_OK; v++) {

@@ -10,10 +10,12 @@ enum {
     SCHEMA_VERSION = 1
 };
 
-/* A step to the next version: statements, NULL at the end. Steps that were released are never changed: a new version is a new step. */
+/* A step to the next version: statements, NULL at the end. Steps that were released are never
+ * changed: a new version is a new step. */
 typedef const char *const *schema_step;
 
-/* Bring a database from version `from` to version `to` within the transaction that is open; steps[v] leads from v to v + 1. */
+/* Bring a database from version `from` to version `to` within the transaction that is open;
+ * steps[v] leads from v to v + 1. */
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err);
 extern const schema_step schema_steps[SCHEMA_VERSION];

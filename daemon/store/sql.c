@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* INDEXED BY makes the plan part of the statement: without that index it does not compile, so no change of the
- * schema can turn one of them into a scan unnoticed. Literal states are there because a partial index is used only where the statement
- * repeats its condition. */
+/* INDEXED BY makes the plan part of the statement: without that index it does not compile, so no
+ * change of the schema can turn one of them into a scan unnoticed. Literal states are there because
+ * a partial index is used only where the statement repeats its condition. */
 #include "sql.h"
 
 #define FIELD_RECORD                                                                               \
@@ -19,9 +19,10 @@ const char *const sql_texts[SQL_N] = {
     [SQL_ROLLBACK_TO] = "ROLLBACK TO operation",
 
     [SQL_UNFINISHED] = "SELECT sum(n) FROM counts WHERE state < 3",
-    [SQL_KEY_FIND] = "SELECT id, source = ?3 AND settings = ?4 AND field_asked IS ?5 AND origin = ?6"
-                     " AND priority = ?7 AND forced = ?8"
-                     " FROM jobs INDEXED BY jobs_key WHERE owner = ?1 AND idempotency_key = ?2",
+    [SQL_KEY_FIND] =
+        "SELECT id, source = ?3 AND settings = ?4 AND field_asked IS ?5 AND origin = ?6"
+        " AND priority = ?7 AND forced = ?8"
+        " FROM jobs INDEXED BY jobs_key WHERE owner = ?1 AND idempotency_key = ?2",
     [SQL_SETTINGS_FIND] = "SELECT text = ?2 FROM settings WHERE digest = ?1",
     [SQL_SETTINGS_ADD] = "INSERT INTO settings(digest, text) VALUES (?1, ?2)",
     [SQL_JOB_ADD] = "INSERT INTO jobs(owner, idempotency_key, source, settings, field, field_asked,"
@@ -48,8 +49,9 @@ const char *const sql_texts[SQL_N] = {
 
     [SQL_JOB_BRIEF] = "SELECT state, cancel_asked, forced, field, settings, content"
                       " FROM jobs WHERE id = ?1",
-    [SQL_JOB_LEARN] = "UPDATE jobs SET field = coalesce(?2, field), content = coalesce(?3, content),"
-                      " n_stamps = iif(?4 < 0, n_stamps, ?4) WHERE id = ?1",
+    [SQL_JOB_LEARN] =
+        "UPDATE jobs SET field = coalesce(?2, field), content = coalesce(?3, content),"
+        " n_stamps = iif(?4 < 0, n_stamps, ?4) WHERE id = ?1",
     [SQL_JOB_DONE] = "UPDATE jobs SET state = 3, outcome = ?2, duplicate_of = ?3, n_stamps = ?4,"
                      " n_used = ?5, elapsed_us = ?6, finished_ms = ?7, result = ?8, catalogue = ?9,"
                      " failure_class = 0, code = NULL, message = NULL, advice = NULL WHERE id = ?1",
@@ -67,25 +69,29 @@ const char *const sql_texts[SQL_N] = {
     [SQL_CHECKPOINT_GET] = "SELECT next_block, sums FROM checkpoints WHERE job = ?1",
     [SQL_CHECKPOINT_DROP] = "DELETE FROM checkpoints WHERE job = ?1",
 
-    [SQL_COUNTED_FIND] = "SELECT c.job, c.n_stamps, c.n_used FROM fields f CROSS JOIN contributions c"
-                         " INDEXED BY contributions_identity"
-                         " ON c.field = f.id WHERE f.name = ?1 AND f.settings = ?2"
-                         " AND c.content = ?3 ORDER BY c.id LIMIT 1",
+    [SQL_COUNTED_FIND] =
+        "SELECT c.job, c.n_stamps, c.n_used FROM fields f CROSS JOIN contributions c"
+        " INDEXED BY contributions_identity"
+        " ON c.field = f.id WHERE f.name = ?1 AND f.settings = ?2"
+        " AND c.content = ?3 ORDER BY c.id LIMIT 1",
     [SQL_FIELD_FIND] = "SELECT id, sums FROM fields WHERE name = ?1 AND settings = ?2",
     [SQL_FIELD_ADD] = "INSERT INTO fields(name, settings, sums, n_stamps, n_used, updated_ms, jobs)"
                       " VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1)",
-    [SQL_FIELD_JOIN] = "UPDATE fields SET sums = ?2, n_stamps = n_stamps + ?3, n_used = n_used + ?4,"
-                       " updated_ms = max(updated_ms, ?5), jobs = jobs + 1 WHERE id = ?1",
-    [SQL_CONTRIBUTION_ADD] = "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
-                             " counted_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+    [SQL_FIELD_JOIN] =
+        "UPDATE fields SET sums = ?2, n_stamps = n_stamps + ?3, n_used = n_used + ?4,"
+        " updated_ms = max(updated_ms, ?5), jobs = jobs + 1 WHERE id = ?1",
+    [SQL_CONTRIBUTION_ADD] =
+        "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
+        " counted_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
 
     /* The order of store_job's members. */
-    [SQL_JOB_GET] = "SELECT id, state, outcome, origin, priority, forced, cancel_asked, owner,"
-                    " attempts, failures, interrupted, attempt, created_ms, started_ms, finished_ms,"
-                    " not_before_ms, n_stamps, n_used, elapsed_us, duplicate_of, failure_class,"
-                    " field, source, t.text, settings, idempotency_key, content, code, message,"
-                    " advice, result, catalogue"
-                    " FROM jobs CROSS JOIN settings t ON t.digest = settings WHERE id = ?1",
+    [SQL_JOB_GET] =
+        "SELECT id, state, outcome, origin, priority, forced, cancel_asked, owner,"
+        " attempts, failures, interrupted, attempt, created_ms, started_ms, finished_ms,"
+        " not_before_ms, n_stamps, n_used, elapsed_us, duplicate_of, failure_class,"
+        " field, source, t.text, settings, idempotency_key, content, code, message,"
+        " advice, result, catalogue"
+        " FROM jobs CROSS JOIN settings t ON t.digest = settings WHERE id = ?1",
     [SQL_JOBS_BY_STATE] = "SELECT id FROM jobs INDEXED BY jobs_state"
                           " WHERE state = ?1 AND id < ?2 ORDER BY id DESC LIMIT ?3",
     [SQL_JOBS_BY_OWNER] = "SELECT id FROM jobs INDEXED BY jobs_owner"

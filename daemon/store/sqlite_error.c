@@ -20,14 +20,15 @@ static const meaning meanings[] = {
     {SQLITE_PERM, SHEAR_E_IO, retry_advice},
     {SQLITE_NOMEM, SHEAR_E_NOMEM, NULL},
     {SQLITE_BUSY, STORE_LOCKED,
-     "only one service may use a state directory: stop the other one, or configure another directory"},
+     "only one service may use a state directory: stop the other one, or configure another "
+     "directory"},
     {SQLITE_CORRUPT, SHEAR_E_FORMAT,
      "stop the service, keep a copy of the state directory, and restore the database"},
-    {SQLITE_NOTADB, SHEAR_E_FORMAT, "this file is not a database: configure another state directory"},
+    {SQLITE_NOTADB, SHEAR_E_FORMAT,
+     "this file is not a database: configure another state directory"},
 };
 
-static const meaning *meaning_of(int rc)
-{
+static const meaning *meaning_of(int rc) {
     static const meaning bug = {SQLITE_ERROR, SHEAR_E_INTERNAL, "this is a bug: please report it"};
     for (size_t i = 0; i < sizeof meanings / sizeof meanings[0]; i++) {
         if (meanings[i].result == (rc & 0xff)) {
@@ -38,8 +39,7 @@ static const meaning *meaning_of(int rc)
 }
 
 /* Some extended codes of "I/O error" are something else. */
-static int primary_of(int rc)
-{
+static int primary_of(int rc) {
     switch (rc) {
     case SQLITE_IOERR_NOMEM:
         return SQLITE_NOMEM;
@@ -51,15 +51,14 @@ static int primary_of(int rc)
     }
 }
 
-int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shear_error *err)
-{
+int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shear_error *err) {
     const meaning *m = meaning_of(primary_of(rc));
     const int system_errno = db != NULL && m->code == SHEAR_E_IO ? sqlite3_system_errno(db) : 0;
     if (m->code == STORE_LOCKED) {
         return shear_fail(err, m->code, m->advice, "%s: another process uses this database", path);
     }
-    return shear_fail(err, m->code, m->advice, "%s: while %s: %s%s%s (SQLite error %d)", path, doing,
-                      db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(rc),
-                      system_errno != 0 ? ": " : "", system_errno != 0 ? strerror(system_errno) : "",
-                      rc);
+    return shear_fail(err, m->code, m->advice, "%s: while %s: %s%s%s (SQLite error %d)", path,
+                      doing, db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(rc),
+                      system_errno != 0 ? ": " : "",
+                      system_errno != 0 ? strerror(system_errno) : "", rc);
 }

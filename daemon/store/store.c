@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* With a slash at least: SQLite takes "file:..." for a URI, "" and ":memory:" for databases without a file. */
-static int take_path(store *s, const char *path, shear_error *err)
-{
+/* With a slash at least: SQLite takes "file:..." for a URI, "" and ":memory:" for databases without
+ * a file. */
+static int take_path(store *s, const char *path, shear_error *err) {
     const char *here = path[0] == '/' ? "" : "./";
     if (path[0] == '\0' || strlen(path) + strlen(here) >= sizeof s->path) {
         return shear_fail(err, SHEAR_E_IO, "give a shorter path",
@@ -23,8 +23,7 @@ static int take_path(store *s, const char *path, shear_error *err)
     return SHEAR_OK;
 }
 
-static int prepare_statements(store *s, shear_error *err)
-{
+static int prepare_statements(store *s, shear_error *err) {
     for (int i = 0; i < SQL_N; i++) {
         const int rc = sqlite3_prepare_v3(s->db, sql_texts[i], -1, SQLITE_PREPARE_PERSISTENT,
                                           &s->statements[i], NULL);
@@ -36,8 +35,7 @@ static int prepare_statements(store *s, shear_error *err)
 }
 
 /* Within the transaction that database_connect left open. */
-static int bring_up_to_date(store *s, int version, shear_error *err)
-{
+static int bring_up_to_date(store *s, int version, shear_error *err) {
     int code = SHEAR_OK;
     s->opening.created = version == 0;
     s->opening.migrated_from = s->opening.created ? SCHEMA_VERSION : version;
@@ -47,8 +45,7 @@ static int bring_up_to_date(store *s, int version, shear_error *err)
     return code == SHEAR_OK ? database_exec(s->db, s->path, "COMMIT", err) : code;
 }
 
-static int next_running(store *s, int64_t *id, shear_error *err)
-{
+static int next_running(store *s, int64_t *id, shear_error *err) {
     bool row = false;
     query q = query_on(s, SQL_RUNNING);
     const int code = query_step(&q, &row, err);
@@ -58,8 +55,7 @@ static int next_running(store *s, int64_t *id, shear_error *err)
 }
 
 /* No job can run while the database is being opened: those marked so ran when the service died. */
-static int recover(store *s, int64_t now_ms, shear_error *err)
-{
+static int recover(store *s, int64_t now_ms, shear_error *err) {
     int64_t id = 0;
     int state = 0;
     int code = operation_begin(s, err);
@@ -78,8 +74,7 @@ static int recover(store *s, int64_t now_ms, shear_error *err)
 }
 
 int store_open(store **out, const char *path, const store_options *options, int64_t now_ms,
-               shear_error *err)
-{
+               shear_error *err) {
     static const store_options plain = {0};
     int version = 0;
     *out = NULL;
@@ -111,8 +106,7 @@ int store_open(store **out, const char *path, const store_options *options, int6
     return SHEAR_OK;
 }
 
-void store_close(store *s)
-{
+void store_close(store *s) {
     if (s == NULL) {
         return;
     }
@@ -124,7 +118,6 @@ void store_close(store *s)
     free(s);
 }
 
-const store_opening *store_opened(const store *s)
-{
+const store_opening *store_opened(const store *s) {
     return &s->opening;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* daemon/store/store.h: the durable state of the service: jobs, their attempts and checkpoints, what they
- * contributed, and the fields' exact sums. The only room that knows SQL.
+/* daemon/store/store.h: the durable state of the service: jobs, their attempts and checkpoints,
+ * what they contributed, and the fields' exact sums. The only room that knows SQL.
  *
  *                  submit
  *                    |                    +------ retry_at_ms has come ------+
@@ -12,28 +12,29 @@
  *   CANCELLED -->--+                   v v | +--- finish ---> DONE           |
  *                              CANCELLED   +----- fail (never) ---> FAILED   |
  *                                   ^--------------- cancel -----------------+
- *   A running job that is told to cancel keeps running, marked, until it finishes, fails or is released; then it is
- *   CANCELLED. DONE is for ever.
+ *   A running job that is told to cancel keeps running, marked, until it finishes, fails or is
+ * released; then it is CANCELLED. DONE is for ever.
  *
- * Threads: a store belongs to one thread at a time; calls are synchronous and may wait for the disk. It is not to be
- * used in a forked child.
+ * Threads: a store belongs to one thread at a time; calls are synchronous and may wait for the
+ * disk. It is not to be used in a forked child.
  *
- * Durability: a call that changes something returns SHEAR_OK only when the change is on disk (write-ahead log and
- * fsync), and is atomic: after any failure or crash it has happened completely or not at all. An error of the disk may
- * come after the change was written: then a later start finds the state after, else the state before; never between.
- * Between store_begin and store_commit the same calls only join the group, and all become durable by the one fsync of
- * store_commit: no reply to a client before that.
+ * Durability: a call that changes something returns SHEAR_OK only when the change is on disk
+ * (write-ahead log and fsync), and is atomic: after any failure or crash it has happened completely
+ * or not at all. An error of the disk may come after the change was written: then a later start
+ * finds the state after, else the state before; never between. Between store_begin and store_commit
+ * the same calls only join the group, and all become durable by the one fsync of store_commit: no
+ * reply to a client before that.
  *
- * Errors: SHEAR_OK, an enum shear_code, or one of enum store_code below: those are conditions for the direct
- * caller, with the store sound and unchanged. SHEAR_E_IO and SHEAR_E_NOMEM may pass (store_is_transient); SHEAR_E_FORMAT
- * is a damaged database and SHEAR_E_INTERNAL a bug: stop the service. On an error, out parameters are set to
- * nothing (0, NULL, empty).
+ * Errors: SHEAR_OK, an enum shear_code, or one of enum store_code below: those are conditions for
+ * the direct caller, with the store sound and unchanged. SHEAR_E_IO and SHEAR_E_NOMEM may pass
+ * (store_is_transient); SHEAR_E_FORMAT is a damaged database and SHEAR_E_INTERNAL a bug: stop the
+ * service. On an error, out parameters are set to nothing (0, NULL, empty).
  *
  * Time is the caller's: milliseconds since 1970, UTC. The store reads no clock.
  *
- * Texts: given texts are copied; they must be no longer than the limits below (STORE_TOO_LONG). Returned texts belong to
- * the record they are in and live until its _deinit; all may be NULL unless said otherwise. _deinit takes a zeroed or already
- * deinited record, too.
+ * Texts: given texts are copied; they must be no longer than the limits below (STORE_BAD_TEXT).
+ * Returned texts belong to the record they are in and live until its _deinit; all may be NULL
+ * unless said otherwise. _deinit takes a zeroed or already deinited record, too.
  */
 #ifndef SHEARD_STORE_H
 #define SHEARD_STORE_H
@@ -49,7 +50,7 @@ enum store_code {
     STORE_KEY_REUSED,       /* the owner used this idempotency key for another request */
     STORE_NOT_FOUND,        /* no such job, field or checkpoint */
     STORE_WRONG_STATE,      /* the job's state does not allow this */
-    STORE_TOO_LONG,         /* a text is longer than its limit, or empty where it must not be */
+    STORE_BAD_TEXT,         /* a text is longer than its limit, or empty where it must not be */
     STORE_LOCKED,           /* another process owns this database */
     STORE_NEWER             /* a newer version of the service wrote this database */
 };
@@ -67,8 +68,8 @@ enum {
     STORE_MESSAGE_MAX = 1024,
     STORE_ADVICE_MAX = 1024,
     STORE_SUMS_MAX = 65536,
-    STORE_PAGE_MAX = 1000,     /* records in a page: a larger limit is taken as this */
-    STORE_ATTEMPTS_KEPT = 64   /* of a job, the last ones */
+    STORE_PAGE_MAX = 1000,   /* records in a page: a larger limit is taken as this */
+    STORE_ATTEMPTS_KEPT = 64 /* of a job, the last ones */
 };
 
 /* These numbers are on disk: never renumber. */
@@ -81,19 +82,24 @@ enum store_state {
     STORE_CANCELLED = 5,
     STORE_N_STATES = 6
 };
-enum store_outcome { STORE_NO_OUTCOME = 0, STORE_COUNTED = 1, STORE_DUPLICATE = 2 }; /* of a done job */
+enum store_outcome {
+    STORE_NO_OUTCOME = 0,
+    STORE_COUNTED = 1,
+    STORE_DUPLICATE = 2
+}; /* of a done job */
 enum store_origin { STORE_SPOOL = 0, STORE_SOCKET = 1 };
 enum store_class { STORE_NO_CLASS = 0, STORE_TRANSIENT = 1, STORE_DATA = 2, STORE_BUG = 3 };
 enum store_ending { /* of an attempt */
-    STORE_OPEN = 0,
-    STORE_END_DONE = 1,
-    STORE_END_FAILED = 2,
-    STORE_END_CANCELLED = 3,
-    STORE_END_RELEASED = 4,   /* given back in good order */
-    STORE_END_INTERRUPTED = 5 /* the service died */
+                    STORE_OPEN = 0,
+                    STORE_END_DONE = 1,
+                    STORE_END_FAILED = 2,
+                    STORE_END_CANCELLED = 3,
+                    STORE_END_RELEASED = 4,   /* given back in good order */
+                    STORE_END_INTERRUPTED = 5 /* the service died */
 };
 
-/* Stable lower-case names ("queue_full", "running", ...; "unknown" for what is none). Never NULL. */
+/* Stable lower-case names ("queue_full", "running", ...; "unknown" for what is none). Never NULL.
+ */
 const char *store_code_name(int code); /* also of enum shear_code */
 const char *store_state_name(int state);
 const char *store_outcome_name(int outcome);
@@ -121,52 +127,59 @@ typedef struct store_opening {
     int64_t cancelled; /* of those, the ones that had been told to cancel */
 } store_opening;
 
-/* Open the database at `path`, make it (mode 0600) where there is none, migrate an older one (in one transaction),
- * own it exclusively until store_close, and put the jobs that ran back into the queue, their attempts marked
- * interrupted at `now_ms`. `options` may be NULL. *s is NULL on error: STORE_LOCKED, STORE_NEWER, SHEAR_E_FORMAT (not
- * a database of ours, or damaged), SHEAR_E_IO, SHEAR_E_NOMEM. A database that is refused is left as it was. */
+/* Open the database at `path`, make it (mode 0600) where there is none, migrate an older one (in
+ * one transaction), own it exclusively until store_close, and put the jobs that ran back into the
+ * queue, their attempts marked interrupted at `now_ms`. `options` may be NULL. *s is NULL on error:
+ * STORE_LOCKED, STORE_NEWER, SHEAR_E_FORMAT (not a database of ours, or damaged), SHEAR_E_IO,
+ * SHEAR_E_NOMEM. A database that is refused is left as it was. */
 int store_open(store **s, const char *path, const store_options *options, int64_t now_ms,
                shear_error *err);
 /* A group that is open is rolled back. NULL is accepted. */
 void store_close(store *s);
 const store_opening *store_opened(const store *s); /* lives as long as s */
 
-/* Is every page well formed (SQLite's quick_check)? Time grows with the database. SHEAR_E_FORMAT where not. */
+/* Is every page well formed (SQLite's quick_check)? Time grows with the database. SHEAR_E_FORMAT
+ * where not. */
 int store_check(store *s, shear_error *err);
-/* Does everything agree: the counts with the jobs, each counted job with one contribution, each field's sums with the
- * exact join of its contributions? For `doctor` and for tests: time grows with the database. SHEAR_E_FORMAT where not. */
+/* Does everything agree: the counts with the jobs, each counted job with one contribution, each
+ * field's sums with the exact join of its contributions? For `doctor` and for tests: time grows
+ * with the database. SHEAR_E_FORMAT where not. */
 int store_audit(store *s, shear_error *err);
 
 /* ---- Groups: many operations, one fsync ---- */
 
-/* An operation that fails inside a group leaves the group as it was before that operation, and the group goes on. After
- * some errors of the disk SQLite gives up the whole group: from then on every change in it fails with SHEAR_E_IO, and so does
- * store_commit. Groups do not nest (SHEAR_E_INTERNAL). */
+/* An operation that fails inside a group leaves the group as it was before that operation, and the
+ * group goes on. After some errors of the disk SQLite gives up the whole group: from then on every
+ * change in it fails with SHEAR_E_IO, and so does store_commit. Groups do not nest
+ * (SHEAR_E_INTERNAL). */
 int store_begin(store *s, shear_error *err);
-/* SHEAR_OK: all changes since store_begin that returned SHEAR_OK are on disk. Else none of them counts (see "Durability"),
- * and the group is over in either case. */
+/* SHEAR_OK: all changes since store_begin that returned SHEAR_OK are on disk. Else none of them
+ * counts (see "Durability"), and the group is over in either case. */
 int store_commit(store *s, shear_error *err);
 void store_rollback(store *s); /* give the group up; nothing happens where none is open */
 
 /* ---- The life of a job ---- */
 
 typedef struct store_spec {
-    const char *field;  /* NULL: the file says */
-    const char *source; /* what to read: a path, or a text of the caller's for several; not looked into */
-    const char *settings;        /* canonical text; not looked into */
-    const char *settings_digest; /* stands for it: the same digest with another text is SHEAR_E_INTERNAL */
-    const char *key;             /* idempotency key, unique for an owner; NULL: none */
-    int origin;                  /* enum store_origin */
-    int priority;                /* higher runs first */
-    bool force;                  /* count it even where its identity was counted before */
-    uint32_t owner;              /* uid */
+    const char *field; /* NULL: the file says */
+    const char
+        *source; /* what to read: a path, or a text of the caller's for several; not looked into */
+    const char *settings; /* canonical text; not looked into */
+    const char
+        *settings_digest; /* stands for it: the same digest with another text is SHEAR_E_INTERNAL */
+    const char *key;      /* idempotency key, unique for an owner; NULL: none */
+    int origin;           /* enum store_origin */
+    int priority;         /* higher runs first */
+    bool force;           /* count it even where its identity was counted before */
+    uint32_t owner;       /* uid */
     int64_t created_ms;
 } store_spec;
 
-/* Queue a job. *id grows with every new job and is never given twice. Where the owner's key is known: the same request (all of
- * the spec but created_ms) gives that job's id, and *known is true, whatever the queue; another is STORE_KEY_REUSED. A
- * key is known as long as its job is kept (store_retire). STORE_QUEUE_FULL where there are `max_unfinished` queued, running and
- * waiting jobs or more. */
+/* Queue a job. *id grows with every new job and is never given twice. Where the owner's key is
+ * known: the same request (all of the spec but created_ms) gives that job's id, and *known is true,
+ * whatever the queue; another is STORE_KEY_REUSED. A key is known as long as its job is kept
+ * (store_retire). STORE_QUEUE_FULL where there are `max_unfinished` queued, running and waiting
+ * jobs or more. */
 int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64_t *id, bool *known,
                  shear_error *err);
 
@@ -179,35 +192,37 @@ typedef struct store_job {
     bool force;
     bool cancel_asked; /* while running */
     uint32_t owner;
-    int64_t attempts;     /* since it was submitted or retried by hand: */
-    int64_t failures;     /* ... those that failed */
-    int64_t interrupted;  /* ... and those that ended with the service's death */
-    int64_t attempt;      /* the number of the last attempt ever; 0: none */
+    int64_t attempts;    /* since it was submitted or retried by hand: */
+    int64_t failures;    /* ... those that failed */
+    int64_t interrupted; /* ... and those that ended with the service's death */
+    int64_t attempt;     /* the number of the last attempt ever; 0: none */
     int64_t created_ms;
-    int64_t started_ms;   /* last attempt; 0: none */
-    int64_t finished_ms;  /* 0: unfinished */
+    int64_t started_ms;    /* last attempt; 0: none */
+    int64_t finished_ms;   /* 0: unfinished */
     int64_t not_before_ms; /* of a waiting job; else 0 */
-    int64_t n_stamps;     /* of the file; -1: not known yet */
-    int64_t n_used;       /* of a done job, else -1 */
-    int64_t elapsed_us;   /* of a done job, else 0 */
-    int64_t duplicate_of; /* the job that was counted for this one; 0: none */
-    int failure_class;    /* enum store_class: of the last failure; none once done or retried by hand */
-    char *field;          /* asked for, or learned from the file */
-    char *source;         /* never NULL */
-    char *settings;       /* never NULL */
+    int64_t n_stamps;      /* of the file; -1: not known yet */
+    int64_t n_used;        /* of a done job, else -1 */
+    int64_t elapsed_us;    /* of a done job, else 0 */
+    int64_t duplicate_of;  /* the job that was counted for this one; 0: none */
+    int failure_class; /* enum store_class: of the last failure; none once done or retried by hand
+                        */
+    char *field;       /* asked for, or learned from the file */
+    char *source;      /* never NULL */
+    char *settings;    /* never NULL */
     char *settings_digest; /* never NULL */
     char *key;
-    char *content;        /* checksum */
-    char *code;           /* the last failure's, and its message and advice */
+    char *content; /* checksum */
+    char *code;    /* the last failure's, and its message and advice */
     char *message;
     char *advice;
-    char *result;         /* of a done job, as given to store_finish */
+    char *result; /* of a done job, as given to store_finish */
     char *catalogue;
 } store_job;
 void store_job_deinit(store_job *job);
 
-/* The next job to run at `now_ms`: highest priority first, then the oldest. Waiting jobs whose time has come are queued first. The
- * job is RUNNING then, with an attempt opened. job->id is 0 where there is nothing to run. */
+/* The next job to run at `now_ms`: highest priority first, then the oldest. Waiting jobs whose time
+ * has come are queued first. The job is RUNNING then, with an attempt opened. job->id is 0 where
+ * there is nothing to run. */
 int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err);
 /* When the first waiting job wants to run; INT64_MAX: none waits. */
 int store_next_due(store *s, int64_t *due_ms, shear_error *err);
@@ -218,57 +233,62 @@ typedef struct store_learned {
     int64_t n_stamps;    /* negative: leave as it is */
 } store_learned;
 
-/* What opening a running job's input told. Another content than before drops the job's checkpoint. *duplicate_of: the first
- * job that was counted with the same identity (field, settings, content), for an early store_finish without sums; 0: none, or the
- * job is forced, or field and content are not both known. */
+/* What opening a running job's input told. Another content than before drops the job's checkpoint.
+ * *duplicate_of: the first job that was counted with the same identity (field, settings, content),
+ * for an early store_finish without sums; 0: none, or the job is forced, or field and content are
+ * not both known. */
 int store_learn(store *s, int64_t id, const store_learned *learned, int64_t *duplicate_of,
                 shear_error *err);
 
-/* Remember the exact sums (shear/sums.h) of blocks [0, next_block) of a running job whose content is known
- * (STORE_WRONG_STATE otherwise). The last one counts. It is dropped when the job is done or cancelled. */
+/* Remember the exact sums (shear/sums.h) of blocks [0, next_block) of a running job whose content
+ * is known (STORE_WRONG_STATE otherwise). The last one counts. It is dropped when the job is done
+ * or cancelled. */
 int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err);
 /* *sums is malloc'd, the caller frees it. STORE_NOT_FOUND where there is none. */
 int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums, shear_error *err);
 
 typedef struct store_work {
-    const char *sums;      /* the job's exact sums; NULL only for an early duplicate (store_learn) */
-    const char *result;    /* text of the caller's; may be NULL */
+    const char *sums;   /* the job's exact sums; NULL only for an early duplicate (store_learn) */
+    const char *result; /* text of the caller's; may be NULL */
     const char *catalogue; /* path; may be NULL */
     int64_t elapsed_us;
     int64_t now_ms;
 } store_work;
 
 typedef struct store_finished {
-    int state;            /* STORE_DONE, or STORE_CANCELLED where that was asked: then nothing is counted */
-    int outcome;          /* of a done job */
+    int state;   /* STORE_DONE, or STORE_CANCELLED where that was asked: then nothing is counted */
+    int outcome; /* of a done job */
     int64_t duplicate_of; /* STORE_DUPLICATE: the job that was counted before */
 } store_finished;
 
-/* End a running job whose field and content are known (STORE_WRONG_STATE otherwise). One transaction: the job is done, its attempt
- * closed, its contribution recorded and joined to its field. A job whose identity was counted before ends as its duplicate and changes no
- * field, unless it is forced. Bad sums are SHEAR_E_FORMAT, and nothing changes. */
+/* End a running job whose field and content are known (STORE_WRONG_STATE otherwise). One
+ * transaction: the job is done, its attempt closed, its contribution recorded and joined to its
+ * field. A job whose identity was counted before ends as its duplicate and changes no field, unless
+ * it is forced. Bad sums are SHEAR_E_FORMAT, and nothing changes. */
 int store_finish(store *s, int64_t id, const store_work *work, store_finished *end,
                  shear_error *err);
 
 enum { STORE_NEVER = -1 };
 typedef struct store_failure {
-    int failure_class;   /* enum store_class, not STORE_NO_CLASS */
-    const char *code;    /* stable name */
+    int failure_class; /* enum store_class, not STORE_NO_CLASS */
+    const char *code;  /* stable name */
     const char *message;
     const char *advice;  /* may be NULL */
     int64_t retry_at_ms; /* or STORE_NEVER */
     int64_t now_ms;
 } store_failure;
 
-/* A running job's attempt failed. *state: STORE_WAITING, STORE_FAILED, or STORE_CANCELLED where that was asked. */
+/* A running job's attempt failed. *state: STORE_WAITING, STORE_FAILED, or STORE_CANCELLED where
+ * that was asked. */
 int store_fail(store *s, int64_t id, const store_failure *failure, int *state, shear_error *err);
-/* Put a running job back into the queue in good order (the service stops); where cancel was asked, cancel it. */
+/* Put a running job back into the queue in good order (the service stops); where cancel was asked,
+ * cancel it. */
 int store_release(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err);
-/* *state: STORE_CANCELLED at once, or STORE_RUNNING: marked, and the caller is to stop it. A cancelled job stays so
- * (SHEAR_OK); a done or failed one is STORE_WRONG_STATE. */
+/* *state: STORE_CANCELLED at once, or STORE_RUNNING: marked, and the caller is to stop it. A
+ * cancelled job stays so (SHEAR_OK); a done or failed one is STORE_WRONG_STATE. */
 int store_cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err);
-/* Queue a failed or cancelled job again, its attempts counted from 0. STORE_WRONG_STATE for others, STORE_QUEUE_FULL as in
- * store_submit. */
+/* Queue a failed or cancelled job again, its attempts counted from 0. STORE_WRONG_STATE for others,
+ * STORE_QUEUE_FULL as in store_submit. */
 int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err);
 
 /* ---- Looking at jobs ---- */
@@ -276,29 +296,30 @@ int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err);
 int store_job_get(store *s, int64_t id, store_job *job, shear_error *err); /* STORE_NOT_FOUND */
 
 typedef struct store_job_filter {
-    unsigned states;      /* 1u << STORE_FAILED and so on, or'ed; 0: all */
-    const char *field;    /* exactly; NULL: all */
+    unsigned states;   /* 1u << STORE_FAILED and so on, or'ed; 0: all */
+    const char *field; /* exactly; NULL: all */
     bool by_owner;
-    uint32_t owner;       /* where by_owner */
-    int64_t before;       /* only smaller ids (the last one of the page before); 0: from the newest */
+    uint32_t owner; /* where by_owner */
+    int64_t before; /* only smaller ids (the last one of the page before); 0: from the newest */
 } store_job_filter;
 
 typedef struct store_job_page {
     store_job *jobs; /* n of them, newest first */
     size_t n;
-    bool more;       /* older ones follow */
+    bool more; /* older ones follow */
 } store_job_page;
 void store_job_page_deinit(store_job_page *page);
 
-/* A page of jobs by descending id. Jobs that are submitted meanwhile do not move the pages that follow. */
+/* A page of jobs by descending id. Jobs that are submitted meanwhile do not move the pages that
+ * follow. */
 int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job_page *page,
                shear_error *err);
 
 typedef struct store_attempt {
-    int64_t number; /* 1, 2, ... over the job's whole life */
+    int64_t number;               /* 1, 2, ... over the job's whole life */
     int64_t started_ms, ended_ms; /* ended: 0 while it is open */
-    int ending;        /* enum store_ending */
-    int failure_class; /* enum store_class */
+    int ending;                   /* enum store_ending */
+    int failure_class;            /* enum store_class */
     char *code, *message;
 } store_attempt;
 typedef struct store_attempts {
@@ -314,26 +335,29 @@ int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *
 /* One field as measured with one set of settings. */
 typedef struct store_field {
     char *name, *settings_digest, *settings; /* never NULL */
-    char *sums;         /* exact join of its contributions (shear/sums.h); never NULL */
-    int64_t jobs;       /* that were counted */
+    char *sums;   /* exact join of its contributions (shear/sums.h); never NULL */
+    int64_t jobs; /* that were counted */
     int64_t n_stamps, n_used;
-    int64_t unfinished; /* jobs known to be of this field and these settings: above 0, the result is partial */
+    int64_t unfinished; /* jobs known to be of this field and these settings: above 0, the result is
+                           partial */
     int64_t updated_ms; /* the last contribution */
 } store_field;
 typedef struct store_field_page {
     store_field *fields; /* by name (bytes), then by settings digest */
     size_t n;
     bool more;
-    int64_t unfinished;  /* store_field_get: unfinished jobs known to be of this name, whatever their settings */
+    int64_t unfinished; /* store_field_get: unfinished jobs known to be of this name, whatever their
+                           settings */
 } store_field_page;
 void store_field_page_deinit(store_field_page *page);
 
-/* Every record of one name (at most STORE_PAGE_MAX). STORE_NOT_FOUND where nothing was counted and nothing is unfinished. */
+/* Every record of one name (at most STORE_PAGE_MAX). STORE_NOT_FOUND where nothing was counted and
+ * nothing is unfinished. */
 int store_field_get(store *s, const char *name, store_field_page *page, shear_error *err);
 
 typedef struct store_field_filter {
-    const char *prefix;       /* of the name; NULL: all */
-    const char *after_name;   /* the last record of the page before, both; NULL: from the first */
+    const char *prefix;     /* of the name; NULL: all */
+    const char *after_name; /* the last record of the page before, both; NULL: from the first */
     const char *after_digest;
 } store_field_filter;
 /* A page of fields. Fields that appear meanwhile do not move the others. */
@@ -341,8 +365,8 @@ int store_fields(store *s, const store_field_filter *filter, size_t limit, store
                  shear_error *err);
 
 typedef struct store_contribution {
-    int64_t id;  /* grows in the order of counting */
-    int64_t job; /* may have been retired since */
+    int64_t id;    /* grows in the order of counting */
+    int64_t job;   /* may have been retired since */
     char *content; /* never NULL */
     int64_t n_stamps, n_used;
     int64_t counted_ms;
@@ -354,8 +378,8 @@ typedef struct store_contribution_page {
 } store_contribution_page;
 void store_contribution_page_deinit(store_contribution_page *page);
 
-/* What was counted in a field with these settings, in the order of counting; `after`: the last id of the page before, or 0.
- * STORE_NOT_FOUND where there is no such field. */
+/* What was counted in a field with these settings, in the order of counting; `after`: the last id
+ * of the page before, or 0. STORE_NOT_FOUND where there is no such field. */
 int store_contributions(store *s, const char *name, const char *settings_digest, int64_t after,
                         size_t limit, store_contribution_page *page, shear_error *err);
 
@@ -371,10 +395,10 @@ int store_count(store *s, store_counts *counts, shear_error *err);
 typedef struct store_totals {
     int64_t submitted, counted, duplicates, failed, cancelled, retired; /* jobs */
     int64_t attempts, interrupted;
-    int64_t failures[4];        /* attempts by enum store_class */
-    int64_t n_stamps, n_used;   /* of counted jobs */
-    int64_t elapsed_us;         /* of done jobs */
-    int64_t fields;             /* records (name, settings) */
+    int64_t failures[4];      /* attempts by enum store_class */
+    int64_t n_stamps, n_used; /* of counted jobs */
+    int64_t elapsed_us;       /* of done jobs */
+    int64_t fields;           /* records (name, settings) */
 } store_totals;
 int store_total(store *s, store_totals *totals, shear_error *err);
 
@@ -382,11 +406,11 @@ int store_total(store *s, store_totals *totals, shear_error *err);
 
 typedef struct store_retention {
     int64_t finished_before_ms; /* jobs that finished before this; INT64_MIN: none for their age */
-    int64_t keep;               /* at most so many finished jobs, the oldest go; negative: any number */
-    int64_t batch;              /* at most so many in this call */
+    int64_t keep;  /* at most so many finished jobs, the oldest go; negative: any number */
+    int64_t batch; /* at most so many in this call */
 } store_retention;
-/* Forget finished jobs, oldest first. What they contributed stays counted and is still recognised. Call again while *retired equals
- * the batch. */
+/* Forget finished jobs, oldest first. What they contributed stays counted and is still recognised.
+ * Call again while *retired equals the batch. */
 int store_retire(store *s, const store_retention *rule, int64_t *retired, shear_error *err);
 
 #endif

@@ -5,8 +5,7 @@
 
 #include <inttypes.h>
 
-static int check_spec(const store_spec *p, shear_error *err)
-{
+static int check_spec(const store_spec *p, shear_error *err) {
     int code = query_check_text("field's name", p->field, STORE_FIELD_MAX, true, err);
     if (code == SHEAR_OK) {
         code = query_check_text("source", p->source, STORE_SOURCE_MAX, false, err);
@@ -15,7 +14,8 @@ static int check_spec(const store_spec *p, shear_error *err)
         code = query_check_text("settings", p->settings, STORE_SETTINGS_MAX, false, err);
     }
     if (code == SHEAR_OK) {
-        code = query_check_text("settings digest", p->settings_digest, STORE_DIGEST_MAX, false, err);
+        code =
+            query_check_text("settings digest", p->settings_digest, STORE_DIGEST_MAX, false, err);
     }
     if (code == SHEAR_OK) {
         code = query_check_text("idempotency key", p->key, STORE_KEY_MAX, true, err);
@@ -24,8 +24,7 @@ static int check_spec(const store_spec *p, shear_error *err)
 }
 
 /* The parameters that SQL_KEY_FIND and SQL_JOB_ADD have in common. */
-static query query_spec(store *s, enum sql which, const store_spec *p)
-{
+static query query_spec(store *s, enum sql which, const store_spec *p) {
     query q = query_on(s, which);
     query_int(&q, p->owner);
     query_text(&q, p->key);
@@ -39,8 +38,7 @@ static query query_spec(store *s, enum sql which, const store_spec *p)
 }
 
 /* The job that has this owner's key; *id is 0 where there is none. */
-static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err)
-{
+static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     bool row = false;
     if (p->key == NULL) {
         return SHEAR_OK;
@@ -50,9 +48,10 @@ static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err
     if (row) {
         *id = query_get_int(&q);
         if (query_get_int(&q) == 0) {
-            code = shear_fail(err, STORE_KEY_REUSED, "use a new key for a new request",
-                              "the idempotency key '%s' belongs to another request (job %" PRId64 ")",
-                              p->key, *id);
+            code =
+                shear_fail(err, STORE_KEY_REUSED, "use a new key for a new request",
+                           "the idempotency key '%s' belongs to another request (job %" PRId64 ")",
+                           p->key, *id);
             *id = 0;
         }
     }
@@ -60,8 +59,7 @@ static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err
     return code;
 }
 
-static int keep_settings(store *s, const store_spec *p, shear_error *err)
-{
+static int keep_settings(store *s, const store_spec *p, shear_error *err) {
     bool row = false;
     query find = query_on(s, SQL_SETTINGS_FIND);
     query_text(&find, p->settings_digest);
@@ -83,8 +81,7 @@ static int keep_settings(store *s, const store_spec *p, shear_error *err)
     return query_run(&add, err);
 }
 
-static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err)
-{
+static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     query q = query_spec(s, SQL_JOB_ADD, p);
     query_int(&q, p->created_ms);
     const int code = query_run(&q, err);
@@ -93,8 +90,7 @@ static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err)
 }
 
 static int submit(store *s, const store_spec *p, int64_t max_unfinished, int64_t *id, bool *known,
-                  shear_error *err)
-{
+                  shear_error *err) {
     int code = find_key(s, p, id, err);
     *known = *id != 0;
     if (code != SHEAR_OK || *known) {
@@ -108,8 +104,7 @@ static int submit(store *s, const store_spec *p, int64_t max_unfinished, int64_t
 }
 
 int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64_t *id, bool *known,
-                 shear_error *err)
-{
+                 shear_error *err) {
     *id = 0;
     *known = false;
     int code = check_spec(spec, err);
@@ -127,8 +122,7 @@ int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64
     return code;
 }
 
-static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err)
-{
+static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
     job_brief b;
     int code = job_brief_get(s, id, &b, err);
     if (code == SHEAR_OK && b.state != STORE_FAILED && b.state != STORE_CANCELLED) {
@@ -144,8 +138,7 @@ static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err)
     return code;
 }
 
-int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err)
-{
+int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
     const int code = operation_begin(s, err);
     return code == SHEAR_OK ? operation_end(s, retry(s, id, max_unfinished, err), err) : code;
 }

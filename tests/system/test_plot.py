@@ -119,6 +119,16 @@ class Plot(ToolTest):
         self.assertFails(shearctl("plot", self.field(), "--beta", "0.3"), INPUT, "beta", "smallest")
         self.assertEqual([n for n in os.listdir(self.directory) if n.endswith((".png", ".part"))], [])
 
+    def test_the_input_is_never_replaced(self):
+        path = self.field()
+        with open(path, "rb") as file:
+            before = file.read()
+        os.symlink(path, self.path("link.png"))
+        for out in (path, self.path("link.png")):
+            self.assertFails(shearctl("plot", path, "--force", "-o", out), USAGE, "input")
+        with open(path, "rb") as file:
+            self.assertEqual(file.read(), before)
+
     def test_unwritable_output(self):
         path = self.field()
         for out in (self.path("none/x.png"), self.directory, "/dev/null"):

@@ -9,7 +9,7 @@ import time
 import unittest
 
 from fitsfile import Field
-from tool import DONE, OTHER, SHEARCTL, ToolTest
+from tool import DONE, OTHER, SANITIZERS, SHEARCTL, ToolTest
 
 WAIT = 60  # seconds, for what takes less than one
 
@@ -22,7 +22,7 @@ class Terminal(ToolTest):
         subprocess.run(["stty", "cols", str(columns), "rows", "24"], stdin=other, check=True)
         process = subprocess.Popen([SHEARCTL, *args], stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=other,
-                                   env={**os.environ, "TERM": term})
+                                   env={**os.environ, **SANITIZERS, "TERM": term})
         self.addCleanup(process.stdout.close)
         os.close(other)
         return process, main

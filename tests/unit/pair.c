@@ -7,8 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-void pair_init(pair *p, int nx, int ny, int psf_nx, int psf_ny, int psf_oversample)
-{
+void pair_init(pair *p, int nx, int ny, int psf_nx, int psf_ny, int psf_oversample) {
     const size_t pixels = (size_t)nx * (size_t)ny;
     *p = (pair){.geometry = {.nx = nx,
                              .ny = ny,
@@ -22,8 +21,7 @@ void pair_init(pair *p, int nx, int ny, int psf_nx, int psf_ny, int psf_oversamp
     assert_true(p->galaxy != NULL && p->noise != NULL && p->psf != NULL);
 }
 
-void pair_deinit(pair *p)
-{
+void pair_deinit(pair *p) {
     free(p->galaxy);
     free(p->noise);
     free(p->psf);
@@ -32,16 +30,14 @@ void pair_deinit(pair *p)
 const char *const pair_methods[PAIR_METHODS] = {
     "none", "bilinear", "bicubic", "spline", "log-bilinear", "log-bicubic", "log-spline"};
 
-void pair_set(pair *p, const char *name, const char *value)
-{
+void pair_set(pair *p, const char *name, const char *value) {
     shear_error err = {0};
     if (shear_settings_set(&p->settings, name, value, &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
 }
 
-void pair_draw(pair *p, double r_psf, uint64_t seed)
-{
+void pair_draw(pair *p, double r_psf, uint64_t seed) {
     const shear_geometry *g = &p->geometry;
     const size_t pixels = (size_t)g->nx * (size_t)g->ny;
     draw_blobs(p->galaxy, g->nx, g->ny, 4, 2.0, seed++);
@@ -59,8 +55,7 @@ void pair_draw(pair *p, double r_psf, uint64_t seed)
     gaussian_draw(&psf, g->psf_nx, g->psf_ny, g->psf_oversample, p->psf);
 }
 
-static int try_info(const pair *p, shear_row *row, shear_plan_info *info, shear_error *err)
-{
+static int try_info(const pair *p, shear_row *row, shear_plan_info *info, shear_error *err) {
     shear_plan *plan = NULL;
     shear_workspace *ws = NULL;
     int code = shear_plan_new(&plan, &p->settings, &p->geometry, p->psf, NAN, false, err);
@@ -81,14 +76,12 @@ static int try_info(const pair *p, shear_row *row, shear_plan_info *info, shear_
     return code;
 }
 
-int pair_try(const pair *p, shear_row *row, shear_error *err)
-{
+int pair_try(const pair *p, shear_row *row, shear_error *err) {
     shear_plan_info info;
     return try_info(p, row, &info, err);
 }
 
-shear_row pair_measure_info(const pair *p, shear_plan_info *info)
-{
+shear_row pair_measure_info(const pair *p, shear_plan_info *info) {
     shear_row row = {0};
     shear_error err = {0};
     if (try_info(p, &row, info, &err) != SHEAR_OK) {
@@ -98,22 +91,19 @@ shear_row pair_measure_info(const pair *p, shear_plan_info *info)
     return row;
 }
 
-shear_row pair_measure(const pair *p)
-{
+shear_row pair_measure(const pair *p) {
     shear_plan_info info;
     return pair_measure_info(p, &info);
 }
 
-double uniform(uint64_t *state)
-{
+double uniform(uint64_t *state) {
     uint64_t z = (*state += 0x9e3779b97f4a7c15u);
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-void draw_blobs(double *out, int nx, int ny, int n, double sigma, uint64_t seed)
-{
+void draw_blobs(double *out, int nx, int ny, int n, double sigma, uint64_t seed) {
     const size_t pixels = (size_t)nx * (size_t)ny;
     double *one = calloc(pixels, sizeof *one);
     assert_non_null(one);

@@ -404,17 +404,6 @@ static void incomplete_files_do_not_appear(void **state) {
     assert_int_equal(fixture_count_files(), before);
 }
 
-/* Numbers that a float cannot hold are refused, not written as infinite. */
-static void numbers_too_large_for_the_file(void **state) {
-    (void)state;
-    double pixels[2 * 12 * 10] = {[5] = 1e300};
-    shear_error err = {0};
-    shear_field_writer *w = begin(fixture_path("large.fits"), true);
-    assert_int_equal(shear_field_write(w, 0, 2, pixels, pixels, NULL, &err), SHEAR_E_FORMAT);
-    assert_non_null(strstr(err.message, "HDU GALAXY"));
-    shear_field_abort(w);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_no_file),
@@ -429,7 +418,6 @@ int main(void) {
         cmocka_unit_test(specs_that_cannot_be),
         cmocka_unit_test(files_appear_at_once),
         cmocka_unit_test(incomplete_files_do_not_appear),
-        cmocka_unit_test(numbers_too_large_for_the_file),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

@@ -289,9 +289,9 @@ static void columns_of_other_types(void **state) {
     fitsfile *f = NULL;
     int status = 0;
     fits_open_diskfile(&f, path, READWRITE, &status);
-    char *names[] = {"id", "x", "Y", "flags", "WEIGHT", "NAME", "LIST"};
-    char *forms[] = {"J", "I", "E", "D", "B", "20A", "1PD"};
-    fits_create_tbl(f, BINARY_TBL, 3, 7, names, forms, NULL, "catalog", &status);
+    char *names[] = {"id", "x", "Y", "flags", "WEIGHT", "RA", "NAME", "LIST"};
+    char *forms[] = {"J", "I", "E", "D", "B", "D", "20A", "1PD"};
+    fits_create_tbl(f, BINARY_TBL, 3, 8, names, forms, NULL, "catalog", &status);
     fits_write_key_lng(f, "TNULL1", -99, NULL, &status);
     fits_write_key_lng(f, "TNULL2", -99, NULL, &status);
     fits_write_key_lng(f, "TZERO2", 1000, NULL, &status);
@@ -307,6 +307,8 @@ static void columns_of_other_types(void **state) {
     fits_write_col(f, TFLOAT, 3, 1, 1, 3, y, &status);
     fits_write_col(f, TDOUBLE, 4, 1, 1, 3, flags, &status);
     fits_write_col(f, TBYTE, 5, 1, 1, 3, weight, &status);
+    double ra[3] = {NAN, 10.5, INFINITY};
+    fits_write_col(f, TDOUBLE, 6, 1, 1, 3, ra, &status);
     fits_close_file(f, &status);
     assert_int_equal(status, 0);
 
@@ -314,14 +316,16 @@ static void columns_of_other_types(void **state) {
     shear_block *b = NULL;
     shear_error err = {0};
     assert_int_equal(shear_field_open(&field, path, &err), SHEAR_OK);
-    assert_int_equal(shear_field_get_info(field)->columns,
-                     SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y | SHEAR_COL_FLAGS | SHEAR_COL_WEIGHT);
+    assert_int_equal(shear_field_get_info(field)->columns, SHEAR_COL_ID | SHEAR_COL_X |
+                                                               SHEAR_COL_Y | SHEAR_COL_RA |
+                                                               SHEAR_COL_FLAGS | SHEAR_COL_WEIGHT);
     assert_int_equal(shear_block_new(&b, shear_field_get_info(field), 3, &err), SHEAR_OK);
     assert_int_equal(shear_field_read(field, 0, 3, b, &err), SHEAR_OK);
     assert_true(b->id[0] == 5 && b->id[1] == -1 && b->id[2] == 7);
     assert_true(b->x[0] == 1000.0 && b->x[1] == 1002.0 && b->x[2] == 1004.0);
     assert_true(b->y[0] == 0.5 && isnan(b->y[1]) && b->y[2] == 2.5);
     assert_true(b->mask[0] == 0 && b->mask[1] == 1 && b->mask[2] == INT32_MAX);
+    assert_true(isnan(b->ra[0]) && b->ra[1] == 10.5 && !isfinite(b->ra[2]));
     assert_true(b->weight[0] == 1.0 && b->weight[1] == 2.0 && b->weight[2] == 255.0);
     shear_block_free(b);
     shear_field_close(field);

@@ -8,13 +8,13 @@
 
 #include <math.h>
 
-static void check(int nx, int ny, const gaussian *galaxy, const gaussian *psf, int psf_n, int oversample,
-                  const char *interpolation, double tolerance)
-{
+static void check(int nx, int ny, const gaussian *galaxy, const gaussian *psf, int psf_n,
+                  int oversample, const char *interpolation, double tolerance) {
     pair p;
     shear_plan_info info;
     pair_init(&p, nx, ny, psf_n, psf_n, oversample);
-    assert_int_equal(shear_settings_set(&p.settings, "interpolation", interpolation, NULL), SHEAR_OK);
+    assert_int_equal(shear_settings_set(&p.settings, "interpolation", interpolation, NULL),
+                     SHEAR_OK);
     gaussian_draw(galaxy, nx, ny, 1, p.galaxy);
     gaussian_draw(psf, psf_n, psf_n, oversample, p.psf);
     const shear_row measured = pair_measure_info(&p, &info);
@@ -23,17 +23,17 @@ static void check(int nx, int ny, const gaussian *galaxy, const gaussian *psf, i
     pair_deinit(&p);
 }
 
-static const gaussian psf = {.amplitude = 1.0, .xx = 2.4, .yy = 2.0, .xy = 0.3, .x0 = 24.3, .y0 = 23.8};
-static const gaussian galaxy = {.amplitude = 7.0, .xx = 11.0, .yy = 8.0, .xy = -1.5, .x0 = 31.7, .y0 = 30.9};
+static const gaussian psf = {
+    .amplitude = 1.0, .xx = 2.4, .yy = 2.0, .xy = 0.3, .x0 = 24.3, .y0 = 23.8};
+static const gaussian galaxy = {
+    .amplitude = 7.0, .xx = 11.0, .yy = 8.0, .xy = -1.5, .x0 = 31.7, .y0 = 30.9};
 
-static void test_well_sampled(void **state)
-{
+static void test_well_sampled(void **state) {
     (void)state;
     check(64, 64, &galaxy, &psf, 48, 1, "none", 1e-8);
 }
 
-static void test_odd_and_rectangular(void **state)
-{
+static void test_odd_and_rectangular(void **state) {
     (void)state;
     check(65, 63, &galaxy, &psf, 47, 1, "none", 1e-8);
     gaussian wide = galaxy;
@@ -45,26 +45,24 @@ static void test_odd_and_rectangular(void **state)
 }
 
 /* The PSF image may be larger than the stamp; at the stamp's modes nothing is lost. */
-static void test_psf_larger_than_stamp(void **state)
-{
+static void test_psf_larger_than_stamp(void **state) {
     (void)state;
     gaussian centred = psf;
     centred.x0 = centred.y0 = 48.0;
     check(64, 64, &galaxy, &centred, 97, 1, "none", 1e-8);
 }
 
-static void test_oversampled_psf(void **state)
-{
+static void test_oversampled_psf(void **state) {
     (void)state;
     gaussian small = psf;
     small.x0 = small.y0 = 16.0;
     check(64, 64, &galaxy, &small, 161, 5, "none", 1e-8);
 }
 
-/* A Gaussian's logarithm is a quadratic: log-bicubic is exact but for the border, where the derivatives are one-sided, and
- * log-spline but for the ends' f'' = 0; both lie at 1e-8 of the peak. */
-static void test_log_methods(void **state)
-{
+/* A Gaussian's logarithm is a quadratic: log-bicubic is exact but for the border, where the
+ * derivatives are one-sided, and log-spline but for the ends' f'' = 0; both lie at 1e-8 of the
+ * peak. */
+static void test_log_methods(void **state) {
     (void)state;
     gaussian small = psf;
     small.x0 = small.y0 = 16.0;
@@ -74,18 +72,18 @@ static void test_log_methods(void **state)
     check(64, 64, &galaxy, &psf, 48, 1, "log-spline", 1e-5);
 }
 
-/* An under-sampled pair, R_PSF = 0.5 px: only the log methods can know what lies between the pixels. */
-static void test_under_sampled(void **state)
-{
+/* An under-sampled pair, R_PSF = 0.5 px: only the log methods can know what lies between the
+ * pixels. */
+static void test_under_sampled(void **state) {
     (void)state;
     const gaussian sharp = {.amplitude = 1.0, .xx = 0.25, .yy = 0.25, .x0 = 7.0, .y0 = 7.0};
-    const gaussian compact = {.amplitude = 3.0, .xx = 0.7, .yy = 0.5, .xy = 0.1, .x0 = 15.7, .y0 = 16.2};
+    const gaussian compact = {
+        .amplitude = 3.0, .xx = 0.7, .yy = 0.5, .xy = 0.1, .x0 = 15.7, .y0 = 16.2};
     check(32, 32, &compact, &sharp, 15 * 16 + 1, 16, "log-bicubic", 1e-6);
     check(32, 32, &compact, &sharp, 15 * 16 + 1, 16, "auto", 1e-6);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_well_sampled),          cmocka_unit_test(test_odd_and_rectangular),
         cmocka_unit_test(test_psf_larger_than_stamp), cmocka_unit_test(test_oversampled_psf),

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sheard/config.h: the daemon's settings: one table, the file, the command line, the manual.
  *
- * The table (sheard_setting_at) is the only place where a setting's name, type, default, range and help
- * are written; the file's parser, the flags, the validation, the sample file and sheard.conf(5) are made
- * from it. The measurement's settings (shear/settings.h) are its section [measure], under their own names:
- * the defaults of jobs that do not say otherwise.
+ * The table (sheard_setting_at) is the only place where a setting's name, type, default, range and
+ * help are written; the file's parser, the flags, the validation, the sample file and
+ * sheard.conf(5) are made from it. The measurement's settings (shear/settings.h) are its section
+ * [measure], under their own names: the defaults of jobs that do not say otherwise.
  *
  * A daemon's life with it:
  *     sheard_config_read(&config, path, &assignments, problems)         at the start
@@ -51,7 +51,8 @@ typedef struct sheard_keep {
     int64_t max_age_ms, max_count, max_bytes;
 } sheard_keep;
 
-/* Strings are never NULL ("" where nothing is set). The help texts of the table say what each does. */
+/* Strings are never NULL ("" where nothing is set). The help texts of the table say what each does.
+ */
 typedef struct sheard_config {
     struct {
         char *state_dir;
@@ -103,7 +104,7 @@ typedef struct sheard_config {
 
     /* Private: where each value comes from. */
     char *path;
-    int *lines; /* [sheard_settings_count()]; 0 = default, n > 0 = line n of path, -1 = command line */
+    int *lines; /* [sheard_settings_count()]; n > 0 = line n of path; the others are in origin.h */
 } sheard_config;
 
 /* ---- the table ---- */
@@ -125,22 +126,23 @@ enum sheard_setting_type {
 
 typedef struct sheard_setting {
     const char *section, *key;
-    int type;                         /* enum sheard_setting_type */
-    size_t offset;                    /* of the member in sheard_config; not of SHEARD_T_MEASURE */
-    const char *initial;              /* the default, as text; NULL for SHEARD_T_MEASURE */
-    int64_t min, max;                 /* of numbers, inclusive; max of paths and names: bytes */
-    const char *word;                 /* what stands for the number 0, or NULL */
-    const char *const *choices;       /* SHEARD_T_CHOICE: NULL-terminated */
-    const char *unit;                 /* what an integer counts: "jobs"; may be NULL */
-    const char *flag;                 /* its own option: "workers" is --workers; may be NULL */
-    bool at_start;                    /* a change takes effect at the next start only, not on reload */
-    const char *help;                 /* sentences */
+    int type;                   /* enum sheard_setting_type */
+    size_t offset;              /* of the member in sheard_config; not of SHEARD_T_MEASURE */
+    const char *initial;        /* the default, as text; NULL for SHEARD_T_MEASURE */
+    int64_t min, max;           /* of numbers, inclusive; max of paths and names: bytes */
+    const char *word;           /* what stands for the number 0, or NULL */
+    const char *const *choices; /* SHEARD_T_CHOICE: NULL-terminated */
+    const char *unit;           /* what an integer counts: "jobs"; may be NULL */
+    const char *flag;           /* its own option: "workers" is --workers; may be NULL */
+    bool at_start;              /* a change takes effect at the next start only, not on reload */
+    const char *help;           /* sentences */
     const shear_setting_def *measure; /* SHEARD_T_MEASURE only */
 } sheard_setting;
 
 size_t sheard_settings_count(void);
 
-/* The i-th setting, in the order of documentation: sections are contiguous. i < sheard_settings_count(). */
+/* The i-th setting, in the order of documentation: sections are contiguous. i <
+ * sheard_settings_count(). */
 sheard_setting sheard_setting_at(size_t i);
 
 /* The index of a setting ('_' and '-' are the same), or -1. */
@@ -169,7 +171,8 @@ typedef struct sheard_problems {
 /* "where: error: message" and an indented line of advice for each, and how many were left out. */
 void sheard_problems_print(const sheard_problems *problems, FILE *out);
 
-/* The first error as one shear_error, with its place and how many more there are. SHEAR_OK without errors. */
+/* The first error as one shear_error, with its place and how many more there are. SHEAR_OK without
+ * errors. */
 int sheard_problems_error(const sheard_problems *problems, shear_error *err);
 
 /* ---- reading ---- */
@@ -177,15 +180,15 @@ int sheard_problems_error(const sheard_problems *problems, shear_error *err);
 /* Where the configuration is looked for when nobody says otherwise; it need not exist there. */
 const char *sheard_config_default_path(void);
 
-/* Defaults + the file (path NULL = the default path) + assignments ("section.key=value", may be NULL) +
- * sheard_config_check. All that is wrong is in *problems. On success the caller frees *config; on failure
- * there is nothing to free. Returns SHEAR_OK or the code of the first error. */
+/* Defaults + the file (path NULL = the default path) + assignments ("section.key=value", may be
+ * NULL) + sheard_config_check. All that is wrong is in *problems. On success the caller frees
+ * *config; on failure there is nothing to free. Returns SHEAR_OK or the code of the first error. */
 int sheard_config_read(sheard_config *config, const char *path, const sheard_list *assignments,
                        sheard_problems *problems);
 
-/* The steps of sheard_config_read. After an error in load or set, what was good has been set and the rest is as it
- * was; *config is sound and must be freed. A file that names a key twice, and a second load, are errors and a
- * renewal of all places, respectively. */
+/* The steps of sheard_config_read. After an error in load or set, what was good has been set and
+ * the rest is as it was; *config is sound and must be freed. A file that names a key twice, and a
+ * second load, are errors and a renewal of all places, respectively. */
 int sheard_config_init(sheard_config *config, shear_error *err);
 int sheard_config_load(sheard_config *config, const char *path, sheard_problems *problems);
 int sheard_config_set(sheard_config *config, const char *section, const char *key, const char *text,
@@ -196,18 +199,19 @@ void sheard_config_free(sheard_config *config);
 /* Contradictions between settings. */
 int sheard_config_check(const sheard_config *config, sheard_problems *problems);
 
-/* What is allowed but will hardly work on this system: unknown users and groups, data roots that are not
- * there, too few file descriptors, a socket open to everyone. Only warnings; asks the user database. */
+/* What is allowed but will hardly work on this system: unknown users and groups, data roots that
+ * are not there, too few file descriptors, a socket open to everyone. Only warnings; asks the user
+ * database. */
 void sheard_config_warnings(const sheard_config *config, sheard_problems *problems);
 
-/* `sheard --check-config`: read, warn, print every problem and a verdict to `out`. Returns the number of
- * errors. */
+/* `sheard --check-config`: read, warn, print every problem and a verdict to `out`. Returns the
+ * number of errors. */
 size_t sheard_config_check_file(const char *path, const sheard_list *assignments, FILE *out);
 
 /* ---- command line ---- */
 
-/* getopt_long entries for every setting that has its own flag, and the terminating zeros. Returns how many
- * there are without these. `val` of each is SHEARD_FLAG_FIRST or more. */
+/* getopt_long entries for every setting that has its own flag, and the terminating zeros. Returns
+ * how many there are without these. `val` of each is SHEARD_FLAG_FIRST or more. */
 enum { SHEARD_FLAG_FIRST = 0x2000 };
 size_t sheard_flags_fill(struct option *options, size_t room);
 
@@ -219,12 +223,12 @@ void sheard_flags_help(FILE *out);
 
 /* ---- writing ---- */
 
-/* The value as the text that sheard_config_set reads back to the same value: malloc'd, the caller's; NULL
- * when out of memory. */
+/* The value as the text that sheard_config_set reads back to the same value: malloc'd, the
+ * caller's; NULL when out of memory. */
 char *sheard_config_format(const sheard_config *config, size_t index);
 
-/* The effective configuration as a file that loads to the same values, each with where it comes from.
- * SHEAR_OK, SHEAR_E_NOMEM or SHEAR_E_IO. */
+/* The effective configuration as a file that loads to the same values, each with where it comes
+ * from. SHEAR_OK, SHEAR_E_NOMEM or SHEAR_E_IO. */
 int sheard_config_print(const sheard_config *config, FILE *out, shear_error *err);
 
 /* The commented sample: every setting with its help, and its default behind a '#'. */
@@ -238,14 +242,14 @@ int sheard_config_print_manual(FILE *out, shear_error *err);
 /* Whether setting `index` has the same value in both. */
 bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t index);
 
-/* Indices of the settings that differ, into changed[room], in the table's order; only those of the next start where
- * `at_start`, else all. Returns how many there are (maybe more than room). */
+/* Indices of the settings that differ, into changed[room], in the table's order; only those of the
+ * next start where `at_start`, else all. Returns how many there are (maybe more than room). */
 size_t sheard_config_changes(const sheard_config *a, const sheard_config *b, bool at_start,
                              size_t *changed, size_t room);
 
-/* Take over from *fresh what may change while running. Settings of the next start stay as they run, and each that
- * differs is a warning. On an error (the mixture contradicts itself) *running is as before.
- * *fresh must be freed by the caller either way. */
+/* Take over from *fresh what may change while running. Settings of the next start stay as they run,
+ * and each that differs is a warning. On an error (the mixture contradicts itself) *running is as
+ * before. *fresh must be freed by the caller either way. */
 int sheard_config_reload(sheard_config *running, sheard_config *fresh, sheard_problems *problems);
 
 #endif

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear/catalog.h: result catalogues: FITS binary table SHEAR, one row a stamp, in stamp order.
  *
- * Columns: ID, X, Y, RA, DEC where the field file gives them, then N1 N2 D U V M20 M02 M11 M4 FLUX SNR WEIGHT (D) and FLAGS (J;
- * shear/stamp.h). The header holds every setting (shear/settings.h), what the plan resolved them to, the field's result, the
- * input's name and checksum, and the software's version.
+ * Columns: ID, X, Y, RA, DEC where the field file gives them, then N1 N2 D U V M20 M02 M11 M4 FLUX
+ * SNR WEIGHT (D) and FLAGS (J; shear/stamp.h). The header holds every setting (shear/settings.h),
+ * what the plan resolved them to, the field's result, the input's name and checksum, and the
+ * software's version.
  */
 #ifndef SHEAR_CATALOG_H
 #define SHEAR_CATALOG_H
@@ -15,7 +16,8 @@
 
 typedef struct shear_catalog shear_catalog; /* a catalogue being written */
 
-/* Begin `path` for the stamps of `info`; temporary file, fsync and rename as for field files. Not thread-safe. */
+/* Begin `path` for the stamps of `info`; temporary file, fsync and rename as for field files. Not
+ * thread-safe. */
 int shear_catalog_create(shear_catalog **c, const char *path, const shear_field_info *info,
                          bool overwrite, shear_error *err);
 /* Rows [first, first+count); `block` supplies ID, X, Y, RA, DEC. Any order, any chunking. */
@@ -33,8 +35,8 @@ typedef struct shear_catalog_table {
     bool has_truth;
     double sim_g1, sim_g2;
     double beta_px, r_psf_px;
-    shear_result result;     /* valid, g1, g2, errors, cov12, jackknife, counts */
-    shear_row *rows;         /* [n]; members that the table does not hold are NaN */
+    shear_result result; /* valid, g1, g2, errors, cov12, jackknife, counts */
+    shear_row *rows;     /* [n]; members that the table does not hold are NaN */
 } shear_catalog_table;
 int shear_catalog_read(shear_catalog_table **t, const char *path, shear_error *err);
 void shear_catalog_table_free(shear_catalog_table *t);

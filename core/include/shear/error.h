@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear/error.h: how every call of libshear reports failure.
  *
- * A function that can fail returns an int: SHEAR_OK (0), or one of the codes below. The same code, a
- * message that names what was wrong (file, HDU, stamp, key, what was expected) and an advice (what to do
- * about it) are left in the caller's shear_error. Every `shear_error *err` parameter may be NULL.
- * A bad galaxy is never an error: it is a flag in its row (shear/stamp.h).
+ * A function that can fail returns an int: SHEAR_OK (0), or one of the codes below. The same code,
+ * a message that names what was wrong (file, HDU, stamp, key, what was expected) and an advice
+ * (what to do about it) are left in the caller's shear_error. Every `shear_error *err` parameter
+ * may be NULL. A bad galaxy is never an error: it is a flag in its row (shear/stamp.h).
  */
 #ifndef SHEAR_ERROR_H
 #define SHEAR_ERROR_H
@@ -21,8 +21,8 @@ enum shear_code {
     SHEAR_E_PSF = 6,      /* the PSF image is unusable (not finite, no flux, no peak) */
     SHEAR_E_NEGATIVE = 7, /* negative pixels under a log interpolation without a pedestal */
     SHEAR_E_EXISTS = 8,   /* the output exists and must not be replaced */
-    SHEAR_E_CANCELLED = 9,/* the caller's callback asked to stop */
-    SHEAR_E_INTERNAL = 10 /* a bug in libshear */
+    SHEAR_E_CANCELLED = 9, /* the caller's callback asked to stop */
+    SHEAR_E_INTERNAL = 10  /* a bug in libshear */
 };
 
 typedef struct shear_error {
@@ -31,7 +31,8 @@ typedef struct shear_error {
     char advice[240];  /* what to do; may be empty */
 } shear_error;
 
-/* A stable lower-case name of a code ("ok", "format", ...), for protocols and scripts. Never NULL. */
+/* A stable lower-case name of a code ("ok", "format", ...), for protocols and scripts. Never NULL.
+ */
 const char *shear_code_name(int code);
 
 /* Fill *err (if not NULL) and return `code`. Advice may be NULL. `format` as in printf. */

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear/field.h: field files (docs/field-files.md): a streaming reader and a streaming writer.
  *
- * The reader opens the file itself (regular files only), never through CFITSIO's extended file-name syntax, and checks
- * every dimension against the file's size before anything is allocated for it. Memory is bounded by the stamps asked
- * for, not by the file: .gz files are unpacked to an unlinked temporary file (TMPDIR), .fz files are read tile by tile.
- * A handle is used by one thread at a time; several handles may be used at once.
+ * The reader opens the file itself (regular files only), never through CFITSIO's extended file-name
+ * syntax, and checks every dimension against the file's size before anything is allocated for it.
+ * Memory is bounded by the stamps asked for, not by the file: .gz files are unpacked to an unlinked
+ * temporary file (TMPDIR), .fz files are read tile by tile. A handle is used by one thread at a
+ * time; several handles may be used at once.
  */
 #ifndef SHEAR_FIELD_H
 #define SHEAR_FIELD_H
@@ -14,6 +15,7 @@
 #include "shear/stamp.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 typedef struct shear_field shear_field;
@@ -35,33 +37,35 @@ enum shear_column {
 };
 
 typedef struct shear_field_info {
-    char name[72];           /* FIELD, or the file's base name without .fits, .gz, .fz */
-    double pixscale;         /* arcsec per pixel; NaN = not given */
-    bool has_truth;          /* SIM_G1 and SIM_G2 are both there */
+    char name[72];   /* FIELD, or the file's base name without .fits, .gz, .fz */
+    double pixscale; /* arcsec per pixel; NaN = not given */
+    bool has_truth;  /* SIM_G1 and SIM_G2 are both there */
     double sim_g1, sim_g2;
     shear_geometry geometry; /* stamps and PSF */
     int64_t n_stamps;
     int64_t n_psf;
-    int layout;              /* of GALAXY: enum shear_layout */
-    int psf_layout;          /* enum shear_psf_layout */
-    unsigned columns;        /* or of enum shear_column */
-    int bitpix;              /* of GALAXY as stored: 8, 16, 32, 64, -32, -64 */
-    bool compressed;         /* GALAXY is tile-compressed */
-    bool gzipped;            /* the whole file is */
-    int64_t file_bytes;      /* as on disk */
+    int layout;         /* of GALAXY: enum shear_layout */
+    int psf_layout;     /* enum shear_psf_layout */
+    unsigned columns;   /* or of enum shear_column */
+    int bitpix;         /* of GALAXY as stored: 8, 16, 32, 64, -32, -64 */
+    bool compressed;    /* GALAXY is tile-compressed */
+    bool gzipped;       /* the whole file is */
+    int64_t file_bytes; /* as on disk */
 } shear_field_info;
 
-/* Open and check a field file. SHEAR_E_IO (cannot open, not a regular file, no room for a temporary file), SHEAR_E_FORMAT
- * (everything else: message names file, HDU, and what was expected). *field is NULL on error. */
+/* Open and check a field file. SHEAR_E_IO (cannot open, not a regular file, no room for a temporary
+ * file), SHEAR_E_FORMAT (everything else: message names file, HDU, and what was expected). *field
+ * is NULL on error. */
 int shear_field_open(shear_field **field, const char *path, shear_error *err);
-/* The same on a descriptor (open for reading; duplicated, the caller keeps his). `name` is for messages and FIELD. */
+/* The same on a descriptor (open for reading; duplicated, the caller keeps his). `name` is for
+ * messages and FIELD. */
 int shear_field_open_fd(shear_field **field, int fd, const char *name, shear_error *err);
 void shear_field_close(shear_field *field);
 const shear_field_info *shear_field_get_info(const shear_field *field);
 
 /* A reusable block of stamps, with room for `capacity` pairs of this field. */
 typedef struct shear_block {
-    shear_stamps stamps;    /* views into the arrays below */
+    shear_stamps stamps; /* views into the arrays below */
     int capacity;
     double *galaxy, *noise; /* [capacity][ny][nx] */
     double *psf;            /* [capacity][psf_ny][psf_nx], or NULL with SHEAR_PSF_ONE */
@@ -70,19 +74,31 @@ typedef struct shear_block {
     int64_t *id;            /* [capacity] each, or NULL where the file has no such column */
     double *x, *y, *ra, *dec, *weight, *r_gal;
     int32_t *mask;
+    void *memory; /* what shear_block_free frees; NULL where the memory is the caller's */
 } shear_block;
-int shear_block_new(shear_block **block, const shear_field_info *info, int capacity, shear_error *err);
+int shear_block_new(shear_block **block, const shear_field_info *info, int capacity,
+                    shear_error *err);
 void shear_block_free(shear_block *block);
 
-/* Read pairs [first, first+count) into `block`; count <= capacity. Non-finite pixels (NaN, infinities, BLANK)
- * arrive as they are, BLANK as NaN. SHEAR_E_FORMAT where the data end early. */
+/* The same in memory of the caller's (shared between processes, say): `memory` is 64-byte aligned,
+ * holds shear_block_bytes(info, capacity) bytes, and outlives the block; nothing is allocated,
+ * nothing needs to be freed. */
+size_t shear_block_bytes(const shear_field_info *info, int capacity);
+void shear_block_place(shear_block *block, const shear_field_info *info, int capacity,
+                       void *memory);
+/* Bytes of one PSF image, a multiple of 64. */
+size_t shear_psf_bytes(const shear_field_info *info);
+
+/* Read pairs [first, first+count) into `block`; count <= capacity. Non-finite pixels (NaN,
+ * infinities, BLANK) arrive as they are, BLANK as NaN. SHEAR_E_FORMAT where the data end early. */
 int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
                      shear_error *err);
 
 /* Read PSF image number `index` (0-based) into out[psf_ny][psf_nx]. */
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err);
 
-/* Content hash of a file (XXH3, 128 bits, lower-case hex): what the store recognises an input by. */
+/* Content hash of a file (XXH3, 128 bits, lower-case hex): what the store recognises an input by.
+ */
 enum { SHEAR_CHECKSUM_SIZE = 33 }; /* with the NUL */
 int shear_file_checksum(const char *path, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
 int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
@@ -91,18 +107,18 @@ int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], s
 typedef struct shear_field_writer shear_field_writer;
 
 typedef struct shear_field_spec {
-    const char *name;        /* FIELD, or NULL */
-    double pixscale;         /* NaN = leave out */
+    const char *name; /* FIELD, or NULL */
+    double pixscale;  /* NaN = leave out */
     bool has_truth;
     double sim_g1, sim_g2;
     shear_geometry geometry;
     int64_t n_stamps;
-    int64_t n_psf;           /* 1, n_stamps, or fewer with SHEAR_COL_PSF_ID */
-    int layout;              /* of GALAXY and NOISE */
-    int mosaic_columns;      /* stamps in a mosaic's row; 0 = about square */
-    unsigned columns;        /* of CATALOG; 0 = no table */
-    int bitpix;              /* of the stamps and the PSF: -32 or -64 */
-    bool overwrite;          /* replace an existing file */
+    int64_t n_psf;              /* 1, n_stamps, or fewer with SHEAR_COL_PSF_ID */
+    int layout;                 /* of GALAXY and NOISE */
+    int mosaic_columns;         /* stamps in a mosaic's row; 0 = about square */
+    unsigned columns;           /* of CATALOG; 0 = no table */
+    int bitpix;                 /* of the stamps and the PSF: -32 or -64 */
+    bool overwrite;             /* replace an existing file */
     const char *const *history; /* NULL-terminated lines, or NULL */
 } shear_field_spec;
 
@@ -113,14 +129,15 @@ typedef struct shear_catalog_columns {
     const int32_t *psf_id, *flags;
 } shear_catalog_columns;
 
-/* Begin `path`. The file appears under its name only by _finish (temporary file, fsync, rename); _abort, or
- * NULL-safe after a failed call, removes it. Any stamp order and any chunking; not thread-safe.
- * SHEAR_E_EXISTS where the file exists and overwrite is false. */
+/* Begin `path`. The file appears under its name only by _finish (temporary file, fsync, rename);
+ * _abort, or NULL-safe after a failed call, removes it. Any stamp order and any chunking; not
+ * thread-safe. SHEAR_E_EXISTS where the file exists and overwrite is false. */
 int shear_field_create(shear_field_writer **w, const char *path, const shear_field_spec *spec,
                        shear_error *err);
 int shear_field_write(shear_field_writer *w, int64_t first, int count, const double *galaxy,
                       const double *noise, const shear_catalog_columns *columns, shear_error *err);
-int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *psf, shear_error *err);
+int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *psf,
+                          shear_error *err);
 int shear_field_finish(shear_field_writer *w, shear_error *err); /* frees w, whatever it returns */
 void shear_field_abort(shear_field_writer *w);
 

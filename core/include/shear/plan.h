@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear/plan.h: plan once, execute many times, from many threads (as with FFTW).
  *
- * A plan holds all that stamps of one shape have in common: the resolved settings (method, fine grid, beta, filter),
- * interpolation tables, FFT plans and, where one PSF serves the field, its transfer T(k). It is immutable once
- * made: any number of threads may use it at the same time. A workspace holds the scratch memory of
- * one thread. shear_measure allocates nothing.
+ * A plan holds all that stamps of one shape have in common: the resolved settings (method, fine
+ * grid, beta, filter), interpolation tables, FFT plans and, where one PSF serves the field, its
+ * transfer T(k). It is immutable once made: any number of threads may use it at the same time. A
+ * workspace holds the scratch memory of one thread. shear_measure allocates nothing.
  *
- * FFTW plans are made with FFTW_ESTIMATE, so that the same machine returns the same bits in every process.
+ * FFTW plans are made with FFTW_ESTIMATE, so that the same machine returns the same bits in every
+ * process.
  */
 #ifndef SHEAR_PLAN_H
 #define SHEAR_PLAN_H
@@ -28,27 +29,29 @@ typedef struct shear_geometry {
 /* What the plan decided; all lengths in galaxy pixels, k in radians per galaxy pixel. */
 typedef struct shear_plan_info {
     shear_geometry geometry;
-    int interpolation;    /* never AUTO */
-    int oversample;       /* s of the galaxy's fine grid; 1 for none */
-    int psf_oversample;   /* samples per galaxy pixel at which the PSF is transformed */
-    int fine_nx, fine_ny; /* nx s, ny s */
-    double r_psf_px;      /* PSF scale radius */
-    double beta_px;       /* target scale radius */
-    int filter;           /* PAPER, EDGE or NONE; an explicit core counts as PAPER */
-    bool filter_per_stamp;/* PAPER, and the core follows each stamp's R_GAL */
-    double core_px;       /* NaN for none or per stamp */
-    double width_px;      /* NaN for none */
-    double k_cut;         /* modes at |k| >= k_cut are left out; for a plan without PSF, the grid's limit */
+    int interpolation;     /* never AUTO */
+    int oversample;        /* s of the galaxy's fine grid; 1 for none */
+    int psf_oversample;    /* samples per galaxy pixel at which the PSF is transformed */
+    int fine_nx, fine_ny;  /* nx s, ny s */
+    double r_psf_px;       /* PSF scale radius */
+    double beta_px;        /* target scale radius */
+    int filter;            /* PAPER, EDGE or NONE; an explicit core counts as PAPER */
+    bool filter_per_stamp; /* PAPER, and the core follows each stamp's R_GAL */
+    double core_px;        /* NaN for none or per stamp */
+    double width_px;       /* NaN for none */
+    double k_cut; /* modes at |k| >= k_cut are left out; for a plan without PSF, the grid's limit */
 } shear_plan_info;
 
 /* Make a plan.
- *   psf     [psf_ny][psf_nx]: the field's one PSF; or NULL where each stamp brings its own (shear_stamps.psf)
- *   r_psf_px scale radius used for the automatic choices where psf is NULL (see shear_psf_radius); ignored else
- *   has_r_gal whether stamps will come with R_GAL (decides filter=auto)
- * Errors: SHEAR_E_SETTING, SHEAR_E_BETA (names the smallest beta that works), SHEAR_E_PSF, SHEAR_E_NEGATIVE (a log method
- * on a PSF with negative pixels), SHEAR_E_NOMEM. *plan is NULL on error. Thread-safe (planning is serialised). */
-int shear_plan_new(shear_plan **plan, const shear_settings *settings, const shear_geometry *geometry,
-                   const double *psf, double r_psf_px, bool has_r_gal, shear_error *err);
+ *   psf     [psf_ny][psf_nx]: the field's one PSF; or NULL where each stamp brings its own
+ * (shear_stamps.psf) r_psf_px scale radius used for the automatic choices where psf is NULL (see
+ * shear_psf_radius); ignored else has_r_gal whether stamps will come with R_GAL (decides
+ * filter=auto) Errors: SHEAR_E_SETTING, SHEAR_E_BETA (names the smallest beta that works),
+ * SHEAR_E_PSF, SHEAR_E_NEGATIVE (a log method on a PSF with negative pixels), SHEAR_E_NOMEM. *plan
+ * is NULL on error. Thread-safe (planning is serialised). */
+int shear_plan_new(shear_plan **plan, const shear_settings *settings,
+                   const shear_geometry *geometry, const double *psf, double r_psf_px,
+                   bool has_r_gal, shear_error *err);
 void shear_plan_free(shear_plan *plan);
 
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan);
@@ -59,28 +62,28 @@ int shear_workspace_new(shear_workspace **ws, const shear_plan *plan, shear_erro
 void shear_workspace_free(shear_workspace *ws);
 
 /* Measure pair number i of `stamps` into *row. The shape must be the plan's.
- * Returns SHEAR_OK, also for a flagged row; SHEAR_E_NEGATIVE where a log method meets negative pixels (names
- * the stamp); SHEAR_E_INTERNAL for a shape that is not the plan's. */
+ * Returns SHEAR_OK, also for a flagged row; SHEAR_E_NEGATIVE where a log method meets negative
+ * pixels (names the stamp); SHEAR_E_INTERNAL for a shape that is not the plan's. */
 int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err);
 
-/* Measure pairs [from, to) of `stamps` into rows[0 .. to-from), on the calling thread. A PSF that serves neighbouring
- * stamps (equal psf_index) is transformed once. Stops at the first error. */
+/* Measure pairs [from, to) of `stamps` into rows[0 .. to-from), on the calling thread. A PSF that
+ * serves neighbouring stamps (equal psf_index) is transformed once. Stops at the first error. */
 int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                         int from, int to, shear_row *rows, shear_error *err);
 
 /* Measure all pairs of `stamps` on `threads` OpenMP threads (0: all cores).
  *   ws    array of `threads` workspaces of this plan, or NULL: made and freed inside
  *   rows  [stamps->count], in stamp order
- * The first error by stamp index is returned. The rows do not depend on `threads`, to the last bit. */
+ * The first error by stamp index is returned. The rows do not depend on `threads`, to the last bit.
+ */
 int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int threads,
                         shear_workspace *const *ws, shear_row *rows, shear_error *err);
 
-/* The scale radius R_PSF = sqrt(A/pi) in galaxy pixels, A the area where the PSF exceeds exp(-1/2) of its peak;
- * exact for a Gaussian. Between samples the logarithm is interpolated (log-bicubic), so that
- * an under-sampled PSF has the right radius too.
- *   psf [ny][nx], oversample samples per galaxy pixel
- * SHEAR_E_PSF: not finite, no positive peak, sum not positive. */
+/* The scale radius R_PSF = sqrt(A/pi) in galaxy pixels, A the area where the PSF exceeds exp(-1/2)
+ * of its peak; exact for a Gaussian. Between samples the logarithm is interpolated (log-bicubic),
+ * so that an under-sampled PSF has the right radius too. psf [ny][nx], oversample samples per
+ * galaxy pixel SHEAR_E_PSF: not finite, no positive peak, sum not positive. */
 int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
                      shear_error *err);
 
@@ -89,10 +92,10 @@ typedef struct shear_inspection {
     int fine_nx, fine_ny;
     double *galaxy_fine, *noise_fine; /* [fine_ny][fine_nx] interpolated */
     double *galaxy_filtered;          /* [fine_ny][fine_nx] interpolated and filtered */
-    int spec_nx, spec_ny;             /* modes, centred: k = 0 at [spec_ny/2][spec_nx/2], odd sizes */
-    double *power;                    /* [spec_ny][spec_nx] noise-corrected power before the transfer */
-    double *target_power;             /* [spec_ny][spec_nx] the same after it: P(k) */
-    double *transfer;                 /* [spec_ny][spec_nx] T(k) */
+    int spec_nx, spec_ny; /* modes, centred: k = 0 at [spec_ny/2][spec_nx/2], odd sizes */
+    double *power;        /* [spec_ny][spec_nx] noise-corrected power before the transfer */
+    double *target_power; /* [spec_ny][spec_nx] the same after it: P(k) */
+    double *transfer;     /* [spec_ny][spec_nx] T(k) */
 } shear_inspection;
 int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_inspection *out, shear_error *err);

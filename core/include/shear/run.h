@@ -10,18 +10,27 @@
 #include "shear/settings.h"
 #include "shear/sums.h"
 
-/* Make the plan for an open field file: reads its PSF (the median radius of up to 256 of them, evenly spaced, where it has
- * many), and resolves the settings. */
+/* Where PSF images come from: `read` gives image `index` of a field as out[psf_ny][psf_nx]. */
+typedef struct shear_psf_source {
+    void *self;
+    int (*read)(void *self, int64_t index, double *out, shear_error *err);
+} shear_psf_source;
+
+/* Make the plan for a field: reads its PSF (the median radius of up to 256 of them, evenly spaced, where
+ * it has many), and resolves the settings. */
+int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
+                        const shear_field_info *info, shear_psf_source psfs, shear_error *err);
+/* The same for an open field file. */
 int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,
                          shear_error *err);
 
 typedef struct shear_run_options {
-    int threads;               /* 0 = all cores */
-    const char *catalog_path;  /* or NULL */
-    bool overwrite;            /* replace an existing catalogue */
-    const char *checksum;      /* of the input, for the catalogue; NULL = computed when one is written */
-    /* Called from one thread at a time, at most every `notify_stamps` or so; return non-zero to stop the run
-     * (SHEAR_E_CANCELLED). May be NULL. */
+    int threads;              /* 0 = all cores */
+    const char *catalog_path; /* or NULL */
+    bool overwrite;           /* replace an existing catalogue */
+    const char *checksum; /* of the input, for the catalogue; NULL = computed when one is written */
+    /* Called from one thread at a time, at most every `notify_stamps` or so; return non-zero to
+     * stop the run (SHEAR_E_CANCELLED). May be NULL. */
     int (*progress)(void *context, int64_t done, int64_t total);
     void *context;
 } shear_run_options;
@@ -29,14 +38,14 @@ typedef struct shear_run_options {
 typedef struct shear_run_report {
     shear_field_info field;
     shear_plan_info plan;
-    shear_result result;       /* of this file alone, delta method */
-    double seconds;            /* wall clock, open to close */
+    shear_result result; /* of this file alone, delta method */
+    double seconds;      /* wall clock, open to close */
 } shear_run_report;
 
-/* Measure one field file and add its sums to `sums` (and its blocks, in index order, to `jack` if not NULL).
- * On error nothing has been added to either and no catalogue is left. */
-int shear_run_file(const char *path, const shear_settings *settings, const shear_run_options *options,
-                   shear_field_sums *sums, shear_jackknife *jack, shear_run_report *report,
-                   shear_error *err);
+/* Measure one field file and add its sums to `sums` (and its blocks, in index order, to `jack` if
+ * not NULL). On error nothing has been added to either and no catalogue is left. */
+int shear_run_file(const char *path, const shear_settings *settings,
+                   const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
+                   shear_run_report *report, shear_error *err);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear/settings.h: every choice of the measurement, and the one table that describes them.
  *
- * The table drives the command line, the daemon's configuration, JSON jobs, the catalogue's header and
- * the manual pages; a setting's name, type, range, default and help are written there and nowhere else.
- * Lengths are in galaxy pixels. Section numbers are those of docs/method.md.
+ * The table drives the command line, the daemon's configuration, JSON jobs, the catalogue's header
+ * and the manual pages; a setting's name, type, range, default and help are written there and
+ * nowhere else. Lengths are in galaxy pixels. Section numbers are those of docs/method.md.
  */
 #ifndef SHEAR_SETTINGS_H
 #define SHEAR_SETTINGS_H
@@ -33,37 +33,38 @@ enum shear_filter {
 
 enum shear_zeros {
     SHEAR_ZEROS_SKIP = 0, /* cells and segments that touch a zero become zero */
-    SHEAR_ZEROS_FLOOR     /* zeros become a tiny positive number: 1e-12 of the stamp's brightest pixel */
+    SHEAR_ZEROS_FLOOR /* zeros become a tiny positive number: 1e-12 of the stamp's brightest pixel
+                       */
 };
 
 typedef struct shear_settings {
-    int interpolation;       /* enum shear_interpolation */
-    int oversample;          /* s, a power of two; 0 = smallest with 1/s < R_PSF/4 */
-    double beta_px;          /* scale radius of the target PSF; NaN = beta_ratio * R_PSF */
-    double beta_ratio;       /* beta / R_PSF where beta_px is NaN */
-    int filter;              /* enum shear_filter */
-    double core_px;          /* R_core; NaN = by the filter's rule */
-    double width_px;         /* R_width; NaN = by the filter's rule */
-    int zeros;               /* enum shear_zeros */
-    double pedestal;         /* added before the log and taken off after the exp; 0 = none */
-    double psf_threshold;    /* modes with |W|^2 below this part of its peak hold no information */
-    double power_tolerance;  /* largest part of the target's power that may lie beyond the cut */
-    bool noise_correction;   /* subtract the noise stamp's moments */
+    int interpolation;      /* enum shear_interpolation */
+    int oversample;         /* s, a power of two; 0 = smallest with 1/s < R_PSF/4 */
+    double beta_px;         /* scale radius of the target PSF; NaN = beta_ratio * R_PSF */
+    double beta_ratio;      /* beta / R_PSF where beta_px is NaN */
+    int filter;             /* enum shear_filter */
+    double core_px;         /* R_core; NaN = by the filter's rule */
+    double width_px;        /* R_width; NaN = by the filter's rule */
+    int zeros;              /* enum shear_zeros */
+    double pedestal;        /* added before the log and taken off after the exp; 0 = none */
+    double psf_threshold;   /* modes with |W|^2 below this part of its peak hold no information */
+    double power_tolerance; /* largest part of the target's power that may lie beyond the cut */
+    bool noise_correction;  /* subtract the noise stamp's moments */
 } shear_settings;
 
 enum shear_setting_type { SHEAR_T_CHOICE, SHEAR_T_INT, SHEAR_T_DOUBLE, SHEAR_T_BOOL };
 
 typedef struct shear_setting_def {
-    const char *name;    /* long name, as in --name and in JSON: "beta-ratio" */
-    const char *keyword; /* FITS keyword, at most 8 characters: "BETARAT" */
-    int type;            /* enum shear_setting_type */
-    size_t offset;       /* of the member in shear_settings */
+    const char *name;           /* long name, as in --name and in JSON: "beta-ratio" */
+    const char *keyword;        /* FITS keyword, at most 8 characters: "BETARAT" */
+    int type;                   /* enum shear_setting_type */
+    size_t offset;              /* of the member in shear_settings */
     const char *const *choices; /* SHEAR_T_CHOICE: NULL-terminated names, in the enum's order */
-    double min, max;     /* inclusive range of numbers */
-    bool has_auto;       /* "auto" is a value (0 for ints, NaN for doubles) */
-    const char *unit;    /* "px", "" */
-    const char *metavar; /* in usage texts: "PX" */
-    const char *help;    /* one line */
+    double min, max;            /* inclusive range of numbers */
+    bool has_auto;              /* "auto" is a value (0 for ints, NaN for doubles) */
+    const char *unit;           /* "px", "" */
+    const char *metavar;        /* in usage texts: "PX" */
+    const char *help;           /* one line */
 } shear_setting_def;
 
 /* The table, in the order of documentation; *n becomes its length. Static, never freed. */
@@ -75,16 +76,17 @@ const shear_setting_def *shear_settings_find(const char *name);
 /* Set all members to their defaults. */
 void shear_settings_init(shear_settings *s);
 
-/* Parse `text` as the value of setting `name` ("auto" where allowed; booleans: true/false, yes/no, on/off,
- * 1/0). SHEAR_E_SETTING names the setting, what was given and what is expected. */
+/* Parse `text` as the value of setting `name` ("auto" where allowed; booleans: true/false, yes/no,
+ * on/off, 1/0). SHEAR_E_SETTING names the setting, what was given and what is expected. */
 int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err);
 
 /* Write the value as the text that shear_settings_set reads back to the same bits. Returns buf. */
 char *shear_settings_format(const shear_settings *s, const shear_setting_def *def, char *buf,
                             size_t size);
 
-/* Members out of their range (where they were not set through shear_settings_set), and contradictions that no single value
- * shows (a core with filter=none, a pedestal without a log method). SHEAR_OK or SHEAR_E_SETTING. */
+/* Members out of their range (where they were not set through shear_settings_set), and
+ * contradictions that no single value shows (a core with filter=none, a pedestal without a log
+ * method). SHEAR_OK or SHEAR_E_SETTING. */
 int shear_settings_check(const shear_settings *s, shear_error *err);
 
 /* The name of an enum value, from the table's choices. Never NULL. */

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear/stamp.h: what goes into a measurement (stamp pairs in memory) and what comes out (one row a stamp).
+/* shear/stamp.h: what goes into a measurement (stamp pairs in memory) and what comes out (one row a
+ * stamp).
  *
- * Axes: x is the FITS column axis (NAXIS1, index varies fastest), y the row axis. A stamp of nx x ny pixels is
- * an array [ny][nx] of double. Its centre is at ((nx-1)/2, (ny-1)/2).
+ * Axes: x is the FITS column axis (NAXIS1, index varies fastest), y the row axis. A stamp of nx x
+ * ny pixels is an array [ny][nx] of double. Its centre is at ((nx-1)/2, (ny-1)/2).
  */
 #ifndef SHEAR_STAMP_H
 #define SHEAR_STAMP_H
@@ -17,50 +18,54 @@ enum shear_flag {
     SHEAR_FLAG_NOISE_NOT_FINITE = 1u << 1,  /* the same in the noise stamp */
     SHEAR_FLAG_MASKED = 1u << 2,            /* CATALOG.FLAGS is not zero */
     SHEAR_FLAG_EMPTY = 1u << 3,             /* all pixels of the galaxy stamp are equal */
-    SHEAR_FLAG_PSF_UNUSABLE = 1u << 4,      /* this stamp's PSF: not finite, no flux, too wide for beta, bad id */
-    SHEAR_FLAG_BAD_WEIGHT = 1u << 5,        /* CATALOG.WEIGHT is negative or not finite */
-    SHEAR_FLAG_BAD_R_GAL = 1u << 6,         /* the filter needs CATALOG.R_GAL, which is not positive and finite */
-    SHEAR_FLAG_OVERFLOW = 1u << 7           /* the pixels are finite, but the moments, or the sums made of them, are not */
+    SHEAR_FLAG_PSF_UNUSABLE =
+        1u << 4, /* this stamp's PSF: not finite, no flux, too wide for beta, bad id */
+    SHEAR_FLAG_BAD_WEIGHT = 1u << 5, /* CATALOG.WEIGHT is negative or not finite */
+    SHEAR_FLAG_BAD_R_GAL =
+        1u << 6, /* the filter needs CATALOG.R_GAL, which is not positive and finite */
+    SHEAR_FLAG_OVERFLOW =
+        1u << 7 /* the pixels are finite, but the moments, or the sums made of them, are not */
 };
 enum { SHEAR_N_FLAGS = 8 };
 
-/* The stable name of flag bit number `bit` (0..SHEAR_N_FLAGS-1): "galaxy_not_finite", ... NULL beyond. */
+/* The stable name of flag bit number `bit` (0..SHEAR_N_FLAGS-1): "galaxy_not_finite", ... NULL
+ * beyond. */
 const char *shear_flag_name(int bit);
 /* One line of explanation for people. NULL beyond. */
 const char *shear_flag_help(int bit);
 
-/* Consecutive stamp pairs of one field file. The arrays belong to the caller and are only read. Arrays marked
- * "or NULL" are absent where the file has no such column. */
+/* Consecutive stamp pairs of one field file. The arrays belong to the caller and are only read.
+ * Arrays marked "or NULL" are absent where the file has no such column. */
 typedef struct shear_stamps {
-    int64_t first;          /* index in the file of the first pair */
-    int count;              /* pairs */
-    int nx, ny;             /* pixels of a stamp */
-    const double *galaxy;   /* [count][ny][nx] */
-    const double *noise;    /* [count][ny][nx] */
-    int n_psf;              /* PSF images in `psf`; 0 where the plan holds the field's one PSF */
-    const double *psf;      /* [n_psf][psf_ny][psf_nx], or NULL */
+    int64_t first;            /* index in the file of the first pair */
+    int count;                /* pairs */
+    int nx, ny;               /* pixels of a stamp */
+    const double *galaxy;     /* [count][ny][nx] */
+    const double *noise;      /* [count][ny][nx] */
+    int n_psf;                /* PSF images in `psf`; 0 where the plan holds the field's one PSF */
+    const double *psf;        /* [n_psf][psf_ny][psf_nx], or NULL */
     const int32_t *psf_index; /* [count] index into psf, -1 = the file names no such PSF; or NULL */
-    const double *weight;   /* [count], or NULL: all 1 */
-    const double *r_gal;    /* [count] R_G of the filter, pixels, or NULL: unknown */
-    const int32_t *mask;    /* [count] CATALOG.FLAGS, or NULL: all 0 */
+    const double *weight;     /* [count], or NULL: all 1 */
+    const double *r_gal;      /* [count] R_G of the filter, pixels, or NULL: unknown */
+    const int32_t *mask;      /* [count] CATALOG.FLAGS, or NULL: all 0 */
 } shear_stamps;
 
-/* The result for one pair. Moments are noise-corrected (galaxy minus noise) unless the correction is off, and
- * physical: M20 is the integral of (df/dx)^2 over the plane, in pixel units, whatever the stamp's size
- * or the interpolation; in terms of METHOD's sums over modes they carry the factor 1/(nx ny s^4).
- * A flagged row has NaN in every number that could not be measured. */
+/* The result for one pair. Moments are noise-corrected (galaxy minus noise) unless the correction
+ * is off, and physical: M20 is the integral of (df/dx)^2 over the plane, in pixel units, whatever
+ * the stamp's size or the interpolation; in terms of METHOD's sums over modes they carry the factor
+ * 1/(nx ny s^4). A flagged row has NaN in every number that could not be measured. */
 typedef struct shear_row {
-    double n1, n2, d;            /* -(M20-M02)/2, -M11, M20+M02-(beta^2/2) M4 */
-    double u, v;                 /* sum (kx^4-6kx^2ky^2+ky^4) P, sum (kx^3 ky-kx ky^3) P */
-    double m20, m02, m11, m4;    /* sum kx^2 P, ky^2 P, kx ky P, k^4 P */
-    double flux;                 /* sum(galaxy) - sum(noise) */
-    double snr;                  /* flux / (rms(noise stamp) * sqrt(2 nx ny)); NaN without noise */
-    double flux_removed;         /* the part of flux that the filter takes away */
-    double border_mean;          /* mean of the one-pixel border, galaxy minus noise */
-    double border_var;           /* variance of that border, galaxy minus noise */
-    double border_var_noise;     /* variance of the noise stamp's border */
+    double n1, n2, d;         /* -(M20-M02)/2, -M11, M20+M02-(beta^2/2) M4 */
+    double u, v;              /* sum (kx^4-6kx^2ky^2+ky^4) P, sum (kx^3 ky-kx ky^3) P */
+    double m20, m02, m11, m4; /* sum kx^2 P, ky^2 P, kx ky P, k^4 P */
+    double flux;              /* sum(galaxy) - sum(noise) */
+    double snr;               /* flux / (rms(noise stamp) * sqrt(2 nx ny)); NaN without noise */
+    double flux_removed;      /* the part of flux that the filter takes away */
+    double border_mean;       /* mean of the one-pixel border, galaxy minus noise */
+    double border_var;        /* variance of that border, galaxy minus noise */
+    double border_var_noise;  /* variance of the noise stamp's border */
     double weight;
-    uint32_t flags;              /* or of enum shear_flag; 0 = in the sums */
+    uint32_t flags; /* or of enum shear_flag; 0 = in the sums */
 } shear_row;
 
 #endif

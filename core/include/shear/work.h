@@ -1,27 +1,36 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear/work.h: one field file as work for a team of threads, whoever owns the threads and wherever the stamps come from.
+/* shear/work.h: one field file as work for a team of threads, whoever owns the threads and wherever
+ * the stamps come from.
  *
- * A thread takes a turn (a run of whole blocks), reads its stamps from the source, measures them, and hands rows and sums
- * over. Finished turns are joined in index order: those that come early wait. So at any time the joined sums cover exactly
- * the blocks [first_block, next_block): a checkpoint from which the work can be resumed.
- * shear_run_file (shear/run.h) is this with OpenMP threads and a file; the service brings its own workers.
+ * A thread takes a turn (a run of whole blocks), reads its stamps from the source, measures them,
+ * and hands rows and sums over. Finished turns are joined in index order: those that come early
+ * wait. So at any time the joined sums cover exactly the blocks [first_block, next_block): a
+ * checkpoint from which the work can be resumed. shear_run_file (shear/run.h) is this with OpenMP
+ * threads and a file; the service brings its own workers.
  */
 #ifndef SHEAR_WORK_H
 #define SHEAR_WORK_H
 
-#include "shear/catalog.h"
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/plan.h"
 #include "shear/sums.h"
 
-/* Where stamps come from. `read` is called by one thread at a time (the work's lock is held), and gives pairs
- * [first, first+count) as *block, which stays valid until the same slot reads again. Slots are 0 .. slots-1, one a worker. */
+/* Where stamps come from. `read` is called by one thread at a time (the work's lock is held), and
+ * gives pairs [first, first+count) as *block, which stays valid until the same slot reads again.
+ * Slots are 0 .. slots-1, one a worker. */
 typedef struct shear_source {
     void *self;
     int (*read)(void *self, int slot, int64_t first, int count, const shear_block **block,
                 shear_error *err);
 } shear_source;
+
+/* Where rows go, or {0}. `write` is called by one thread at a time, in any order of stamps. */
+typedef struct shear_sink {
+    void *self;
+    int (*write)(void *self, int64_t first, int count, const shear_row *rows,
+                 const shear_block *block, shear_error *err);
+} shear_sink;
 
 /* How much a thread takes at a time. */
 typedef struct shear_turn_size {
@@ -36,37 +45,42 @@ typedef struct shear_work_spec {
     const shear_plan *plan;
     shear_source source;
     shear_turn_size size;
-    int64_t first_block;          /* 0, or where a checkpoint left off */
-    shear_catalog *catalog;       /* or NULL */
-    shear_jackknife *jackknife;   /* or NULL; fed in block order */
+    int64_t first_block; /* 0, or where a checkpoint left off */
+    shear_sink sink;
+    shear_jackknife *jackknife; /* or NULL; fed in block order */
 } shear_work_spec;
 
 typedef struct shear_work shear_work;
 int shear_work_new(shear_work **work, const shear_work_spec *spec, shear_error *err);
 void shear_work_free(shear_work *work); /* no thread may be in it */
 
-/* One thread's scratch. A worker may serve one work after another that have the same plan and turn size. */
+/* One thread's scratch. A worker may serve one work after another that have the same plan and turn
+ * size. */
 typedef struct shear_worker shear_worker;
 int shear_worker_new(shear_worker **worker, const shear_plan *plan, shear_turn_size size, int slot,
                      shear_error *err);
 void shear_worker_free(shear_worker *worker);
 
-/* Take and finish one turn. Thread-safe. Returns false where nothing is left to take, or the work has failed or was
- * stopped; turns of other threads may still be under way. */
+/* Take and finish one turn. Thread-safe. Returns false where nothing is left to take, or the work
+ * has failed or was stopped; turns of other threads may still be under way. */
 bool shear_work_step(shear_work *work, shear_worker *worker);
 
 /* Let no further turn begin; turns under way are finished. Thread-safe. */
 void shear_work_stop(shear_work *work);
 
-/* Where it stands; thread-safe. `joined` is what a checkpoint covers; `code` is not SHEAR_OK after a failure. */
+/* Let it fail as if a turn had: for what goes wrong around it. Thread-safe. */
+void shear_work_fail(shear_work *work, const shear_error *err);
+
+/* Where it stands; thread-safe. `joined` is what a checkpoint covers; `code` is not SHEAR_OK after
+ * a failure. */
 typedef struct shear_work_status {
-    int64_t stamps_done;   /* since the start of the file, by all threads, in whatever order */
+    int64_t stamps_done; /* since the start of the file, by all threads, in whatever order */
     int64_t stamps_total;
-    int64_t next_block;    /* blocks before it are in the joined sums */
-    bool complete;         /* all blocks are */
-    bool exhausted;        /* nothing is left to take (all taken, stopped or failed) */
+    int64_t next_block; /* blocks before it are in the joined sums */
+    bool complete;      /* all blocks are */
+    bool exhausted;     /* nothing is left to take (all taken, stopped or failed) */
     int turns_under_way;
-    int code;              /* of the failed turn that comes first in the file */
+    int code; /* of the failed turn that comes first in the file */
 } shear_work_status;
 shear_work_status shear_work_get_status(shear_work *work);
 /* The first failure in the file; only where code is not SHEAR_OK. */

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Settings that have an option of their own. */
+#include "sheard/config.h"
+
+#include "text.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+size_t sheard_flags_fill(struct option *options, size_t room) {
+    size_t n = 0;
+    for (size_t i = 0; i < sheard_settings_count() && n + 1 < room; i++) {
+        sheard_setting s = sheard_setting_at(i);
+        if (s.flag != NULL) {
+            options[n++] =
+                (struct option){s.flag, required_argument, NULL, SHEARD_FLAG_FIRST + (int)i};
+        }
+    }
+    if (n < room) {
+        options[n] = (struct option){NULL, 0, NULL, 0};
+    }
+    return n;
+}
+
+int sheard_flags_take(int val, const char *argument, sheard_list *assignments, shear_error *err) {
+    char *text = NULL;
+    ptrdiff_t index = (ptrdiff_t)val - SHEARD_FLAG_FIRST;
+    if (index < 0 || (size_t)index >= sheard_settings_count()) {
+        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "option value %d is no setting's", val);
+    }
+    sheard_setting s = sheard_setting_at((size_t)index);
+    if (asprintf(&text, "%s.%s=%s", s.section, s.key, argument) < 0) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for --%s", s.flag);
+    }
+    int code = sheard_list_append(assignments, text, err);
+    free(text);
+    return code;
+}
+
+static const char *metavar(const sheard_setting *s) {
+    switch (s->type) {
+    case SHEARD_T_PATH:
+        return "PATH";
+    case SHEARD_T_PATHS:
+        return "PATH,...";
+    case SHEARD_T_DURATION:
+        return "TIME";
+    case SHEARD_T_INT:
+        return "N";
+    default:
+        return "VALUE";
+    }
+}
+
+void sheard_flags_help(FILE *out) {
+    static const char indent[] = "                            ";
+    enum { COLUMN = sizeof indent - 1 };
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        sheard_setting s = sheard_setting_at(i);
+        char text[1024];
+        if (s.flag == NULL) {
+            continue;
+        }
+        int column = fprintf(out, "  --%s %s", s.flag, metavar(&s));
+        char expected[256];
+        snprintf(text, sizeof text, "[%s] %s: %s %s (default %s)", s.section, s.key, s.help,
+                 text_expected(&s, expected, sizeof expected),
+                 s.initial[0] != '\0' ? s.initial : "empty");
+        fprintf(out, "%*s", column < COLUMN ? COLUMN - column : 1, "");
+        text_wrap(out, text, COLUMN, indent);
+    }
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The settings as mdoc. */
+#include "text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Text for roff: backslashes and hyphens as such, no control line by accident, and each sentence on
+ * a line of its own, as mdoc wants it. */
+static void print_roff(FILE *out, const char *text) {
+    bool line_begins = true;
+    for (; *text != '\0'; text++) {
+        if (line_begins && (*text == '.' || *text == '\'')) {
+            fputs("\\&", out);
+        }
+        line_begins = text[0] == '.' && text[1] == ' ';
+        if (line_begins) {
+            fputs(".\n", out);
+            text++;
+        } else if (*text == '\\') {
+            fputs("\\e", out);
+        } else if (*text == '-') {
+            fputs("\\-", out);
+        } else {
+            fputc(*text, out);
+        }
+    }
+}
+
+static void print_sentence(FILE *out, const char *text) {
+    print_roff(out, text);
+    size_t n = strlen(text);
+    fputs(n > 0 && text[n - 1] == '.' ? "\n" : ".\n", out);
+}
+
+static int print_default(FILE *out, const sheard_config *defaults, size_t i, shear_error *err) {
+    char *text = sheard_config_format(defaults, i);
+    if (text == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the manual");
+    }
+    fputs("Default: ", out);
+    print_sentence(out, *text != '\0' ? text : "empty");
+    free(text);
+    return SHEAR_OK;
+}
+
+static int print_setting(FILE *out, const sheard_config *defaults, size_t i, shear_error *err) {
+    sheard_setting s = sheard_setting_at(i);
+    char text[256];
+    fputs(".It Cm ", out);
+    print_roff(out, s.key);
+    fputc('\n', out);
+    print_sentence(out, s.help);
+    print_sentence(out, text_expected(&s, text, sizeof text));
+    int code = print_default(out, defaults, i, err);
+    if (s.at_start) {
+        print_sentence(out, "A change takes effect at the next start.");
+    }
+    if (s.flag != NULL) {
+        fprintf(out, "On the command line:\n.Fl \\-%s .\n", s.flag);
+    }
+    return code;
+}
+
+static int print_all(FILE *out, const sheard_config *defaults, shear_error *err) {
+    const char *section = "";
+    int code = SHEAR_OK;
+    for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++) {
+        sheard_setting s = sheard_setting_at(i);
+        if (strcmp(s.section, section) != 0) {
+            fputs(*section != '\0' ? ".El\n" : "", out);
+            section = s.section;
+            fprintf(out, ".Ss [%s]\n", section);
+            print_sentence(out, sheard_section_help(section));
+            fputs(".Bl -tag -width Ds\n", out);
+        }
+        code = print_setting(out, defaults, i, err);
+    }
+    fputs(".El\n", out);
+    return code;
+}
+
+int sheard_config_print_manual(FILE *out, shear_error *err) {
+    sheard_config defaults;
+    int code = sheard_config_init(&defaults, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = print_all(out, &defaults, err);
+    sheard_config_free(&defaults);
+    return code == SHEAR_OK ? text_flushed(out, err) : code;
+}

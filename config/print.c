@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Configurations as files: the sample, and what is in effect. */
+#include "origin.h"
+#include "text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXPECTED_MAX = 256 };
+
+static const char preamble[] =
+    "Every setting is here with its default behind a '#': take the '#' away to change one. "
+    "Settings "
+    "are written key = value, in their section. A comment is a line that begins with '#' or ';', "
+    "or "
+    "what follows ' ;' behind a value. A list may go on in further lines that begin with a space. "
+    "Sizes have the units K, M, G, T (powers of 1024), durations ms, s, min, h, d.";
+static const char preamble_use[] =
+    "sheard --check-config tells what is wrong in this file; systemctl reload sheard (or shearctl "
+    "reload) makes the daemon read it again, and keep what it has if something is wrong. See "
+    "sheard.conf(5).";
+
+static void comment(FILE *out, const char *text) {
+    fputs("# ", out);
+    text_wrap(out, text, 2, "# ");
+}
+
+/* Whether the i-th setting begins a section. */
+static bool begins_section(size_t i) {
+    return i == 0 || strcmp(sheard_setting_at(i).section, sheard_setting_at(i - 1).section) != 0;
+}
+
+/* "key = value"; a list has a line for each item, so that no line gets too long. */
+static void print_value(FILE *out, const char *lead, const sheard_setting *s, const char *text) {
+    bool is_list = s->type == SHEARD_T_PATHS || s->type == SHEARD_T_NAMES;
+    fprintf(out, "%s%s =%s", lead, s->key, *text != '\0' ? " " : "");
+    for (const char *comma; is_list && (comma = strstr(text, ", ")) != NULL; text = comma + 2) {
+        fprintf(out, "%.*s,\n%s    ", (int)(comma - text), text, lead);
+    }
+    fprintf(out, "%s\n", text);
+}
+
+static int print_setting(FILE *out, const sheard_config *config, size_t i, const char *lead,
+                         shear_error *err) {
+    sheard_setting s = sheard_setting_at(i);
+    char *text = sheard_config_format(config, i);
+    if (text == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for printing");
+    }
+    print_value(out, lead, &s, text);
+    free(text);
+    return SHEAR_OK;
+}
+
+int sheard_config_print(const sheard_config *config, FILE *out, shear_error *err) {
+    char where[256];
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        if (begins_section(i)) {
+            fprintf(out, "%s[%s]\n", i > 0 ? "\n" : "", sheard_setting_at(i).section);
+        }
+        fprintf(out, "# %s\n", config_where(config, i, where, sizeof where));
+        int code = print_setting(out, config, i, "", err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    return text_flushed(out, err);
+}
+
+static int sample_setting(FILE *out, const sheard_config *defaults, size_t i, shear_error *err) {
+    sheard_setting s = sheard_setting_at(i);
+    char text[EXPECTED_MAX];
+    if (begins_section(i)) {
+        fputs("\n\n", out);
+        comment(out, sheard_section_help(s.section));
+        fprintf(out, "[%s]\n", s.section);
+    }
+    fputc('\n', out);
+    comment(out, s.help);
+    comment(out, text_expected(&s, text, sizeof text));
+    if (s.at_start) {
+        comment(out, "A change takes effect at the next start.");
+    }
+    return print_setting(out, defaults, i, "#", err);
+}
+
+int sheard_config_print_sample(FILE *out, shear_error *err) {
+    sheard_config defaults;
+    int code = sheard_config_init(&defaults, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    fputs("# sheard.conf: the configuration of sheard.\n#\n", out);
+    comment(out, preamble);
+    fputs("#\n", out);
+    comment(out, preamble_use);
+    for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++) {
+        code = sample_setting(out, &defaults, i, err);
+    }
+    sheard_config_free(&defaults);
+    return code == SHEAR_OK ? text_flushed(out, err) : code;
+}

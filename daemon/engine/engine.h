@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* engine/engine.h: the worker threads and the jobs they work on. Knows no loop, no SQL, no JSON.
+ *
+ * A job goes through the engine like this (the owner's calls on the left, the engine's events on
+ * the right):
+ *
+ *     engine_add ------> a worker hashes the file, starts a reader, makes the plan ------> OPENED
+ * or FAILED engine_go -------> all workers take turns at its blocks --------------------------->
+ * CHECKPOINT (now and then) (or engine_stop_job) DONE, FAILED or STOPPED
+ *
+ * The last event of a job is DONE, FAILED or STOPPED; after it the engine has forgotten the job.
+ * Workers choose among the jobs by priority, and among equals the one that has had the fewest
+ * stamps of late, so that a small job does not wait behind a large one.
+ *
+ * The owner is one thread (the loop's). Events are queued; `wake` is called from any thread when
+ * there are some.
+ */
+#ifndef SHEARD_ENGINE_H
+#define SHEARD_ENGINE_H
+
+#include "reader/reader.h"
+#include "shear/plan.h"
+#include "shear/settings.h"
+#include "shear/sums.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct engine engine;
+
+typedef struct engine_options {
+    int workers;           /* >= 1 */
+    reader_limits limits;  /* texts are copied */
+    int64_t checkpoint_ms; /* least time between two checkpoints of a job */
+    void (*wake)(void *context);
+    void *context;
+} engine_options;
+
+typedef struct engine_job {
+    int64_t id;       /* the owner's name for it */
+    int priority;     /* higher first */
+    int fd;           /* the open file; the engine closes it, also when engine_add fails */
+    const char *name; /* of the file, for messages and the default field; copied */
+    shear_settings settings;
+    const char *catalogue; /* path, or NULL; copied. Replaced where it exists */
+} engine_job;
+
+/* Where a resumed job goes on: the sums of blocks [0, next_block). */
+typedef struct engine_checkpoint {
+    int64_t next_block;
+    const char *sums; /* shear_field_sums_format; copied */
+} engine_checkpoint;
+
+enum engine_event_kind {
+    ENGINE_OPENED,
+    ENGINE_CHECKPOINT,
+    ENGINE_DONE,
+    ENGINE_FAILED,
+    ENGINE_STOPPED
+};
+
+typedef struct engine_event {
+    int kind;
+    int64_t job;
+    char checksum[SHEAR_CHECKSUM_SIZE]; /* OPENED: of the file's content */
+    shear_field_info info;              /* OPENED */
+    shear_plan_info plan;               /* OPENED */
+    int64_t next_block;                 /* CHECKPOINT */
+    char *sums;                         /* CHECKPOINT, DONE: text; freed by engine_event_deinit */
+    shear_result result;                /* DONE: of this file alone */
+    double seconds;                     /* DONE: spent on it in this process */
+    shear_error error;                  /* FAILED: code as of shear/error.h or reader/reader.h */
+} engine_event;
+void engine_event_deinit(engine_event *event);
+
+int engine_new(engine **e, const engine_options *options, shear_error *err);
+/* Stops all jobs after the turns under way, joins the threads, drops unread events. NULL is
+ * accepted. */
+void engine_free(engine *e);
+
+int engine_add(engine *e, const engine_job *job, shear_error *err);
+/* After OPENED: measure it, from the checkpoint if there is one. */
+void engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
+/* Stop a job: its last event is STOPPED (after a CHECKPOINT where there is something to save),
+ * unless it was DONE or FAILED already. Turns under way are finished. */
+void engine_stop_job(engine *e, int64_t job);
+
+/* The next event; false where there is none. */
+bool engine_next_event(engine *e, engine_event *event);
+
+/* How far a job is; false where the engine does not know it. */
+bool engine_progress(engine *e, int64_t job, int64_t *done, int64_t *total);
+/* Add the sums of the job so far to `sums`, for a field's running average; false as above, or where
+ * it has not begun. */
+bool engine_partial(engine *e, int64_t job, shear_field_sums *sums);
+
+typedef struct engine_load {
+    int workers, busy;    /* threads, and those at work now */
+    int jobs;             /* in the engine */
+    int64_t stamps_total; /* measured since the start */
+} engine_load;
+engine_load engine_get_load(engine *e);
+
+#endif

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "engine/job.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+double engine_now_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+job *job_new(const engine_job *spec, const engine_options *options) {
+    job *j = calloc(1, sizeof *j);
+    if (j != NULL) {
+        *j = (job){.id = spec->id,
+                   .priority = spec->priority,
+                   .fd = spec->fd,
+                   .settings = spec->settings,
+                   .limits = options->limits,
+                   .workers = options->workers,
+                   .started_s = engine_now_s()};
+        j->name = strdup(spec->name);
+        j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
+        j->team = calloc((size_t)options->workers, sizeof(shear_worker *));
+    }
+    if (j == NULL || j->name == NULL || j->team == NULL ||
+        (spec->catalogue != NULL && j->catalogue_path == NULL)) {
+        if (j == NULL) {
+            close(spec->fd);
+        }
+        job_free(j);
+        return NULL;
+    }
+    return j;
+}
+
+void job_free(job *j) {
+    if (j == NULL) {
+        return;
+    }
+    for (int i = 0; j->team != NULL && i < j->workers; i++) {
+        shear_worker_free(j->team[i]);
+    }
+    free(j->team);
+    shear_work_free(j->work);
+    reader_stop(j->reader);
+    shear_catalog_abort(j->catalogue);
+    shear_field_sums_free(j->before);
+    shear_plan_free(j->plan);
+    if (j->fd >= 0) {
+        close(j->fd);
+    }
+    free(j->name);
+    free(j->catalogue_path);
+    free(j);
+}
+
+/* PSFs through the reader, in the form that the library asks for. */
+static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
+    job *j = self;
+    const shear_geometry *g = &reader_get_info(j->reader)->geometry;
+    const double *psf = NULL;
+    const int code = reader_read_psf(j->reader, index, &psf, err);
+    if (code == SHEAR_OK) {
+        memcpy(out, psf, (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *out);
+    }
+    return code;
+}
+
+static int open_file(job *j, engine_event *event, shear_error *err) {
+    int code = shear_fd_checksum(j->fd, j->name, event->checksum, err);
+    if (code == SHEAR_OK) {
+        code = reader_start(&j->reader, j->fd, j->name, &j->limits, err);
+    }
+    if (code == SHEAR_OK) {
+        event->info = *reader_get_info(j->reader);
+        j->size = shear_turn_size_for(&event->info, j->workers);
+        code = reader_map(j->reader, j->workers, j->size.stamps, err);
+    }
+    if (code == SHEAR_OK) {
+        const shear_psf_source psfs = {.self = j, .read = read_psf};
+        code = shear_plan_for_psfs(&j->plan, &j->settings, &event->info, psfs, err);
+    }
+    if (code == SHEAR_OK) {
+        event->plan = *shear_plan_get_info(j->plan);
+    }
+    return code;
+}
+
+void job_prepare(job *j, engine_event *event) {
+    *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
+    if (open_file(j, event, &event->error) != SHEAR_OK) {
+        event->kind = ENGINE_FAILED;
+    }
+}
+
+static int write_rows(void *self, int64_t first, int count, const shear_row *rows,
+                      const shear_block *block, shear_error *err) {
+    return shear_catalog_write(self, first, count, rows, block, err);
+}
+
+int job_begin(job *j, const engine_checkpoint *checkpoint, shear_error *err) {
+    const shear_field_info *info = reader_get_info(j->reader);
+    int64_t first_block = 0;
+    int code = SHEAR_OK;
+    /* A catalogue needs every row, and those before the checkpoint are gone with the process that
+     * made them: with a catalogue the work begins anew. */
+    if (checkpoint != NULL && j->catalogue_path == NULL) {
+        code = shear_field_sums_parse(&j->before, checkpoint->sums, err);
+        first_block = checkpoint->next_block;
+    }
+    if (code == SHEAR_OK && j->catalogue_path != NULL) {
+        code = shear_catalog_create(&j->catalogue, j->catalogue_path, info, true, err);
+    }
+    if (code == SHEAR_OK) {
+        const shear_work_spec spec = {
+            .info = info,
+            .plan = j->plan,
+            .source = {.self = j->reader, .read = reader_read},
+            .size = j->size,
+            .first_block = first_block,
+            .sink = {.self = j->catalogue, .write = j->catalogue != NULL ? write_rows : NULL}};
+        code = shear_work_new(&j->work, &spec, err);
+    }
+    j->checkpoint_block = first_block;
+    j->checkpoint_ms = (int64_t)(1e3 * engine_now_s());
+    return code;
+}
+
+bool job_step(job *j, int slot, shear_error *err) {
+    if (j->team[slot] == NULL &&
+        shear_worker_new(&j->team[slot], j->plan, j->size, slot, err) != SHEAR_OK) {
+        shear_work_fail(j->work, err);
+        return false;
+    }
+    return shear_work_step(j->work, j->team[slot]);
+}
+
+/* The checkpoint's sums and the work's, together. */
+static int sums_so_far(job *j, shear_field_sums **sums, int64_t *next_block, shear_error *err) {
+    const int code = shear_field_sums_new(sums, err);
+    if (code == SHEAR_OK) {
+        if (j->before != NULL) {
+            shear_field_sums_join(*sums, j->before);
+        }
+        *next_block = shear_work_join_into(j->work, *sums);
+    }
+    return code;
+}
+
+int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
+    shear_field_sums *sums = NULL;
+    int code = sums_so_far(j, &sums, next_block, err);
+    if (code == SHEAR_OK) {
+        code = shear_field_sums_format(sums, text, err);
+    }
+    shear_field_sums_free(sums);
+    return code;
+}
+
+static int complete(job *j, engine_event *event, shear_error *err) {
+    shear_field_sums *sums = NULL;
+    int code = sums_so_far(j, &sums, &event->next_block, err);
+    if (code == SHEAR_OK) {
+        shear_field_result(sums, &event->result);
+        code = shear_field_sums_format(sums, &event->sums, err);
+    }
+    if (code == SHEAR_OK && j->catalogue != NULL) {
+        char checksum[SHEAR_CHECKSUM_SIZE] = "";
+        code = shear_fd_checksum(j->fd, j->name, checksum, err);
+        if (code == SHEAR_OK) {
+            code =
+                shear_catalog_finish(j->catalogue, j->plan, &event->result, j->name, checksum, err);
+            j->catalogue = NULL;
+        }
+    }
+    shear_field_sums_free(sums);
+    return code;
+}
+
+void job_finish(job *j, engine_event *event) {
+    *event = (engine_event){
+        .kind = ENGINE_STOPPED, .job = j->id, .seconds = engine_now_s() - j->started_s};
+    const shear_work_status status = shear_work_get_status(j->work);
+    int code = status.code;
+    if (code != SHEAR_OK) {
+        shear_work_get_error(j->work, &event->error);
+    } else if (status.complete) {
+        event->kind = ENGINE_DONE;
+        code = complete(j, event, &event->error);
+    }
+    if (code != SHEAR_OK) {
+        event->kind = ENGINE_FAILED;
+        free(event->sums);
+        event->sums = NULL;
+    }
+}

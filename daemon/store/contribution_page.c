@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a field was joined from. */
+#include "page.h"
+#include "query.h"
+
+#include <stdlib.h>
+
+void store_contribution_page_deinit(store_contribution_page *page) {
+    for (size_t i = 0; i < page->n; i++) {
+        free(page->items[i].content);
+    }
+    free(page->items);
+    *page = (store_contribution_page){0};
+}
+
+static int find_field(store *s, const char *name, const char *settings_digest, int64_t *id,
+                      shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_FIELD_FIND);
+    query_text(&q, name);
+    query_text(&q, settings_digest);
+    int code = query_step(&q, &row, err);
+    *id = row ? query_get_int(&q) : 0;
+    if (code == SHEAR_OK && !row) {
+        code = shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names and settings",
+                          "there is no field '%.*s' with these settings", STORE_FIELD_MAX, name);
+    }
+    query_end(&q);
+    return code;
+}
+
+static void read_contribution(query *q, store_contribution *c) {
+    c->id = query_get_int(q);
+    c->job = query_get_int(q);
+    c->content = query_get_text(q);
+    c->n_stamps = query_get_int(q);
+    c->n_used = query_get_int(q);
+    c->counted_ms = query_get_int(q);
+}
+
+static int read_page(query *q, size_t limit, store_contribution_page *page, shear_error *err) {
+    bool row = false;
+    int code = query_step(q, &row, err);
+    while (row && code == SHEAR_OK && page->n < limit) {
+        read_contribution(q, &page->items[page->n++]);
+        code = query_got(q, err);
+        if (code == SHEAR_OK) {
+            code = query_step(q, &row, err);
+        }
+    }
+    page->more = row;
+    query_end(q);
+    return code;
+}
+
+int store_contributions(store *s, const char *name, const char *settings_digest, int64_t after,
+                        size_t limit, store_contribution_page *page, shear_error *err) {
+    int64_t field = 0;
+    *page = (store_contribution_page){0};
+    limit = page_limit(limit);
+    int code = find_field(s, name, settings_digest, &field, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    page->items = calloc(limit + 1, sizeof *page->items);
+    if (page->items == NULL) {
+        return page_no_memory(err);
+    }
+    query q = query_on(s, SQL_CONTRIBUTIONS);
+    query_int(&q, field);
+    query_int(&q, after);
+    query_int(&q, (int64_t)limit + 1);
+    code = read_page(&q, limit, page, err);
+    if (code != SHEAR_OK) {
+        store_contribution_page_deinit(page);
+    }
+    return code;
+}

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Pages of jobs. Each filter has an index that begins with it, goes on with the state and ends in
+ * the id. So a page is the head of at most six ranges, one a state, merged: never more than six
+ * pages of ids are read, however many jobs there are. */
+#include "page.h"
+#include "query.h"
+
+#include <stdlib.h>
+
+enum { IDS_MAX = STORE_N_STATES * (STORE_PAGE_MAX + 1) };
+
+typedef struct id_list {
+    int64_t ids[IDS_MAX];
+    size_t n;
+} id_list;
+
+void store_job_page_deinit(store_job_page *page) {
+    for (size_t i = 0; i < page->n; i++) {
+        store_job_deinit(&page->jobs[i]);
+    }
+    free(page->jobs);
+    *page = (store_job_page){0};
+}
+
+static enum sql statement_for(const store_job_filter *f) {
+    if (f->field != NULL) {
+        return f->by_owner ? SQL_JOBS_BY_BOTH : SQL_JOBS_BY_FIELD;
+    }
+    return f->by_owner ? SQL_JOBS_BY_OWNER : SQL_JOBS_BY_STATE;
+}
+
+/* The `limit` newest ids of one state. */
+static int add_ids(store *s, const store_job_filter *f, int state, size_t limit, id_list *list,
+                   shear_error *err) {
+    bool row = false;
+    query q = query_on(s, statement_for(f));
+    query_int(&q, state);
+    query_int(&q, f->before > 0 ? f->before : INT64_MAX);
+    query_int(&q, (int64_t)limit);
+    if (f->by_owner) {
+        query_int(&q, f->owner);
+    }
+    if (f->field != NULL) {
+        query_text(&q, f->field);
+    }
+    int code = query_step(&q, &row, err);
+    while (row && list->n < IDS_MAX) {
+        list->ids[list->n++] = query_get_int(&q);
+        code = query_step(&q, &row, err);
+    }
+    query_end(&q);
+    return code;
+}
+
+static int descending(const void *a, const void *b) {
+    const int64_t x = *(const int64_t *)a;
+    const int64_t y = *(const int64_t *)b;
+    return (x < y) - (x > y);
+}
+
+static int find_ids(store *s, const store_job_filter *f, size_t limit, id_list *list,
+                    shear_error *err) {
+    int code = SHEAR_OK;
+    list->n = 0;
+    for (int state = 0; state < STORE_N_STATES && code == SHEAR_OK; state++) {
+        if (f->states == 0 || (f->states & 1u << state) != 0) {
+            code = add_ids(s, f, state, limit, list, err);
+        }
+    }
+    qsort(list->ids, list->n, sizeof list->ids[0], descending);
+    return code;
+}
+
+static int fill(store *s, const id_list *list, size_t limit, store_job_page *page,
+                shear_error *err) {
+    const size_t n = list->n < limit ? list->n : limit;
+    int code = SHEAR_OK;
+    page->more = list->n > limit;
+    page->jobs = calloc(n + 1, sizeof *page->jobs);
+    if (page->jobs == NULL) {
+        return page_no_memory(err);
+    }
+    while (page->n < n && code == SHEAR_OK) {
+        code = store_job_get(s, list->ids[page->n], &page->jobs[page->n], err);
+        page->n++;
+    }
+    return code;
+}
+
+int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job_page *page,
+               shear_error *err) {
+    *page = (store_job_page){0};
+    limit = page_limit(limit);
+    id_list *list = malloc(sizeof *list);
+    if (list == NULL) {
+        return page_no_memory(err);
+    }
+    int code = find_ids(s, filter, limit + 1, list, err);
+    if (code == SHEAR_OK) {
+        code = fill(s, list, limit, page, err);
+    }
+    if (code != SHEAR_OK) {
+        store_job_page_deinit(page);
+    }
+    free(list);
+    return code;
+}

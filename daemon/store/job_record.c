@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A job as its readers see it, and its attempts. */
+#include "query.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+static void read_numbers(query *q, store_job *job) {
+    job->id = query_get_int(q);
+    job->state = (int)query_get_int(q);
+    job->outcome = (int)query_get_int(q);
+    job->origin = (int)query_get_int(q);
+    job->priority = (int)query_get_int(q);
+    job->force = query_get_int(q) != 0;
+    job->cancel_asked = query_get_int(q) != 0;
+    job->owner = (uint32_t)query_get_int(q);
+    job->attempts = query_get_int(q);
+    job->failures = query_get_int(q);
+    job->interrupted = query_get_int(q);
+    job->attempt = query_get_int(q);
+    job->created_ms = query_get_int(q);
+    job->started_ms = query_get_int(q);
+    job->finished_ms = query_get_int(q);
+    job->not_before_ms = query_get_int(q);
+    job->n_stamps = query_get_int(q);
+    job->n_used = query_get_int(q);
+    job->elapsed_us = query_get_int(q);
+    job->duplicate_of = query_get_int(q);
+    job->failure_class = (int)query_get_int(q);
+}
+
+static void read_texts(query *q, store_job *job) {
+    job->field = query_get_text(q);
+    job->source = query_get_text(q);
+    job->settings = query_get_text(q);
+    job->settings_digest = query_get_text(q);
+    job->key = query_get_text(q);
+    job->content = query_get_text(q);
+    job->code = query_get_text(q);
+    job->message = query_get_text(q);
+    job->advice = query_get_text(q);
+    job->result = query_get_text(q);
+    job->catalogue = query_get_text(q);
+}
+
+void store_job_deinit(store_job *job) {
+    char *const texts[] = {job->field,  job->source,  job->settings, job->settings_digest,
+                           job->key,    job->content, job->code,     job->message,
+                           job->advice, job->result,  job->catalogue};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        free(texts[i]);
+    }
+    *job = (store_job){0};
+}
+
+int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
+    bool row = false;
+    *job = (store_job){0};
+    query q = query_on(s, SQL_JOB_GET);
+    query_int(&q, id);
+    int code = query_step(&q, &row, err);
+    if (row) {
+        read_numbers(&q, job);
+        read_texts(&q, job);
+        code = query_got(&q, err);
+    } else if (code == SHEAR_OK) {
+        code = shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
+    }
+    query_end(&q);
+    if (code != SHEAR_OK) {
+        store_job_deinit(job);
+    }
+    return code;
+}
+
+void store_attempts_deinit(store_attempts *list) {
+    for (size_t i = 0; i < list->n; i++) {
+        free(list->attempts[i].code);
+        free(list->attempts[i].message);
+    }
+    free(list->attempts);
+    *list = (store_attempts){0};
+}
+
+static void read_attempt(query *q, store_attempt *a) {
+    a->number = query_get_int(q);
+    a->started_ms = query_get_int(q);
+    a->ended_ms = query_get_int(q);
+    a->ending = (int)query_get_int(q);
+    a->failure_class = (int)query_get_int(q);
+    a->code = query_get_text(q);
+    a->message = query_get_text(q);
+}
+
+static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error *err) {
+    bool row = true;
+    query q = query_on(s, SQL_ATTEMPTS);
+    query_int(&q, id);
+    int code = query_step(&q, &row, err);
+    while (row && code == SHEAR_OK && list->n < STORE_ATTEMPTS_KEPT) {
+        read_attempt(&q, &list->attempts[list->n++]);
+        code = query_got(&q, err);
+        if (code == SHEAR_OK) {
+            code = query_step(&q, &row, err);
+        }
+    }
+    query_end(&q);
+    return code;
+}
+
+static int check_exists(store *s, int64_t id, shear_error *err) {
+    store_job job;
+    const int code = store_job_get(s, id, &job, err);
+    store_job_deinit(&job);
+    return code;
+}
+
+int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *err) {
+    *list = (store_attempts){0};
+    int code = check_exists(s, id, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    list->attempts = calloc(STORE_ATTEMPTS_KEPT, sizeof *list->attempts);
+    code = list->attempts != NULL
+               ? read_attempts(s, id, list, err)
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for attempts");
+    if (code != SHEAR_OK) {
+        store_attempts_deinit(list);
+    }
+    return code;
+}

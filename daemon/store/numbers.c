@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The numbers that triggers keep (schema.c), and how jobs leave. */
+#include "operation.h"
+#include "query.h"
+
+int store_count(store *s, store_counts *counts, shear_error *err) {
+    bool row = false;
+    *counts = (store_counts){0};
+    query q = query_on(s, SQL_COUNTS);
+    int code = query_step(&q, &row, err);
+    while (row) {
+        const int64_t state = query_get_int(&q);
+        const int64_t n = query_get_int(&q);
+        if (state >= 0 && state < STORE_N_STATES) {
+            counts->jobs[state] = n;
+            counts->unfinished += state <= STORE_WAITING ? n : 0;
+        }
+        code = query_step(&q, &row, err);
+    }
+    query_end(&q);
+    if (code != SHEAR_OK) {
+        *counts = (store_counts){0};
+    }
+    return code;
+}
+
+static void read_totals(query *q, store_totals *t) {
+    t->submitted = query_get_int(q);
+    t->counted = query_get_int(q);
+    t->duplicates = query_get_int(q);
+    t->failed = query_get_int(q);
+    t->cancelled = query_get_int(q);
+    t->retired = query_get_int(q);
+    t->attempts = query_get_int(q);
+    t->interrupted = query_get_int(q);
+    for (int i = STORE_NO_CLASS; i <= STORE_BUG; i++) {
+        t->failures[i] = query_get_int(q);
+    }
+    t->n_stamps = query_get_int(q);
+    t->n_used = query_get_int(q);
+    t->elapsed_us = query_get_int(q);
+    t->fields = query_get_int(q);
+}
+
+int store_total(store *s, store_totals *totals, shear_error *err) {
+    bool row = false;
+    *totals = (store_totals){0};
+    query q = query_on(s, SQL_TOTALS);
+    const int code = query_step(&q, &row, err);
+    if (row) {
+        read_totals(&q, totals);
+    }
+    query_end(&q);
+    return code;
+}
+
+/* The oldest finished jobs, at most `n`. *gone is added to. */
+static int retire_some(store *s, int64_t before_ms, int64_t n, int64_t *gone, shear_error *err) {
+    if (n <= 0) {
+        return SHEAR_OK;
+    }
+    query q = query_on(s, SQL_RETIRE);
+    query_int(&q, before_ms);
+    query_int(&q, n);
+    const int code = query_run(&q, err);
+    *gone += code == SHEAR_OK ? sqlite3_changes64(s->db) : 0;
+    return code;
+}
+
+static int retire(store *s, const store_retention *rule, int64_t *gone, shear_error *err) {
+    store_counts counts;
+    int code = retire_some(s, rule->finished_before_ms, rule->batch, gone, err);
+    if (code != SHEAR_OK || rule->keep < 0) {
+        return code;
+    }
+    code = store_count(s, &counts, err);
+    const int64_t finished =
+        counts.jobs[STORE_DONE] + counts.jobs[STORE_FAILED] + counts.jobs[STORE_CANCELLED];
+    const int64_t excess = finished - rule->keep;
+    const int64_t room = rule->batch - *gone;
+    return code == SHEAR_OK ? retire_some(s, INT64_MAX, excess < room ? excess : room, gone, err)
+                            : code;
+}
+
+int store_retire(store *s, const store_retention *rule, int64_t *retired, shear_error *err) {
+    *retired = 0;
+    int code = operation_begin(s, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_end(s, retire(s, rule, retired, err), err);
+    *retired = code == SHEAR_OK ? *retired : 0;
+    return code;
+}

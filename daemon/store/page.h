@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* store/page.h: what all pages have in common. One record more than the limit is asked for: it
+ * tells that more follow. */
+#ifndef SHEARD_STORE_PAGE_H
+#define SHEARD_STORE_PAGE_H
+
+#include "store.h"
+
+static inline size_t page_limit(size_t limit) {
+    return limit < STORE_PAGE_MAX ? limit : STORE_PAGE_MAX;
+}
+
+static inline int page_no_memory(shear_error *err) {
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page of records");
+}
+
+#endif

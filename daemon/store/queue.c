@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which job runs next, and how a running one stops without a result. */
+#include "job.h"
+#include "operation.h"
+
+static int first_queued(store *s, int64_t *id, shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_NEXT);
+    const int code = query_step(&q, &row, err);
+    *id = row ? query_get_int(&q) : 0;
+    query_end(&q);
+    return code;
+}
+
+static int run_timed(store *s, enum sql which, int64_t id, int64_t value, shear_error *err) {
+    query q = query_on(s, which);
+    query_int(&q, id);
+    query_int(&q, value);
+    return query_run(&q, err);
+}
+
+static int start(store *s, int64_t id, int64_t now_ms, shear_error *err) {
+    int code = run_timed(s, SQL_START, id, now_ms, err);
+    if (code == SHEAR_OK) {
+        code = run_timed(s, SQL_ATTEMPT_OPEN, id, now_ms, err);
+    }
+    return code == SHEAR_OK ? run_timed(s, SQL_ATTEMPT_PRUNE, id, STORE_ATTEMPTS_KEPT, err) : code;
+}
+
+static int next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
+    int64_t id = 0;
+    int code = query_run_id(s, SQL_WAKE, now_ms, err);
+    if (code == SHEAR_OK) {
+        code = first_queued(s, &id, err);
+    }
+    if (code == SHEAR_OK && id != 0) {
+        code = start(s, id, now_ms, err);
+    }
+    return code == SHEAR_OK && id != 0 ? store_job_get(s, id, job, err) : code;
+}
+
+int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
+    *job = (store_job){0};
+    int code = operation_begin(s, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_end(s, next(s, now_ms, job, err), err);
+    if (code != SHEAR_OK) {
+        store_job_deinit(job);
+    }
+    return code;
+}
+
+int store_next_due(store *s, int64_t *due_ms, shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_DUE);
+    const int code = query_step(&q, &row, err);
+    *due_ms = row ? query_get_int(&q) : INT64_MAX;
+    query_end(&q);
+    return code;
+}
+
+static int check_failure(const store_failure *f, shear_error *err) {
+    if (f->failure_class <= STORE_NO_CLASS || f->failure_class > STORE_BUG) {
+        return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
+                          "a failure has no class %d", f->failure_class);
+    }
+    int code = query_check_text("failure's code", f->code, STORE_CODE_MAX, false, err);
+    if (code == SHEAR_OK) {
+        code = query_check_text("failure's message", f->message, STORE_MESSAGE_MAX, false, err);
+    }
+    return code == SHEAR_OK
+               ? query_check_text("failure's advice", f->advice, STORE_ADVICE_MAX, true, err)
+               : code;
+}
+
+static int write_failure(store *s, int64_t id, const store_failure *f, int state,
+                         shear_error *err) {
+    query q = query_on(s, SQL_JOB_FAIL);
+    query_int(&q, id);
+    query_int(&q, state);
+    query_int(&q, state == STORE_WAITING ? f->retry_at_ms : 0);
+    query_int(&q, state == STORE_WAITING ? 0 : f->now_ms);
+    query_int(&q, f->failure_class);
+    query_text(&q, f->code);
+    query_text(&q, f->message);
+    query_text(&q, f->advice);
+    return query_run(&q, err);
+}
+
+static int fail(store *s, int64_t id, const store_failure *f, int *state, shear_error *err) {
+    job_brief b;
+    int code = job_brief_running(s, id, &b, err);
+    if (code == SHEAR_OK) {
+        code = job_close_attempt(s, id, STORE_END_FAILED, f->now_ms, f, err);
+    }
+    if (code == SHEAR_OK) {
+        *state = b.cancel_asked        ? STORE_CANCELLED
+                 : f->retry_at_ms >= 0 ? STORE_WAITING
+                                       : STORE_FAILED;
+        code = write_failure(s, id, f, *state, err);
+    }
+    if (code == SHEAR_OK && *state == STORE_CANCELLED) {
+        code = query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
+    }
+    job_brief_deinit(&b);
+    return code;
+}
+
+int store_fail(store *s, int64_t id, const store_failure *failure, int *state, shear_error *err) {
+    *state = 0;
+    int code = check_failure(failure, err);
+    if (code == SHEAR_OK) {
+        code = operation_begin(s, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_end(s, fail(s, id, failure, state, err), err);
+    *state = code == SHEAR_OK ? *state : 0;
+    return code;
+}
+
+int store_release(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err) {
+    *state = 0;
+    int code = operation_begin(s, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_end(s, job_put_back(s, id, STORE_END_RELEASED, now_ms, state, err), err);
+    *state = code == SHEAR_OK ? *state : 0;
+    return code;
+}
+
+static int cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err) {
+    job_brief b;
+    int code = job_brief_get(s, id, &b, err);
+    if (code != SHEAR_OK) {
+        goto done;
+    }
+    switch (b.state) {
+    case STORE_QUEUED:
+    case STORE_WAITING:
+        *state = STORE_CANCELLED;
+        code = job_make_cancelled(s, id, now_ms, err);
+        break;
+    case STORE_RUNNING:
+        *state = STORE_RUNNING;
+        code = query_run_id(s, SQL_JOB_ASK_CANCEL, id, err);
+        break;
+    case STORE_CANCELLED:
+        *state = STORE_CANCELLED;
+        break;
+    default:
+        code = job_wrong_state(&b, "unfinished", err);
+        break;
+    }
+done:
+    job_brief_deinit(&b);
+    return code;
+}
+
+int store_cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err) {
+    *state = 0;
+    int code = operation_begin(s, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_end(s, cancel(s, id, now_ms, state, err), err);
+    *state = code == SHEAR_OK ? *state : 0;
+    return code;
+}

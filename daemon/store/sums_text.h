@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* store/sums_text.h: exact sums as kept in the database. Their text has some 240 zeros at the end
+ * of each term (the exact accumulator reaches down to the smallest double), 5 KiB in all; with the
+ * runs of zeros counted it is under 1 KiB. */
+#ifndef SHEARD_STORE_SUMS_TEXT_H
+#define SHEARD_STORE_SUMS_TEXT_H
+
+#include "shear/error.h"
+
+/* Both results are malloc'd, the caller's. */
+int sums_pack(const char *text, char **packed, shear_error *err);
+/* SHEAR_E_FORMAT where `packed` is none, or would unpack to more than STORE_SUMS_MAX bytes. */
+int sums_unpack(const char *packed, char **text, shear_error *err);
+
+#endif

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The names of states and kinds. "" is null in JSON. The order is that of the enums. */
+#include "msg_table.h"
+
+const char *const msg_states[] = {"queued", "running", "waiting", "done",
+                                  "failed", "cancelled", NULL};
+const char *const msg_classes[] = {"", "transient", "data", "bug", NULL};
+const char *const msg_outcomes[] = {"", "counted", "duplicate", NULL};
+const char *const msg_origins[] = {"spool", "socket", NULL};
+const char *const msg_endings[] = {"",         "done",        "failed", "cancelled",
+                                   "released", "interrupted", NULL};
+const char *const msg_server_states[] = {"running", "draining", "stopping", NULL};
+const char *const msg_modes[] = {"drain", "now", NULL};
+
+const char *shear_job_state_name(int state) {
+    return msg_name(msg_states, state);
+}
+
+const char *shear_job_class_name(int job_class) {
+    return msg_name(msg_classes, job_class);
+}
+
+const char *shear_job_outcome_name(int outcome) {
+    return msg_name(msg_outcomes, outcome);
+}
+
+const char *shear_job_origin_name(int origin) {
+    return msg_name(msg_origins, origin);
+}
+
+const char *shear_job_ending_name(int ending) {
+    return msg_name(msg_endings, ending);
+}
+
+const char *shear_server_state_name(int state) {
+    return msg_name(msg_server_states, state);
+}
+
+bool shear_job_state_is_final(int state) {
+    return state == SHEAR_JOB_DONE || state == SHEAR_JOB_FAILED || state == SHEAR_JOB_CANCELLED;
+}

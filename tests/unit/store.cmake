@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The tests of daemon/store. They see the room's inner headers too, and SQLite.
+add_library(store_fixtures STATIC store_fixture.c store_vfs.c)
+target_link_libraries(store_fixtures PUBLIC sheard_store shear_flags PkgConfig::CMOCKA PkgConfig::SQLITE)
+target_include_directories(store_fixtures PUBLIC
+  ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/daemon/store)
+
+function(store_test name)
+  shear_add_test(store_${name} SOURCES test_store_${name}.c ${ARGN} LIBRARIES store_fixtures LABELS store)
+endfunction()
+
+store_test(open)
+#store_test(submit)
+#store_test(life)
+#store_test(finish)
+#store_test(pages)
+#store_test(retire)
+#store_test(groups)
+#store_test(sums_text)
+#store_test(plans)
+#store_test(audit)
+#store_test(model)
+#store_test(faults)
+#store_test(crash)

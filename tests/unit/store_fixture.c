@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "store_fixture.h"
+
+#include "test.h"
+
+#include "shear/sums.h"
+
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+void fx_init(fixture *f)
+{
+    const char *base = getenv("TMPDIR");
+    memset(f, 0, sizeof *f);
+    snprintf(f->dir, sizeof f->dir, "%s/sheard-store-XXXXXX", base != NULL ? base : "/tmp");
+    assert_non_null(mkdtemp(f->dir));
+    snprintf(f->path, sizeof f->path, "%s/state.db", f->dir);
+    f->now = 1000000;
+}
+
+static int remove_one(const char *path, const struct stat *st, int type, struct FTW *at)
+{
+    (void)st;
+    (void)type;
+    (void)at;
+    return remove(path);
+}
+
+void fx_deinit(fixture *f)
+{
+    fx_close(f);
+    assert_int_equal(nftw(f->dir, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+}
+
+int64_t fx_now(fixture *f)
+{
+    return ++f->now;
+}
+
+void fx_open(fixture *f)
+{
+    shear_error err = {0};
+    FX_OK(store_open(&f->s, f->path, &f->options, fx_now(f), &err));
+}
+
+void fx_close(fixture *f)
+{
+    store_close(f->s);
+    f->s = NULL;
+}
+
+void fx_expect(int wanted, int code, const shear_error *err, const char *call, const char *file,
+               int line)
+{
+    if (code != wanted) {
+        print_error("%s: %s instead of %s: %s\n", call, store_code_name(code),
+                    store_code_name(wanted), code != SHEAR_OK ? err->message : "");
+        _fail(file, line);
+    }
+    /* Every error says what it is. */
+    if (code != SHEAR_OK && (err->code != code || err->message[0] == '\0')) {
+        print_error("%s: the error is not described (%d '%s')\n", call, err->code, err->message);
+        _fail(file, line);
+    }
+}
+
+/* A small generator (splitmix64), the same everywhere. */
+static double uniform(uint64_t *state)
+{
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+char *fx_sums(unsigned seed)
+{
+    shear_error err = {0};
+    shear_block_sums block;
+    shear_field_sums *sums = NULL;
+    char *text = NULL;
+    uint64_t state = seed;
+    shear_block_sums_init(&block);
+    block.n_stamps = SHEAR_BLOCK;
+    block.n_used = SHEAR_BLOCK - seed % 3;
+    block.flagged[0] = seed % 3;
+    for (int i = 0; i < SHEAR_N_TERMS; i++) {
+        block.hi[i] = 1000.0 * uniform(&state) - 400.0;
+        block.lo[i] = 1e-17 * block.hi[i] * uniform(&state);
+    }
+    FX_OK(shear_field_sums_new(&sums, &err));
+    shear_field_sums_add(sums, &block);
+    FX_OK(shear_field_sums_format(sums, &text, &err));
+    shear_field_sums_free(sums);
+    return text;
+}
+
+char *fx_join(const char *const *texts, size_t n)
+{
+    shear_error err = {0};
+    shear_field_sums *all = NULL;
+    char *text = NULL;
+    FX_OK(shear_field_sums_new(&all, &err));
+    for (size_t i = 0; i < n; i++) {
+        shear_field_sums *one = NULL;
+        FX_OK(shear_field_sums_parse(&one, texts[i], &err));
+        shear_field_sums_join(all, one);
+        shear_field_sums_free(one);
+    }
+    FX_OK(shear_field_sums_format(all, &text, &err));
+    shear_field_sums_free(all);
+    return text;
+}
+
+store_spec fx_spec(fixture *f, const char *field)
+{
+    return (store_spec){.field = field,
+                        .source = "/data/a.fits",
+                        .settings = "{}",
+                        .settings_digest = "d0",
+                        .origin = STORE_SOCKET,
+                        .owner = 1000,
+                        .created_ms = fx_now(f)};
+}
+
+int64_t fx_submit(fixture *f, const char *field)
+{
+    shear_error err = {0};
+    int64_t id = 0;
+    bool known = true;
+    const store_spec spec = fx_spec(f, field);
+    FX_OK(store_submit(f->s, &spec, 1000000, &id, &known, &err));
+    assert_false(known);
+    return id;
+}
+
+int64_t fx_next(fixture *f)
+{
+    shear_error err = {0};
+    store_job job;
+    FX_OK(store_next(f->s, fx_now(f), &job, &err));
+    const int64_t id = job.id;
+    store_job_deinit(&job);
+    return id;
+}
+
+int64_t fx_running(fixture *f, const char *field, const char *content)
+{
+    shear_error err = {0};
+    int64_t duplicate_of = 0;
+    const int64_t id = fx_submit(f, field);
+    const store_learned learned = {field, content, 16};
+    assert_int_equal(fx_next(f), id);
+    FX_OK(store_learn(f->s, id, &learned, &duplicate_of, &err));
+    return id;
+}
+
+int64_t fx_done(fixture *f, const char *field, const char *content, unsigned seed)
+{
+    shear_error err = {0};
+    store_finished end;
+    const int64_t id = fx_running(f, field, content);
+    char *sums = fx_sums(seed);
+    const store_work work = {.sums = sums, .elapsed_us = 10, .now_ms = fx_now(f)};
+    FX_OK(store_finish(f->s, id, &work, &end, &err));
+    free(sums);
+    return id;
+}
+
+int fx_state(fixture *f, int64_t id)
+{
+    shear_error err = {0};
+    store_job job;
+    FX_OK(store_job_get(f->s, id, &job, &err));
+    const int state = job.state;
+    store_job_deinit(&job);
+    return state;
+}
+
+store_failure fx_failure(fixture *f, int failure_class, int64_t retry_at_ms)
+{
+    return (store_failure){.failure_class = failure_class,
+                           .code = "io",
+                           .message = "the disk is full",
+                           .advice = "make room",
+                           .retry_at_ms = retry_at_ms,
+                           .now_ms = fx_now(f)};
+}

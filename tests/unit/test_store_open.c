@@ -1,0 +1,356 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Opening: whose database, which version, one owner, its settings. */
+#include "database.h"
+#include "schema.h"
+#include "store_fixture.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static int setup(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    fx_init(f);
+    *state = f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    fx_deinit(*state);
+    free(*state);
+    return 0;
+}
+
+/* A statement on the file, with SQLite alone. */
+static void run_sql(const char *path, const char *sql)
+{
+    sqlite3 *db = NULL;
+    char *message = NULL;
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    if (sqlite3_exec(db, sql, NULL, NULL, &message) != SQLITE_OK) {
+        fail_msg("%s: %s", sql, message);
+    }
+    sqlite3_close(db);
+}
+
+static int64_t ask(sqlite3 *db, const char *sql)
+{
+    shear_error err = {0};
+    int64_t value = 0;
+    FX_OK(database_number(db, "", sql, &value, &err));
+    return value;
+}
+
+static char *read_all(const char *path, size_t *size)
+{
+    FILE *in = fopen(path, "rb");
+    assert_non_null(in);
+    char *bytes = calloc(1, 1 << 22);
+    *size = fread(bytes, 1, 1 << 22, in);
+    fclose(in);
+    return bytes;
+}
+
+static void makes_a_private_database(void **state)
+{
+    fixture *f = *state;
+    struct stat st;
+    umask(0);
+    fx_open(f);
+    assert_true(store_opened(f->s)->created);
+    assert_int_equal(store_opened(f->s)->migrated_from, SCHEMA_VERSION);
+    assert_int_equal(stat(f->path, &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0600);
+    fx_submit(f, "a"); /* its log is there now, and as private */
+    char log[310];
+    snprintf(log, sizeof log, "%s-wal", f->path);
+    assert_int_equal(stat(log, &st), 0);
+    assert_int_equal(st.st_mode & 0777, 0600);
+    snprintf(log, sizeof log, "%s-shm", f->path);
+    assert_int_equal(access(log, F_OK), -1);
+    fx_close(f);
+    fx_open(f);
+    assert_false(store_opened(f->s)->created);
+    assert_int_equal(store_opened(f->s)->requeued, 0);
+}
+
+static void is_durable(void **state)
+{
+    fixture *f = *state;
+    sqlite3_stmt *stmt = NULL;
+    fx_open(f);
+    assert_int_equal(ask(f->s->db, "PRAGMA synchronous"), 2);
+    assert_int_equal(ask(f->s->db, "PRAGMA foreign_keys"), 1);
+    assert_int_equal(ask(f->s->db, "PRAGMA application_id"), SCHEMA_APPLICATION);
+    assert_int_equal(ask(f->s->db, "PRAGMA user_version"), SCHEMA_VERSION);
+    assert_int_equal(sqlite3_prepare_v2(f->s->db, "PRAGMA journal_mode", -1, &stmt, NULL), 0);
+    assert_int_equal(sqlite3_step(stmt), SQLITE_ROW);
+    assert_string_equal((const char *)sqlite3_column_text(stmt, 0), "wal");
+    sqlite3_finalize(stmt);
+}
+
+static void has_one_owner(void **state)
+{
+    fixture *f = *state;
+    shear_error err = {0};
+    store *other = (store *)f;
+    fx_open(f);
+    FX_CODE(STORE_LOCKED, store_open(&other, f->path, NULL, 1, &err));
+    assert_null(other);
+    assert_non_null(strstr(err.message, f->path));
+    const pid_t child = fork();
+    if (child == 0) { /* another process; not even to look */
+        _exit(store_open(&other, f->path, NULL, 1, NULL));
+    }
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(WEXITSTATUS(status), STORE_LOCKED);
+    fx_submit(f, "a"); /* the owner did not notice */
+    fx_close(f);
+    fx_open(f);
+}
+
+static void waits_for_the_owner_to_leave(void **state)
+{
+    fixture *f = *state;
+    int ready[2];
+    char byte = 0;
+    assert_int_equal(pipe(ready), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        fx_open(f);
+        (void)!write(ready[1], "x", 1);
+        usleep(50000);
+        fx_close(f);
+        _exit(0);
+    }
+    assert_int_equal(read(ready[0], &byte, 1), 1);
+    close(ready[0]);
+    close(ready[1]);
+    f->options.busy_ms = 20000;
+    fx_open(f);
+    waitpid(child, NULL, 0);
+}
+
+static void refuses_and_leaves_as_it_was(fixture *f, int code)
+{
+    shear_error err = {0};
+    size_t before = 0;
+    size_t after = 0;
+    char *old = read_all(f->path, &before);
+    FX_CODE(code, store_open(&f->s, f->path, NULL, 1, &err));
+    assert_null(f->s);
+    assert_int_not_equal(err.advice[0], '\0');
+    char *new = read_all(f->path, &after);
+    assert_int_equal(before, after);
+    assert_memory_equal(old, new, before);
+    free(old);
+    free(new);
+}
+
+static void refuses_a_newer_one(void **state)
+{
+    fixture *f = *state;
+    fx_open(f);
+    fx_close(f);
+    run_sql(f->path, "PRAGMA user_version = 2");
+    refuses_and_leaves_as_it_was(f, STORE_NEWER);
+    run_sql(f->path, "PRAGMA user_version = -1");
+    refuses_and_leaves_as_it_was(f, STORE_NEWER);
+    run_sql(f->path, "PRAGMA user_version = 1");
+    fx_open(f);
+}
+
+static void refuses_a_foreign_one(void **state)
+{
+    fixture *f = *state;
+    run_sql(f->path, "CREATE TABLE t(x)");
+    refuses_and_leaves_as_it_was(f, SHEAR_E_FORMAT);
+    run_sql(f->path, "PRAGMA application_id = 17; PRAGMA user_version = 1");
+    refuses_and_leaves_as_it_was(f, SHEAR_E_FORMAT);
+}
+
+static void refuses_what_is_no_database(void **state)
+{
+    fixture *f = *state;
+    FILE *out = fopen(f->path, "w");
+    for (int i = 0; i < 1000; i++) {
+        fputs("no database ", out);
+    }
+    fclose(out);
+    refuses_and_leaves_as_it_was(f, SHEAR_E_FORMAT);
+}
+
+static void says_why_it_cannot(void **state)
+{
+    fixture *f = *state;
+    shear_error err = {0};
+    char path[400];
+    static char endless[5000];
+    snprintf(path, sizeof path, "%s/none/state.db", f->dir);
+    FX_CODE(SHEAR_E_IO, store_open(&f->s, path, NULL, 1, &err));
+    assert_non_null(strstr(err.message, path));
+    FX_CODE(SHEAR_E_IO, store_open(&f->s, f->dir, NULL, 1, &err));
+    FX_CODE(SHEAR_E_IO, store_open(&f->s, "", NULL, 1, &err));
+    memset(endless, 'x', sizeof endless - 1);
+    FX_CODE(SHEAR_E_IO, store_open(&f->s, endless, NULL, 1, &err));
+    const store_options options = {.vfs = "no-such-vfs"};
+    FX_CODE(SHEAR_E_INTERNAL, store_open(&f->s, f->path, &options, 1, &err));
+    assert_null(f->s);
+    store_close(NULL);
+}
+
+/* Names that mean something else to SQLite are just names. */
+static void takes_names_literally(void **state)
+{
+    fixture *f = *state;
+    static const char *const names[] = {":memory:", "file:x.db?mode=memory", "plain.db"};
+    char here[4096];
+    assert_non_null(getcwd(here, sizeof here));
+    assert_int_equal(chdir(f->dir), 0);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        shear_error err = {0};
+        FX_OK(store_open(&f->s, names[i], NULL, 1, &err));
+        const int64_t id = fx_submit(f, "a");
+        fx_close(f);
+        assert_int_equal(access(names[i], F_OK), 0);
+        FX_OK(store_open(&f->s, names[i], NULL, 1, &err));
+        assert_int_equal(fx_state(f, id), STORE_QUEUED);
+        fx_close(f);
+    }
+    assert_int_equal(chdir(here), 0);
+}
+
+/* Three made-up versions; the third step can be made to fail. */
+static const char *const step_1[] = {"CREATE TABLE t(a)", "INSERT INTO t VALUES (1)", NULL};
+static const char *const step_2[] = {"ALTER TABLE t ADD COLUMN b", "UPDATE t SET b = a + 1", NULL};
+static const char *const step_3[] = {"INSERT INTO t VALUES (5, 6)", NULL};
+static const char *const step_bad[] = {"INSERT INTO t VALUES (7, 8)", "INSERT INTO none VALUES (1)",
+                                       NULL};
+
+static void migrates_step_by_step(void **state)
+{
+    fixture *f = *state;
+    shear_error err = {0};
+    sqlite3 *db = NULL;
+    const schema_step good[] = {step_1, step_2, step_3};
+    const schema_step bad[] = {step_1, step_2, step_bad};
+    assert_int_equal(sqlite3_open(f->path, &db), SQLITE_OK);
+    FX_OK(database_exec(db, f->path, "BEGIN", &err));
+    FX_OK(schema_migrate(db, f->path, good, 0, 1, &err));
+    FX_OK(database_exec(db, f->path, "COMMIT", &err));
+    assert_int_equal(ask(db, "PRAGMA user_version"), 1);
+
+    FX_OK(database_exec(db, f->path, "BEGIN", &err));
+    FX_CODE(SHEAR_E_INTERNAL, schema_migrate(db, f->path, bad, 1, 3, &err));
+    assert_non_null(strstr(err.message, "schema version 2 to 3"));
+    FX_OK(database_exec(db, f->path, "ROLLBACK", &err));
+    assert_int_equal(ask(db, "PRAGMA user_version"), 1);
+    assert_int_equal(ask(db, "SELECT count(*) FROM pragma_table_info('t')"), 1);
+
+    FX_OK(database_exec(db, f->path, "BEGIN", &err));
+    FX_OK(schema_migrate(db, f->path, good, 1, 3, &err));
+    FX_OK(database_exec(db, f->path, "COMMIT", &err));
+    assert_int_equal(ask(db, "PRAGMA user_version"), 3);
+    assert_int_equal(ask(db, "PRAGMA application_id"), SCHEMA_APPLICATION);
+    assert_int_equal(ask(db, "SELECT sum(10 * a + b) FROM t"), 12 + 56);
+    sqlite3_close(db);
+}
+
+/* A database of ours from before the first version: marked, without tables. */
+static void opens_an_older_one(void **state)
+{
+    fixture *f = *state;
+    shear_error err = {0};
+    char sql[64];
+    snprintf(sql, sizeof sql, "PRAGMA application_id = %d", SCHEMA_APPLICATION);
+    run_sql(f->path, sql);
+    fx_open(f);
+    assert_false(store_opened(f->s)->created);
+    assert_int_equal(store_opened(f->s)->migrated_from, 0);
+    FX_OK(store_audit(f->s, &err));
+    fx_submit(f, "a");
+}
+
+/* Marked as the first version, but not its tables: no statement fits. */
+static void refuses_other_tables(void **state)
+{
+    fixture *f = *state;
+    shear_error err = {0};
+    char sql[96];
+    snprintf(sql, sizeof sql, "PRAGMA application_id = %d; PRAGMA user_version = 1",
+             SCHEMA_APPLICATION);
+    run_sql(f->path, sql);
+    FX_CODE(SHEAR_E_INTERNAL, store_open(&f->s, f->path, NULL, 1, &err));
+}
+
+static void names_are_stable(void **state)
+{
+    (void)state;
+    assert_string_equal(store_code_name(SHEAR_OK), "ok");
+    assert_string_equal(store_code_name(SHEAR_E_IO), "io");
+    assert_string_equal(store_code_name(STORE_QUEUE_FULL), "queue_full");
+    assert_string_equal(store_code_name(STORE_KEY_REUSED), "key_reused");
+    assert_string_equal(store_code_name(STORE_NOT_FOUND), "not_found");
+    assert_string_equal(store_code_name(STORE_WRONG_STATE), "wrong_state");
+    assert_string_equal(store_code_name(STORE_BAD_TEXT), "bad_text");
+    assert_string_equal(store_code_name(STORE_LOCKED), "locked");
+    assert_string_equal(store_code_name(STORE_NEWER), "newer");
+    assert_string_equal(store_code_name(STORE_NEWER + 1), "unknown");
+    assert_string_equal(store_state_name(STORE_QUEUED), "queued");
+    assert_string_equal(store_state_name(STORE_CANCELLED), "cancelled");
+    assert_string_equal(store_state_name(STORE_N_STATES), "unknown");
+    assert_string_equal(store_state_name(-1), "unknown");
+    assert_string_equal(store_outcome_name(STORE_DUPLICATE), "duplicate");
+    assert_string_equal(store_origin_name(STORE_SOCKET), "socket");
+    assert_string_equal(store_class_name(STORE_BUG), "bug");
+    assert_string_equal(store_ending_name(STORE_END_INTERRUPTED), "interrupted");
+    assert_true(store_is_transient(SHEAR_E_IO));
+    assert_true(store_is_transient(SHEAR_E_NOMEM));
+    assert_false(store_is_transient(SHEAR_E_FORMAT));
+    assert_false(store_is_transient(STORE_LOCKED));
+}
+
+static void maps_every_error(void **state)
+{
+    static const int map[][2] = {
+        {SQLITE_FULL, SHEAR_E_IO},           {SQLITE_IOERR_FSYNC, SHEAR_E_IO},
+        {SQLITE_IOERR_WRITE, SHEAR_E_IO},    {SQLITE_CANTOPEN, SHEAR_E_IO},
+        {SQLITE_READONLY, SHEAR_E_IO},       {SQLITE_NOMEM, SHEAR_E_NOMEM},
+        {SQLITE_IOERR_NOMEM, SHEAR_E_NOMEM}, {SQLITE_CORRUPT, SHEAR_E_FORMAT},
+        {SQLITE_NOTADB, SHEAR_E_FORMAT},     {SQLITE_IOERR_CORRUPTFS, SHEAR_E_FORMAT},
+        {SQLITE_BUSY, STORE_LOCKED},         {SQLITE_BUSY_RECOVERY, STORE_LOCKED},
+        {SQLITE_CONSTRAINT, SHEAR_E_INTERNAL}, {SQLITE_MISUSE, SHEAR_E_INTERNAL}};
+    (void)state;
+    for (size_t i = 0; i < sizeof map / sizeof map[0]; i++) {
+        shear_error err = {0};
+        FX_CODE(map[i][1], database_fail(NULL, "p", map[i][0], "testing", &err));
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_are_stable),
+        cmocka_unit_test(maps_every_error),
+        cmocka_unit_test_setup_teardown(makes_a_private_database, setup, teardown),
+        cmocka_unit_test_setup_teardown(is_durable, setup, teardown),
+        cmocka_unit_test_setup_teardown(has_one_owner, setup, teardown),
+        cmocka_unit_test_setup_teardown(waits_for_the_owner_to_leave, setup, teardown),
+        cmocka_unit_test_setup_teardown(refuses_a_newer_one, setup, teardown),
+        cmocka_unit_test_setup_teardown(refuses_a_foreign_one, setup, teardown),
+        cmocka_unit_test_setup_teardown(refuses_what_is_no_database, setup, teardown),
+        cmocka_unit_test_setup_teardown(says_why_it_cannot, setup, teardown),
+        cmocka_unit_test_setup_teardown(takes_names_literally, setup, teardown),
+        cmocka_unit_test_setup_teardown(migrates_step_by_step, setup, teardown),
+        cmocka_unit_test_setup_teardown(opens_an_older_one, setup, teardown),
+        cmocka_unit_test_setup_teardown(refuses_other_tables, setup, teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
