@@ -86,20 +86,20 @@ static bool is_path(const sheard_setting *s) {
     return s->type == SHEARD_T_PATH || s->type == SHEARD_T_PATHS;
 }
 
-/* A checked and tidied copy of text[0..n). */
+/* A tidied and checked copy of text[0..n). */
 static int parse_item(const sheard_setting *s, const char *text, size_t n, char **item,
                       shear_error *err) {
     char *copy = strndup(text, n);
     if (copy == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %s", s->key);
     }
+    if (is_path(s)) {
+        tidy_path(copy); /* before the check: "/a /" becomes "/a ", which cannot be written */
+    }
     int code = is_path(s) ? check_path(s, copy, err) : check_name(s, copy, err);
     if (code != SHEAR_OK) {
         free(copy);
         return code;
-    }
-    if (is_path(s)) {
-        tidy_path(copy);
     }
     *item = copy;
     return SHEAR_OK;

@@ -210,8 +210,8 @@ int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads
                       double *noise, shear_error *err) {
     if (first < 0 || count < 0 || first > m->info.n_stamps - count) {
         return shear_fail(err, SHEAR_E_SETTING, NULL,
-                          "stamps %lld to %lld are not in a mock of %lld stamps", (long long)first,
-                          (long long)first + count - 1, (long long)m->info.n_stamps);
+                          "%d stamps from number %lld on are not in a mock of %lld stamps", count,
+                          (long long)first, (long long)m->info.n_stamps);
     }
     int n = threads > 0 ? threads : omp_get_max_threads();
     n = n < count ? n : count > 0 ? count : 1;

@@ -13,69 +13,62 @@ static const char *const psf_names[] = {"a", "b", NULL};
 static const char *const layout_names[] = {"cube", "mosaic", NULL};
 
 #define AT(member) offsetof(shear_mock_spec, member)
-#define INT(name, member, min, max, metavar, help)                                                 \
-    { name, SHEAR_MOCK_T_INT, AT(member), NULL, min, max, false, metavar, help }
-#define DOUBLE(name, member, min, max, metavar, help)                                              \
-    { name, SHEAR_MOCK_T_DOUBLE, AT(member), NULL, min, max, false, metavar, help }
-#define PAIR(name, member, min, max, metavar, help)                                                \
-    { name, SHEAR_MOCK_T_PAIR, AT(member), NULL, min, max, false, metavar, help }
+#define ROW(name, type, member, min, max, metavar, help)                                           \
+    { name, AT(member), NULL, min, max, metavar, help, SHEAR_MOCK_T_##type, false }
+#define ROW_AUTO(name, type, member, min, max, metavar, help)                                      \
+    { name, AT(member), NULL, min, max, metavar, help, SHEAR_MOCK_T_##type, true }
 #define CHOICE(name, member, choices, metavar, help)                                               \
-    { name, SHEAR_MOCK_T_CHOICE, AT(member), choices, 0, 0, false, metavar, help }
-#define SWITCH(name, type, member, help)                                                           \
-    { name, type, AT(member), NULL, 0, 0, false, NULL, help }
+    { name, AT(member), choices, 0, 0, metavar, help, SHEAR_MOCK_T_CHOICE, false }
+#define SWITCH(name, type, member, help) ROW(name, type, member, 0, 0, NULL, help)
 
 static const shear_mock_option table[] = {
-    {"stamps", SHEAR_MOCK_T_COUNT, AT(n_stamps), NULL, 1, 1e9, false, "N", "stamp pairs"},
-    {"size", SHEAR_MOCK_T_SIZE, AT(nx), NULL, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE, false, "NX[xNY]",
-     "pixels of a stamp"},
-    {"seed", SHEAR_MOCK_T_SEED, AT(seed), NULL, 0, 0, false, "S",
-     "same seed: same galaxies and noise, at any shear"},
-    PAIR("shear", g1, -0.99, 0.99, "G1,G2", "the true shear"),
-    INT("rotate", rotate, 1, 4, "1|2|4",
+    ROW("stamps", COUNT, n_stamps, 1, 1e9, "N", "stamp pairs"),
+    ROW("size", SIZE, nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE, "NX[xNY]", "pixels of a stamp"),
+    ROW("seed", SEED, seed, 0, 0, "S", "same seed: same galaxies and noise, at any shear"),
+    ROW("shear", PAIR, g1, -0.99, 0.99, "G1,G2", "the true shear"),
+    ROW("rotate", INT, rotate, 1, 4, "1|2|4",
         "each galaxy at 0, at 0 and 90, or at 0, 45, 90 and 135 degrees, in neighbouring stamps"),
-    SWITCH("no-shift", SHEAR_MOCK_T_OFF, shift, "no random sub-pixel position of the galaxies"),
-    PAIR("offset", offset_x, -512, 512, "DX,DY", "move every galaxy by this much, px"),
-    SWITCH("share-shift", SHEAR_MOCK_T_ON, share_shift,
+    SWITCH("no-shift", OFF, shift, "no random sub-pixel position of the galaxies"),
+    ROW("offset", PAIR, offset_x, -512, 512, "DX,DY", "move every galaxy by this much, px"),
+    SWITCH("share-shift", ON, share_shift,
            "the rotated copies of a galaxy have the same sub-pixel position"),
-    SWITCH("share-noise", SHEAR_MOCK_T_ON, share_noise,
-           "the rotated copies of a galaxy have the same noise"),
+    SWITCH("share-noise", ON, share_noise, "the rotated copies of a galaxy have the same noise"),
     CHOICE("galaxy", galaxy, galaxy_names, "regular|irregular", "disk and bulge, or random walk"),
-    DOUBLE("r-gal", r_gal_px, 0.01, 512, "PX", "radius R_G at which galaxies are cut"),
-    INT("points", points, 1, 1e6, "N", "points of a regular galaxy"),
-    DOUBLE("bulge-fraction", bulge_fraction, 0, 100, "X",
-           "f_b/d, central brightness of the bulge over the disk's"),
-    DOUBLE("disk-scale", disk_scale, 0.05, 1000, "X", "r_disk / R_G"),
-    DOUBLE("bulge-ratio", bulge_ratio, 0.01, 100, "X", "r_disk / r_bulge"),
-    PAIR("inclination", inclination_min_deg, 0, 90, "MIN,MAX",
-         "range of the regular galaxies' inclinations, degrees"),
-    INT("steps", steps, 1, 1e6, "N", "steps of an irregular galaxy"),
-    DOUBLE("step-size", step_px, 1e-3, 512, "PX", "length of a step"),
+    ROW("r-gal", DOUBLE, r_gal_px, 0.01, 512, "PX", "radius R_G at which galaxies are cut"),
+    ROW("points", INT, points, 1, 1e6, "N", "points of a regular galaxy"),
+    ROW("bulge-fraction", DOUBLE, bulge_fraction, 0, 100, "X",
+        "f_b/d, central brightness of the bulge over the disk's"),
+    ROW("disk-scale", DOUBLE, disk_scale, 0.05, 1000, "X", "r_disk / R_G"),
+    ROW("bulge-ratio", DOUBLE, bulge_ratio, 0.01, 100, "X", "r_disk / r_bulge"),
+    ROW("inclination", PAIR, inclination_min_deg, 0, 90, "MIN,MAX",
+        "range of the regular galaxies' inclinations, degrees"),
+    ROW("steps", INT, steps, 1, 1e6, "N", "steps of an irregular galaxy"),
+    ROW("step-size", DOUBLE, step_px, 1e-3, 512, "PX", "length of a step"),
     CHOICE("psf", psf, psf_names, "a|b", "PSF form: a, or b with diffraction spikes"),
-    DOUBLE("r-psf", r_psf_px, 0.1, 100, "PX", "scale radius of the PSF"),
-    DOUBLE("psf-angle", psf_angle_deg, -360, 360, "DEG", "turns the PSF from x towards y"),
-    INT("oversamp", oversample, 1, 64, "K", "samples of the PSF image per pixel"),
-    {"psf-size", SHEAR_MOCK_T_INT, AT(psf_size), NULL, 3, 4096, true, "N",
-     "samples a side of the PSF image (auto: all above 1e-20 of the peak)"},
-    SWITCH("psf-per-stamp", SHEAR_MOCK_T_ON, psf_per_stamp,
-           "every stamp has its own PSF, at a random angle"),
-    INT("psf-ids", psf_ids, 0, 1e6, "K", "K PSFs at random angles, told apart by PSF_ID (0: one)"),
-    DOUBLE("noise-ratio", noise_ratio, 0, 1e6, "X",
-           "astronomical noise: I_N/I_G, its mean flux density over the galaxy's (0: none)"),
-    {"noise-density", SHEAR_MOCK_T_DOUBLE, AT(noise_density), NULL, 1e-9, 1e4, true, "N",
-     "its point sources per square pixel (auto: 1/R_PSF^2)"},
-    DOUBLE("white", white_sigma, 0, 1e12, "SIGMA",
-           "white Gaussian noise per pixel, in units of a point's peak or in photons (0: none)"),
-    DOUBLE("photons", photons, 0, 1e8, "N",
-           "photon counting: mean number of background photons per pixel (0: none)"),
-    DOUBLE("photon-snr", photon_snr, 1e-9, 1e6, "X",
-           "mean surface brightness of the galaxy over that of the background"),
-    SWITCH("subtract-background", SHEAR_MOCK_T_ON, subtract_background,
+    ROW("r-psf", DOUBLE, r_psf_px, 0.1, 100, "PX", "scale radius of the PSF"),
+    ROW("psf-angle", DOUBLE, psf_angle_deg, -360, 360, "DEG", "turns the PSF from x towards y"),
+    ROW("oversamp", INT, oversample, 1, 64, "K", "samples of the PSF image per pixel"),
+    ROW_AUTO("psf-size", INT, psf_size, 3, 4096, "N",
+             "samples a side of the PSF image (auto: all above 1e-20 of the peak)"),
+    SWITCH("psf-per-stamp", ON, psf_per_stamp, "every stamp has its own PSF, at a random angle"),
+    ROW("psf-ids", INT, psf_ids, 0, 1e6, "K",
+        "K PSFs at random angles, told apart by PSF_ID (0: one)"),
+    ROW("noise-ratio", DOUBLE, noise_ratio, 0, 1e6, "X",
+        "astronomical noise: I_N/I_G, its mean flux density over the galaxy's (0: none)"),
+    ROW_AUTO("noise-density", DOUBLE, noise_density, 1e-9, 1e4, "N",
+             "its point sources per square pixel (auto: 1/R_PSF^2)"),
+    ROW("white", DOUBLE, white_sigma, 0, 1e12, "SIGMA",
+        "white Gaussian noise per pixel, in units of a point's peak or in photons (0: none)"),
+    ROW("photons", DOUBLE, photons, 0, 1e8, "N",
+        "photon counting: mean number of background photons per pixel (0: none)"),
+    ROW("photon-snr", DOUBLE, photon_snr, 1e-9, 1e6, "X",
+        "mean surface brightness of the galaxy over that of the background"),
+    SWITCH("subtract-background", ON, subtract_background,
            "take the mean background off the photon counts"),
-    {"field", SHEAR_MOCK_T_TEXT, AT(field), NULL, 0, 0, false, "NAME",
-     "the field's name (none: the file's)"},
+    ROW("field", TEXT, field, 0, 0, "NAME", "the field's name (none: the file's)"),
     CHOICE("layout", layout, layout_names, "cube|mosaic", "of the stamps in the file"),
-    INT("bitpix", bitpix, -64, -32, "-32|-64", "pixel type: float or double"),
-    SWITCH("no-r-gal", SHEAR_MOCK_T_OFF, write_r_gal, "leave R_GAL out of the catalogue"),
+    ROW("bitpix", INT, bitpix, -64, -32, "-32|-64", "pixel type: float or double"),
+    SWITCH("no-r-gal", OFF, write_r_gal, "leave R_GAL out of the catalogue"),
 };
 
 enum { N_OPTIONS = sizeof table / sizeof *table };

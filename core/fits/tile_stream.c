@@ -1,61 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/tile_stream.h"
 
-#include <string.h>
+#include "fits/bits.h"
+
 #include <zlib.h>
-
-/* Bits of a stream, most significant first. */
-typedef struct bits {
-    const unsigned char *bytes;
-    int64_t count;    /* of bits */
-    int64_t position; /* next bit */
-} bits;
-
-static bool skip(bits *b, int64_t n) {
-    b->position += n;
-    return b->position <= b->count;
-}
-
-static bool take(bits *b, int n, int *out) {
-    *out = 0;
-    for (int i = 0; i < n; i++, b->position++) {
-        if (b->position >= b->count) {
-            return false;
-        }
-        const int bit = b->bytes[b->position >> 3] >> (7 - (b->position & 7)) & 1;
-        *out = 2 * *out + bit;
-    }
-    return true;
-}
-
-/* Skip zeros and the one behind them. */
-static bool skip_unary(bits *b) {
-    while (b->position < b->count) {
-        const unsigned byte = b->bytes[b->position >> 3] & (0xffu >> (b->position & 7));
-        if (byte != 0) {
-            b->position = (b->position & ~INT64_C(7)) + (__builtin_clz(byte) - 24) + 1;
-            return true;
-        }
-        b->position = (b->position | 7) + 1;
-    }
-    return false;
-}
 
 /* One block: a code of `code_bits` says how its `pixels` differences are split. 0: all are zero;
  * the largest: they are stored whole; else the low code-1 bits follow a unary count. */
-static bool skip_block(bits *b, int64_t pixels, int code_bits, int whole_code, int pixel_bits) {
+static bool skip_block(sf_bits *b, int64_t pixels, int code_bits, int whole_code, int pixel_bits) {
     int code = 0;
-    if (!take(b, code_bits, &code)) {
+    if (!sf_bits_take(b, code_bits, &code)) {
         return false;
     }
     if (code == 0) {
         return true;
     }
     if (code == whole_code) {
-        return skip(b, pixels * pixel_bits);
+        return sf_bits_skip(b, pixels * pixel_bits);
     }
     for (int64_t i = 0; i < pixels; i++) {
-        if (!skip_unary(b) || !skip(b, code - 1)) {
+        if (!sf_bits_skip_unary(b) || !sf_bits_skip(b, code - 1)) {
             return false;
         }
     }
@@ -67,8 +31,8 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
     const int code_bits = pixel_bytes == 4 ? 5 : pixel_bytes == 2 ? 4 : 3;
     const int whole_code = (pixel_bytes == 4 ? 25 : pixel_bytes == 2 ? 14 : 6) + 1;
     const int pixel_bits = (int)(8 * pixel_bytes);
-    bits b = {.bytes = bytes, .count = 8 * count};
-    if (!skip(&b, pixel_bits)) { /* the first pixel, whole */
+    sf_bits b = {.bytes = bytes, .count = 8 * count};
+    if (!sf_bits_skip(&b, pixel_bits)) { /* the first pixel, whole */
         return false;
     }
     for (int64_t done = 0; done < pixels; done += block) {
@@ -127,21 +91,4 @@ bool sf_plio_sound(const unsigned char *bytes, int64_t count) {
         }
     }
     return true;
-}
-
-static int64_t big_endian_32(const unsigned char *b) {
-    return (int32_t)((uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]);
-}
-
-bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, int64_t pixels, bool wide) {
-    enum { NX = 2, NY = 6, PLANES = 22, HEADER = 25 };
-    static const unsigned char magic[2] = {0xdd, 0x99};
-    if (count < HEADER || memcmp(bytes, magic, sizeof magic) != 0) {
-        return false;
-    }
-    const int64_t nx = big_endian_32(bytes + NX);
-    const int64_t ny = big_endian_32(bytes + NY);
-    const int most = wide ? 62 : 31;
-    return nx > 0 && ny > 0 && nx * ny == pixels && bytes[PLANES] <= most &&
-           bytes[PLANES + 1] <= most && bytes[PLANES + 2] <= most;
 }

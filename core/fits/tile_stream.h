@@ -22,8 +22,10 @@ int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit);
 /* PLIO: `count` bytes of big-endian 16-bit instructions. */
 bool sf_plio_sound(const unsigned char *bytes, int64_t count);
 
-/* H-compress: the stream's own dimensions are `pixels` in all, and its bit planes fit 64-bit
- * integers (32-bit ones where `wide` is false). The coded bits themselves are not followed. */
-bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, int64_t pixels, bool wide);
+/* H-compress (hcompress_stream.c): the stream describes a tile of `pixels` pixels, and holds all
+ * bits that it takes to rebuild it; `wide` allows more than 31 bit planes. `work` has room for 3
+ * `pixels` bytes. */
+bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, int64_t pixels, bool wide,
+                        unsigned char *work);
 
 #endif

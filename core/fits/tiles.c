@@ -217,13 +217,15 @@ static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_
     if (bytes > max_stream_bytes(pixels)) {
         return bad_tile(t, tile, "its data are absurdly long", err);
     }
-    if (bytes > t->buffer_size) {
-        unsigned char *grown = realloc(t->buffer, (size_t)bytes);
+    const int64_t room =
+        bytes + (t->algorithm == SF_HCOMPRESS ? 3 * pixels : 0); /* and work space */
+    if (room > t->buffer_size) {
+        unsigned char *grown = realloc(t->buffer, (size_t)room);
         if (grown == NULL) {
             return sf_fail_memory(err, t->at);
         }
         t->buffer = grown;
-        t->buffer_size = bytes;
+        t->buffer_size = room;
     }
     for (int64_t done = 0; done < bytes;) {
         const ssize_t n = pread(t->file->source.fd, t->buffer + done, (size_t)(bytes - done),

@@ -230,16 +230,29 @@ static int run_file(const char *path) {
     return 0;
 }
 
+/* What is mutated must be good to begin with, or nothing is tried. */
+static bool is_good(const char *path) {
+    shear_field *field = NULL;
+    shear_error err = {0};
+    if (shear_field_open(&field, path, &err) != SHEAR_OK) {
+        fprintf(stderr, "fuzz_field: %s\n", err.message);
+    }
+    shear_field_close(field);
+    return err.code == SHEAR_OK;
+}
+
 static int run_seeds(const char *option, int argc, char **argv) {
     bytes seeds[SEEDS];
     if (fixture_setup(NULL) != 0) {
         return 1;
     }
+    bool good = true;
     const int corpus = strcmp(option, "--corpus") == 0;
     for (int i = 0; i < SEEDS; i++) {
         const char *path = fixture_path("seed.fits");
         write_seed(i, path);
         seeds[i].data = fixture_load(path, &seeds[i].size);
+        good = good && is_good(path);
         if (corpus && argc > 0) {
             char out[600];
             snprintf(out, sizeof out, "%s/seed-%d.fits", argv[0], i);
@@ -248,7 +261,9 @@ static int run_seeds(const char *option, int argc, char **argv) {
     }
     const int first = argc > 0 ? atoi(argv[0]) : 300;
     const int last = argc > 1 ? atoi(argv[1]) : first + 1;
-    const int rc = corpus ? 0 : run_mutants(seeds, argc > 1 ? first : 0, argc > 1 ? last : first);
+    const int rc = !good    ? 1
+                   : corpus ? 0
+                            : run_mutants(seeds, argc > 1 ? first : 0, argc > 1 ? last : first);
     for (int i = 0; i < SEEDS; i++) {
         free(seeds[i].data);
     }

@@ -204,6 +204,7 @@ static void paths(void **state) {
     bad("daemon", "state_dir", "/a ;b", "cannot be written");
     bad("daemon", "state_dir", "/a #b", "cannot be written");
     bad("daemon", "state_dir", "/a ", "cannot be written");
+    bad("daemon", "state_dir", "/a /", "cannot be written");
 
     char longest[200];
     memset(longest, 'x', sizeof longest);

@@ -101,13 +101,13 @@ enum shear_mock_type {
 
 typedef struct shear_mock_option {
     const char *name;           /* as in --name */
-    int type;                   /* enum shear_mock_type */
     size_t offset;              /* of the (first) member in shear_mock_spec */
     const char *const *choices; /* NULL-terminated, in the enum's order */
     double min, max;            /* inclusive range of each number */
-    bool has_auto;              /* "auto" is a value (0 for ints, NaN for doubles) */
     const char *metavar;        /* "PX", NULL where there is no value */
     const char *help;           /* one line */
+    int type;                   /* enum shear_mock_type */
+    bool has_auto;              /* "auto" is a value (0 for ints, NaN for doubles) */
 } shear_mock_option;
 
 const shear_mock_option *shear_mock_options(size_t *n);

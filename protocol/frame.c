@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sheard/frame.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A connection that is quiet keeps no more than this. */
+enum { SMALL = 4096 };
+
+void shear_frame_init(shear_frame *f, size_t limit) {
+    *f = (shear_frame){.limit = limit};
+}
+
+void shear_frame_deinit(shear_frame *f) {
+    free(f->kept);
+    *f = (shear_frame){.limit = f->limit};
+}
+
+size_t shear_frame_pending(const shear_frame *f) {
+    return f->delivered ? 0 : f->used;
+}
+
+static void forget(shear_frame *f) {
+    f->used = 0;
+    f->delivered = false;
+    if (f->size > SMALL) {
+        free(f->kept);
+        f->kept = NULL;
+        f->size = 0;
+    }
+}
+
+/* Doubling, so that a line that comes byte by byte costs no more than its length; never beyond the
+ * limit. */
+static int make_room(shear_frame *f, size_t n) {
+    if (n <= f->size) {
+        return SHEAR_FRAME_MORE;
+    }
+    size_t size = f->size < 256 ? 256 : f->size;
+    while (size < n) {
+        size = size > SIZE_MAX / 2 ? n : size * 2;
+    }
+    if (size > f->limit) {
+        size = f->limit;
+    }
+    char *larger = realloc(f->kept, size);
+    if (!larger) {
+        return SHEAR_FRAME_NOMEM;
+    }
+    f->kept = larger;
+    f->size = size;
+    return SHEAR_FRAME_MORE;
+}
+
+/* Is there something wrong with the line that goes on with these n bytes? The first wrong byte counts,
+ * so that the answer does not depend on the pieces. */
+static int look_for_faults(const shear_frame *f, const char *bytes, size_t n) {
+    const size_t room = f->limit - f->used;
+    const char *nul = memchr(bytes, '\0', n < room ? n : room + 1);
+    return nul && (size_t)(nul - bytes) < room ? SHEAR_FRAME_NUL
+           : n > room                          ? SHEAR_FRAME_TOO_LONG
+           : nul                               ? SHEAR_FRAME_NUL
+                                               : SHEAR_FRAME_MORE;
+}
+
+static int keep(shear_frame *f, const char *bytes, size_t n) {
+    const int event = make_room(f, f->used + n);
+    if (event == SHEAR_FRAME_MORE) {
+        memcpy(f->kept + f->used, bytes, n);
+        f->used += n;
+    }
+    return event;
+}
+
+/* The n bytes end a line, which may have begun in `kept`. An empty line is no event. */
+static int finish(shear_frame *f, const char *bytes, size_t n, const char **line, size_t *length) {
+    *line = bytes;
+    *length = n;
+    if (f->used > 0) {
+        const int event = n > 0 ? keep(f, bytes, n) : SHEAR_FRAME_MORE;
+        if (event != SHEAR_FRAME_MORE) {
+            return event;
+        }
+        *line = f->kept;
+        *length = f->used;
+        f->delivered = true;
+    }
+    if (*length > 0 && (*line)[*length - 1] == '\r') {
+        --*length;
+    }
+    return *length > 0 ? SHEAR_FRAME_LINE : SHEAR_FRAME_MORE;
+}
+
+/* Take n bytes of one line, `ended` if its \n follows. */
+static int take(shear_frame *f, const char *bytes, size_t n, bool ended, const char **line,
+                size_t *length) {
+    if (f->skipping) {
+        f->skipping = !ended;
+        return SHEAR_FRAME_MORE;
+    }
+    int event = look_for_faults(f, bytes, n);
+    if (event == SHEAR_FRAME_MORE) {
+        event = ended   ? finish(f, bytes, n, line, length)
+                : n > 0 ? keep(f, bytes, n)
+                        : SHEAR_FRAME_MORE;
+    }
+    if (event != SHEAR_FRAME_MORE && event != SHEAR_FRAME_LINE) {
+        forget(f);
+        f->skipping = !ended;
+    }
+    return event;
+}
+
+int shear_frame_next(shear_frame *f, const char **input, size_t *n, const char **line,
+                     size_t *length) {
+    *line = NULL;
+    *length = 0;
+    for (;;) {
+        if (f->delivered) {
+            forget(f);
+        }
+        if (*n == 0) {
+            return SHEAR_FRAME_MORE;
+        }
+        const char *bytes = *input;
+        const char *newline = memchr(bytes, '\n', *n);
+        const size_t taken = newline ? (size_t)(newline - bytes) : *n;
+        *input += taken + (newline != NULL);
+        *n -= taken + (newline != NULL);
+        const int event = take(f, bytes, taken, newline != NULL, line, length);
+        if (event != SHEAR_FRAME_MORE) {
+            return event;
+        }
+    }
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* rpc_methods.h: what each method and notification is made of. */
+#ifndef PROTOCOL_RPC_METHODS_H
+#define PROTOCOL_RPC_METHODS_H
+
+#include "msg_table.h"
+
+typedef struct rpc_method {
+    const char *name;
+    const msg_table *params, *reply;
+    bool admin; /* for administrators only */
+} rpc_method;
+
+typedef struct rpc_notice {
+    const char *name;
+    const msg_table *params;
+} rpc_notice;
+
+extern const rpc_method rpc_methods[SHEAR_N_METHODS];
+extern const rpc_notice rpc_notices[SHEAR_N_NOTICES];
+
+#endif
