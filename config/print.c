@@ -90,7 +90,9 @@ int sheard_config_print_sample(FILE *out, shear_error *err) {
     if (code != SHEAR_OK) {
         return code;
     }
-    fputs("# sheard.conf: the configuration of sheard.\n#\n", out);
+    fputs("# SPDX-License-Identifier: GPL-3.0-or-later\n"
+          "# sheard.conf: the configuration of sheard.\n#\n",
+          out);
     comment(out, preamble);
     fputs("#\n", out);
     comment(out, preamble_use);

@@ -120,11 +120,10 @@ static int take_item(const sheard_setting *s, sheard_list *list, const char *tex
                      shear_error *err) {
     char *item = NULL;
     int code = parse_item(s, text, n, &item, err);
-    if (code == SHEAR_OK && contains(list, item)) {
+    if (item != NULL && contains(list, item)) {
         code = shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.200s' is listed twice",
                           s->section, s->key, item);
-    }
-    if (code == SHEAR_OK) {
+    } else if (item != NULL) {
         code = sheard_list_append(list, item, err);
     }
     free(item);

@@ -53,15 +53,12 @@ static int make_room(shear_frame *f, size_t n) {
     return SHEAR_FRAME_MORE;
 }
 
-/* Is there something wrong with the line that goes on with these n bytes? The first wrong byte counts,
- * so that the answer does not depend on the pieces. */
+/* Is there something wrong with the line that goes on with these n bytes? The first wrong byte
+ * counts, so that the answer does not depend on the pieces. */
 static int look_for_faults(const shear_frame *f, const char *bytes, size_t n) {
     const size_t room = f->limit - f->used;
-    const char *nul = memchr(bytes, '\0', n < room ? n : room + 1);
-    return nul && (size_t)(nul - bytes) < room ? SHEAR_FRAME_NUL
-           : n > room                          ? SHEAR_FRAME_TOO_LONG
-           : nul                               ? SHEAR_FRAME_NUL
-                                               : SHEAR_FRAME_MORE;
+    const char *nul = memchr(bytes, '\0', n < room ? n : room);
+    return nul ? SHEAR_FRAME_NUL : n > room ? SHEAR_FRAME_TOO_LONG : SHEAR_FRAME_MORE;
 }
 
 static int keep(shear_frame *f, const char *bytes, size_t n) {

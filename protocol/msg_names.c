@@ -2,7 +2,7 @@
 /* The names of states and kinds. "" is null in JSON. The order is that of the enums. */
 #include "msg_table.h"
 
-const char *const msg_states[] = {"queued", "running", "waiting", "done",
+const char *const msg_states[] = {"queued", "running",   "waiting", "done",
                                   "failed", "cancelled", NULL};
 const char *const msg_classes[] = {"", "transient", "data", "bug", NULL};
 const char *const msg_outcomes[] = {"", "counted", "duplicate", NULL};

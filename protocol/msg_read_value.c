@@ -123,8 +123,8 @@ static int check_text(msg_reader *r, const char *text, size_t n, unsigned flags,
         return SHEAR_RPC_OK;
     }
     if (longest > 0 && n > (size_t)longest) {
-        return msg_fail(r, SHEAR_RPC_BAD_PARAMETER,
-                        "expected at most %" PRId64 " bytes, not %zu", longest, n);
+        return msg_fail(r, SHEAR_RPC_BAD_PARAMETER, "expected at most %" PRId64 " bytes, not %zu",
+                        longest, n);
     }
     if (flags & MSG_PLAIN && (n == 0 || has_control(text))) {
         return msg_fail(r, SHEAR_RPC_BAD_PARAMETER,

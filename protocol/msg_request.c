@@ -40,9 +40,10 @@ static const msg_table image = {MSG_TABLE_(shear_msg_image, image_members), .che
 static const msg_member source_members[] = {SOURCE_MEMBERS(shear_msg_source, )};
 
 static int bad_source(shear_rpc_error *error, int code, const char *parameter, const char *said) {
-    shear_rpc_fail(error, code,
-                   "give either \"path\", a field file, or all of \"galaxy\", \"noise\" and \"psf\"",
-                   "'%s': %s", parameter, said);
+    shear_rpc_fail(
+        error, code,
+        "give either \"path\", a field file, or all of \"galaxy\", \"noise\" and \"psf\"",
+        "'%s': %s", parameter, said);
     snprintf(error->parameter, sizeof error->parameter, "%s", parameter);
     return code;
 }

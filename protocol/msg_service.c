@@ -75,8 +75,8 @@ static const msg_member spool_members[] = {
 static const msg_table spool = {MSG_TABLE_(shear_msg_spool, spool_members), .check = NULL};
 
 static const msg_member store_members[] = {
-    MSG_SAID_(shear_msg_store, path, 0),        MSG_COUNT_(shear_msg_store, schema, 0),
-    MSG_COUNT_(shear_msg_store, bytes, 0),      MSG_COUNT_(shear_msg_store, free_bytes, 0),
+    MSG_SAID_(shear_msg_store, path, 0),     MSG_COUNT_(shear_msg_store, schema, 0),
+    MSG_COUNT_(shear_msg_store, bytes, 0),   MSG_COUNT_(shear_msg_store, free_bytes, 0),
     MSG_COUNT_(shear_msg_store, commits, 0),
 };
 static const msg_table store = {MSG_TABLE_(shear_msg_store, store_members), .check = NULL};

@@ -147,8 +147,8 @@ static int read_one(msg_reader *r, shear_settings *s, const shear_setting_def *d
                : msg_fail(r, SHEAR_RPC_BAD_SETTING, "%s", err.message);
 }
 
-/* Which settings an object gives, and their values in *s. A newer service may have settings that we do
- * not know: they are passed over. */
+/* Which settings an object gives, and their values in *s. A newer service may have settings that we
+ * do not know: they are passed over. */
 static int read_given(msg_reader *r, shear_settings *s, bool *given, const json_t *object) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* msg_table.h: every message is a table of its members; one reader, one writer and one deinit walk it.
- * A table and its struct cannot drift apart: the macros below do not compile where the member has
- * another type. */
+/* msg_table.h: every message is a table of its members; one reader, one writer and one deinit walk
+ * it. A table and its struct cannot drift apart: the macros below do not compile where the member
+ * has another type. */
 #ifndef PROTOCOL_MSG_TABLE_H
 #define PROTOCOL_MSG_TABLE_H
 
@@ -24,7 +24,7 @@ enum msg_type {
     MSG_TEXTS,    /* const char *const *, size_t */
     MSG_OBJECT,   /* a struct within the struct */
     MSG_OBJECTS,  /* const struct *, size_t */
-    MSG_MERGED    /* const char *, a JSON object whose members stand beside ours; at most one, first */
+    MSG_MERGED /* const char *, a JSON object whose members stand beside ours; at most one, first */
 };
 
 enum msg_flag {
@@ -62,84 +62,76 @@ typedef struct msg_table {
 
 /* Its type's name, so that a table entry for a member of another type does not compile. */
 #define MSG_AT(T, member, type)                                                                    \
-    (offsetof(T, member) +                                                                         \
-     0 * sizeof(char[_Generic(((T *)0)->member, type : 1, default : -1)]))
+    (offsetof(T, member) + 0 * sizeof(char[_Generic(((T *)0)->member, type : 1, default : -1)]))
 #define MSG_LIST_AT(T, list, count)                                                                \
     .offset = offsetof(T, list), .count_offset = MSG_AT(T, count, size_t)
 
 #define MSG_BOOL_(T, member, flag)                                                                 \
-    {.name = #member, .type = MSG_BOOL, .flags = (flag), .offset = MSG_AT(T, member, bool)}
+    { .name = #member, .type = MSG_BOOL, .flags = (flag), .offset = MSG_AT(T, member, bool) }
 #define MSG_INT_(T, member, key, low, high, otherwise, flag)                                       \
-    {.name = (key),                                                                                \
-     .type = MSG_INT,                                                                              \
-     .flags = (flag),                                                                              \
-     .offset = MSG_AT(T, member, int64_t),                                                         \
-     .min = (low),                                                                                 \
-     .max = (high),                                                                                \
-     .fallback = (otherwise)}
+    {                                                                                              \
+        .name = (key), .type = MSG_INT, .flags = (flag), .offset = MSG_AT(T, member, int64_t),     \
+        .min = (low), .max = (high), .fallback = (otherwise)                                       \
+    }
 /* A count, an id: 0 or more, 0 where absent. */
-#define MSG_COUNT_(T, member, flag)                                                                \
-    MSG_INT_(T, member, #member, 0, INT64_MAX, 0, flag)
+#define MSG_COUNT_(T, member, flag) MSG_INT_(T, member, #member, 0, INT64_MAX, 0, flag)
 #define MSG_REAL_(T, member, low, high)                                                            \
-    {.name = #member,                                                                              \
-     .type = MSG_REAL,                                                                             \
-     .offset = MSG_AT(T, member, double),                                                          \
-     .min = (low),                                                                                 \
-     .max = (high)}
+    {                                                                                              \
+        .name = #member, .type = MSG_REAL, .offset = MSG_AT(T, member, double), .min = (low),      \
+        .max = (high)                                                                              \
+    }
 #define MSG_TEXT_(T, member, key, longest, flag)                                                   \
-    {.name = (key),                                                                                \
-     .type = MSG_TEXT,                                                                             \
-     .flags = (flag),                                                                              \
-     .offset = MSG_AT(T, member, const char *),                                                    \
-     .max = (longest)}
+    {                                                                                              \
+        .name = (key), .type = MSG_TEXT, .flags = (flag),                                          \
+        .offset = MSG_AT(T, member, const char *), .max = (longest)                                \
+    }
 #define MSG_SAID_(T, member, flag) MSG_TEXT_(T, member, #member, 0, flag)
 #define MSG_NAME_(T, member, key, list, flag)                                                      \
-    {.name = (key),                                                                                \
-     .type = MSG_NAME,                                                                             \
-     .flags = (flag),                                                                              \
-     .offset = MSG_AT(T, member, int),                                                             \
-     .names = (list)}
+    {                                                                                              \
+        .name = (key), .type = MSG_NAME, .flags = (flag), .offset = MSG_AT(T, member, int),        \
+        .names = (list)                                                                            \
+    }
 #define MSG_TIME_(T, member, key)                                                                  \
-    {.name = (key), .type = MSG_TIME, .offset = MSG_AT(T, member, int64_t)}
+    { .name = (key), .type = MSG_TIME, .offset = MSG_AT(T, member, int64_t) }
 #define MSG_RAW_(T, member)                                                                        \
-    {.name = #member, .type = MSG_RAW, .offset = MSG_AT(T, member, const char *)}
+    { .name = #member, .type = MSG_RAW, .offset = MSG_AT(T, member, const char *) }
 #define MSG_SETTINGS_(T, member)                                                                   \
-    {.name = #member, .type = MSG_SETTINGS, .offset = MSG_AT(T, member, const char *)}
+    { .name = #member, .type = MSG_SETTINGS, .offset = MSG_AT(T, member, const char *) }
 #define MSG_STATES_(T, member, list)                                                               \
-    {.name = #member, .type = MSG_STATES, .offset = MSG_AT(T, member, unsigned), .names = (list)}
+    { .name = #member, .type = MSG_STATES, .offset = MSG_AT(T, member, unsigned), .names = (list) }
 #define MSG_INTS_(T, member, longest, flag)                                                        \
-    {.name = #member,                                                                              \
-     .type = MSG_INTS,                                                                             \
-     .flags = (flag) + 0 * MSG_AT(T, member, const int64_t *),                                     \
-     MSG_LIST_AT(T, member, n_##member),                                                           \
-     .max = (longest)}
+    {                                                                                              \
+        .name = #member, .type = MSG_INTS,                                                         \
+        .flags = (flag) + 0 * MSG_AT(T, member, const int64_t *),                                  \
+        MSG_LIST_AT(T, member, n_##member), .max = (longest)                                       \
+    }
 #define MSG_TEXTS_(T, member, longest, item, flag)                                                 \
-    {.name = #member,                                                                              \
-     .type = MSG_TEXTS,                                                                            \
-     .flags = (flag) + 0 * MSG_AT(T, member, const char *const *),                                 \
-     MSG_LIST_AT(T, member, n_##member),                                                           \
-     .max = (longest),                                                                             \
-     .item_max = (item)}
+    {                                                                                              \
+        .name = #member, .type = MSG_TEXTS,                                                        \
+        .flags = (flag) + 0 * MSG_AT(T, member, const char *const *),                              \
+        MSG_LIST_AT(T, member, n_##member), .max = (longest), .item_max = (item)                   \
+    }
 #define MSG_OBJECT_(T, member, key, S, its, flag)                                                  \
-    {.name = (key),                                                                                \
-     .type = MSG_OBJECT,                                                                           \
-     .flags = (flag),                                                                              \
-     .offset = MSG_AT(T, member, S),                                                               \
-     .table = (its)}
+    {                                                                                              \
+        .name = (key), .type = MSG_OBJECT, .flags = (flag), .offset = MSG_AT(T, member, S),        \
+        .table = (its)                                                                             \
+    }
 #define MSG_OBJECTS_(T, member, S, its)                                                            \
-    {.name = #member,                                                                              \
-     .type = MSG_OBJECTS,                                                                          \
-     .flags = 0 * MSG_AT(T, member, const S *),                                                    \
-     MSG_LIST_AT(T, member, n_##member),                                                           \
-     .table = (its)}
+    {                                                                                              \
+        .name = #member, .type = MSG_OBJECTS, .flags = 0 * MSG_AT(T, member, const S *),           \
+        MSG_LIST_AT(T, member, n_##member), .table = (its)                                         \
+    }
 #define MSG_MERGED_(T, member)                                                                     \
-    {.name = "", .type = MSG_MERGED, .offset = MSG_AT(T, member, const char *)}
+    { .name = "", .type = MSG_MERGED, .offset = MSG_AT(T, member, const char *) }
 
 #define MSG_TABLE_(T, list) .size = sizeof(T), .members = (list), .n = sizeof(list) / sizeof *(list)
 
 /* The tables, and the lists of names. */
 extern const char *const msg_states[], *const msg_classes[], *const msg_outcomes[],
-    *const msg_origins[], *const msg_endings[], *const msg_server_states[], *const msg_modes[];
+                                                                 *const msg_origins[],
+                                                                     *const msg_endings[],
+                                                                         *const msg_server_states[],
+                                                                             *const msg_modes[];
 /* names[index]; "unknown" outside. */
 const char *msg_name(const char *const *names, int index);
 
@@ -148,8 +140,8 @@ extern const msg_table msg_source, msg_hello, msg_submit, msg_id, msg_jobs, msg_
     msg_fields, msg_subscribe, msg_unsubscribe, msg_shutdown;
 extern const msg_table msg_job, msg_shown, msg_submitted, msg_job_page, msg_waited, msg_progress;
 extern const msg_table msg_field_result, msg_field_page, msg_summary;
-extern const msg_table msg_limits, msg_welcome, msg_subscribed, msg_status, msg_metrics, msg_reloaded,
-    msg_stopping;
+extern const msg_table msg_limits, msg_welcome, msg_subscribed, msg_status, msg_metrics,
+    msg_reloaded, msg_stopping;
 extern const msg_table msg_job_changed, msg_job_progress, msg_field_changed, msg_lost, msg_side;
 
 /* ---- Values in memory (msg_value.c) ---- */
@@ -175,12 +167,13 @@ typedef struct msg_reader {
     char path[SHEAR_RPC_PARAMETER_SIZE];
 } msg_reader;
 
-/* Fill `message` from `object` (NULL: an empty one). On an error it is empty. The path of what is wrong goes
- * to error->parameter. */
+/* Fill `message` from `object` (NULL: an empty one). On an error it is empty. The path of what is
+ * wrong goes to error->parameter. */
 int msg_read(void *message, const msg_table *table, const json_t *object, unsigned mode,
              shear_rpc_error *error);
 /* "PATH: MESSAGE", with error->parameter. */
-int msg_fail(msg_reader *r, int code, const char *format, ...) __attribute__((format(printf, 3, 4)));
+int msg_fail(msg_reader *r, int code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 int msg_no_memory(msg_reader *r);
 /* Enter member or element, and leave to what *mark was. */
 size_t msg_enter(msg_reader *r, const char *member);

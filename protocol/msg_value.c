@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pointers of any type have one representation here; memcpy keeps clear of the rules of aliasing. */
+/* Pointers of any type have one representation here; memcpy keeps clear of the rules of aliasing.
+ */
 void *msg_pointer(const void *message, size_t offset) {
     void *pointer = NULL;
     memcpy(&pointer, (const char *)message + offset, sizeof pointer);

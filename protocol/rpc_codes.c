@@ -39,8 +39,9 @@ static const shear_rpc_code_info table[SHEAR_N_RPC_CODES] = {
                                  "correct the parameter; docs/protocol.md tells what it may be"},
     [SHEAR_RPC_BAD_SETTING] = {"bad_setting", -32007, false, DATA,
                                "shearctl help settings lists the settings and their values"},
-    [SHEAR_RPC_BAD_CURSOR] = {"bad_cursor", -32008, false, NONE,
-                              "give the cursor of the page before, unchanged, with the same filter"},
+    [SHEAR_RPC_BAD_CURSOR] =
+        {"bad_cursor", -32008, false, NONE,
+         "give the cursor of the page before, unchanged, with the same filter"},
     [SHEAR_RPC_UNSUPPORTED_VERSION] = {"unsupported_version", -32009, false, NONE,
                                        "use a client and a service of the same release"},
 
@@ -83,8 +84,7 @@ static const shear_rpc_code_info table[SHEAR_N_RPC_CODES] = {
                                  "shearctl fields lists the fields"},
     [SHEAR_RPC_WRONG_STATE] = {"wrong_state", -32034, false, NONE,
                                "shearctl show tells the job's state"},
-    [SHEAR_RPC_KEY_REUSED] = {"key_reused", -32035, false, NONE,
-                              "use a new key for a new request"},
+    [SHEAR_RPC_KEY_REUSED] = {"key_reused", -32035, false, NONE, "use a new key for a new request"},
     [SHEAR_RPC_BAD_CONFIG] = {"bad_config", -32036, false, NONE,
                               "correct the file; the old configuration is still in force"},
 
@@ -98,8 +98,6 @@ static const shear_rpc_code_info table[SHEAR_N_RPC_CODES] = {
                                    "submit with a pedestal, or with another interpolation"},
     [SHEAR_RPC_EXISTS] = {"exists", -32055, false, DATA, "move the file that is in the way"},
     [SHEAR_RPC_CANCELLED] = {"cancelled", -32056, false, NONE, "retry the job to run it after all"},
-    [SHEAR_RPC_BAD_JOB_FILE] = {"bad_job_file", -32057, false, DATA,
-                                "correct the job file and drop it again"},
     [SHEAR_RPC_FILE_VANISHED] = {"file_vanished", -32058, false, TRANSIENT,
                                  "put the file back, and leave it until its job is done"},
     [SHEAR_RPC_FILE_CHANGED] = {"file_changed", -32059, false, TRANSIENT,

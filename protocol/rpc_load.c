@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* jansson up to at least 2.14 does not notice when its lexer cannot grow the text of a token: bytes
- * are dropped, a value may silently change, and where the dropped byte is a closing quote it reads and
- * writes beyond its buffers. So its allocations come through here. While a text is loaded, the
- * first request that the system cannot serve is served from a reserve, and the input ends there: the
- * lexer's buffer grows only when it is fed, and by one doubling at most, which the reserve holds. All
- * else it does with a NULL is right. The load then fails as out of memory. */
+ * are dropped, a value may silently change, and where the dropped byte is a closing quote it reads
+ * and writes beyond its buffers. So its allocations come through here. While a text is loaded, the
+ * first request that the system cannot serve is served from a reserve, and the input ends there:
+ * the lexer's buffer grows only when it is fed, and by one doubling at most, which the reserve
+ * holds. All else it does with a NULL is right. The load then fails as out of memory. */
 #include "rpc_load.h"
 
 #include <stdalign.h>
@@ -82,8 +82,8 @@ json_t *rpc_load(const char *text, size_t n, size_t flags, rpc_load_error *why) 
     *r = (reserve){.next = text, .end = text + n, .free = r->bytes, .limit = r->bytes + spare};
     active = r;
     json_error_t error = {.text = ""};
-    json_t *value = json_load_callback(
-        feed, r, flags | JSON_REJECT_DUPLICATES | JSON_ALLOW_NUL, &error);
+    json_t *value =
+        json_load_callback(feed, r, flags | JSON_REJECT_DUPLICATES | JSON_ALLOW_NUL, &error);
     if (r->spent) {
         json_decref(value);
         value = NULL;

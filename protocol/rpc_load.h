@@ -12,8 +12,8 @@ typedef struct rpc_load_error {
     char text[200]; /* jansson's words, with line and column */
 } rpc_load_error;
 
-/* A new reference, or NULL and *why. `flags` as of json_loadb; keys must differ, and \u0000 is let through:
- * msg_read refuses it by the parameter's name. */
+/* A new reference, or NULL and *why. `flags` as of json_loadb; keys must differ, and \u0000 is let
+ * through: msg_read refuses it by the parameter's name. */
 json_t *rpc_load(const char *text, size_t n, size_t flags, rpc_load_error *why);
 
 #endif

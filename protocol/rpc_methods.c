@@ -59,7 +59,7 @@ bool shear_method_needs_admin(int method) {
 /* In the order of enum shear_method. */
 const char *const *shear_method_names(size_t *n) {
     static const char *const names[SHEAR_N_METHODS] = {
-        "hello",  "submit", "job",       "jobs",        "wait",   "cancel",  "retry",  "field",
+        "hello",  "submit",    "job",         "jobs",   "wait",    "cancel", "retry", "field",
         "fields", "subscribe", "unsubscribe", "status", "metrics", "reload", "drain", "shutdown",
     };
     *n = SHEAR_N_METHODS;

@@ -19,4 +19,9 @@ typedef struct rpc_notice {
 extern const rpc_method rpc_methods[SHEAR_N_METHODS];
 extern const rpc_notice rpc_notices[SHEAR_N_NOTICES];
 
+/* `params` as submit's, with its settings checked upon `defaults` (NULL: shear_settings_init). On
+ * an error it is empty. */
+int rpc_read_submit(shear_msg_submit *submit, const json_t *params, const shear_settings *defaults,
+                    shear_rpc_error *error);
+
 #endif

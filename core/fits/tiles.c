@@ -260,8 +260,8 @@ static bool stream_sound(const sf_tiles *t, int64_t bytes, int64_t pixels) {
     case SF_PLIO:
         return sf_plio_sound(t->buffer, bytes);
     case SF_HCOMPRESS:
-        return sf_hcompress_sound(t->buffer, bytes, pixels,
-                                  hdu->zbitpix != 8 && hdu->zbitpix != 16);
+        return sf_hcompress_sound(t->buffer, bytes, pixels, hdu->zbitpix != 8 && hdu->zbitpix != 16,
+                                  t->buffer + bytes);
     default:
         return gzip_sound(t, bytes, pixels);
     }

@@ -21,7 +21,7 @@ typedef struct sf_tiles {
     int64_t raw_bytes; /* of an element of col_raw */
     int64_t heap_offset, heap_bytes;
     sf_bitset sound;       /* tiles already checked */
-    unsigned char *buffer; /* [buffer_size]: one tile's stream */
+    unsigned char *buffer; /* [buffer_size]: one tile's stream, and work space */
     int64_t buffer_size;
 } sf_tiles;
 

@@ -92,7 +92,7 @@ static int identify(sqlite3 *db, const char *path, int *version, shear_error *er
                           ", this version of the service knows %d",
                           path, written, SCHEMA_VERSION);
     }
-    *version = (int)written;
+    *version = empty ? -1 : (int)written;
     return SHEAR_OK;
 }
 

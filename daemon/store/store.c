@@ -37,10 +37,11 @@ static int prepare_statements(store *s, shear_error *err) {
 /* Within the transaction that database_connect left open. */
 static int bring_up_to_date(store *s, int version, shear_error *err) {
     int code = SHEAR_OK;
-    s->opening.created = version == 0;
-    s->opening.migrated_from = s->opening.created ? SCHEMA_VERSION : version;
+    s->opening.created = version < 0;
+    s->opening.migrated_from = version < 0 ? SCHEMA_VERSION : version;
     if (version < SCHEMA_VERSION) {
-        code = schema_migrate(s->db, s->path, schema_steps, version, SCHEMA_VERSION, err);
+        const int from = version < 0 ? 0 : version;
+        code = schema_migrate(s->db, s->path, schema_steps, from, SCHEMA_VERSION, err);
     }
     return code == SHEAR_OK ? database_exec(s->db, s->path, "COMMIT", err) : code;
 }

@@ -7,38 +7,46 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The packed form begins with this; a run of n zeros is "zN.". A text that has those letters itself
- * is kept as it is. */
-static const char mark[] = "z:";
+/* What follows: the text as it is, or with each long run of n zeros as "zN.". */
+static const char plain[] = "t:";
+static const char counted[] = "z:";
+enum { MARK = 2 };
 enum { SHORTEST_RUN = 6 }; /* shorter ones are not worth it */
 
 static int no_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
 }
 
-int sums_pack(const char *text, char **packed, shear_error *err) {
-    if (strpbrk(text, "z.") != NULL) {
-        *packed = strdup(text);
-        return *packed != NULL ? SHEAR_OK : no_memory(err);
-    }
-    /* A run and its count take no more room than the zeros did. */
-    const size_t size = strlen(text) + sizeof mark;
-    char *out = malloc(size);
-    *packed = out;
-    if (out == NULL) {
-        return no_memory(err);
-    }
-    out += snprintf(out, size, "%s", mark);
+/* A run and its count take no more room than the zeros did. */
+static void count_zeros(const char *text, char *out, size_t size) {
     while (*text != '\0') {
         const size_t zeros = strspn(text, "0");
         if (zeros >= SHORTEST_RUN) {
-            out += snprintf(out, size - (size_t)(out - *packed), "z%zu.", zeros);
+            const size_t n = (size_t)snprintf(out, size, "z%zu.", zeros);
             text += zeros;
+            out += n;
+            size -= n;
         } else {
             *out++ = *text++;
+            size--;
         }
     }
     *out = '\0';
+}
+
+int sums_pack(const char *text, char **packed, shear_error *err) {
+    const size_t size = strlen(text) + 1;
+    const bool has_marks = strpbrk(text, "z.") != NULL;
+    *packed = malloc(MARK + size);
+    if (*packed == NULL) {
+        return no_memory(err);
+    }
+    memcpy(*packed, has_marks ? plain : counted, MARK);
+    if (has_marks) {
+        memcpy(*packed + MARK, text, size);
+    } else {
+        count_zeros(text, *packed + MARK, size);
+    }
     return SHEAR_OK;
 }
 
@@ -70,22 +78,19 @@ static bool unpack(const char *packed, char *out, size_t room) {
 }
 
 int sums_unpack(const char *packed, char **text, shear_error *err) {
-    const size_t head = sizeof mark - 1;
-    if (strncmp(packed, mark, head) != 0) {
-        *text = strdup(packed);
-        return *text != NULL ? SHEAR_OK : no_memory(err);
-    }
-    char *out = malloc(STORE_SUMS_MAX + 1);
+    const bool is_plain = strncmp(packed, plain, MARK) == 0;
+    const bool is_counted = strncmp(packed, counted, MARK) == 0;
+    char *out = is_plain ? strdup(packed + MARK) : malloc(STORE_SUMS_MAX + 1);
     *text = NULL;
     if (out == NULL) {
         return no_memory(err);
     }
-    if (!unpack(packed + head, out, STORE_SUMS_MAX)) {
+    if (!is_plain && (!is_counted || !unpack(packed + MARK, out, STORE_SUMS_MAX))) {
         free(out);
         return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
                           "the database holds sums that cannot be read");
     }
-    char *shrunk = realloc(out, strlen(out) + 1);
-    *text = shrunk != NULL ? shrunk : out;
+    char *fitted = realloc(out, strlen(out) + 1);
+    *text = fitted != NULL ? fitted : out;
     return SHEAR_OK;
 }

@@ -8,10 +8,3 @@ shear_add_test(plot
           ${PROJECT_SOURCE_DIR}/client/plot_catalog.c
   LIBRARIES shear_figures shear_static LABELS figures)
 target_include_directories(test_plot PRIVATE ${PROJECT_SOURCE_DIR}/client)
-
-# The tool's pictures, as users get them.
-add_test(NAME system_plot
-  COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tests/system/test_plot.py)
-set_tests_properties(system_plot PROPERTIES
-  LABELS "system;figures" TIMEOUT 300
-  ENVIRONMENT "SHEARCTL=$<TARGET_FILE:shearctl>;SHEAR_SANITIZED=$<IF:$<BOOL:${SHEAR_SANITIZE}>,1,0>")

@@ -227,28 +227,43 @@ static modes modes_new(int mx, int my)
     return (modes){.mx = mx, .my = my, .at = numbers((size_t)(2 * mx + 1) * (size_t)(2 * my + 1))};
 }
 
+/* exp(-2 pi i j / period), j from 0. */
+static double complex *waves(int period)
+{
+    double complex *wave = calloc((size_t)period, sizeof *wave);
+    assert_non_null(wave);
+    for (int j = 0; j < period; j++) {
+        wave[j] = cexp(-2.0 * I * M_PI * j / period);
+    }
+    return wave;
+}
+
 /* |F|^2 of a real image at k = 2 pi (jx / period_x, jy / period_y) a sample, by the sum that defines it, first along x,
  * then along y. */
 static void image_power(const double *image, int nx, int ny, int period_x, int period_y, modes *out)
 {
     double complex *column = calloc((size_t)ny, sizeof *column);
     assert_non_null(column);
+    double complex *wave_x = waves(period_x);
+    double complex *wave_y = waves(period_y);
     for (int jx = -out->mx; jx <= out->mx; jx++) {
         for (int y = 0; y < ny; y++) {
             column[y] = 0.0;
             for (int x = 0; x < nx; x++) {
-                column[y] += image[y * nx + x] * cexp(-2.0 * I * M_PI * (jx * x % period_x) / period_x);
+                column[y] += image[y * nx + x] * wave_x[((jx * x) % period_x + period_x) % period_x];
             }
         }
         for (int jy = -out->my; jy <= out->my; jy++) {
             double complex f = 0.0;
             for (int y = 0; y < ny; y++) {
-                f += column[y] * cexp(-2.0 * I * M_PI * (jy * y % period_y) / period_y);
+                f += column[y] * wave_y[((jy * y) % period_y + period_y) % period_y];
             }
             *mode(out, jx, jy) = creal(f) * creal(f) + cimag(f) * cimag(f);
         }
     }
     free(column);
+    free(wave_x);
+    free(wave_y);
 }
 
 /* The PSF is not periodic: what interpolation puts beyond its last sample is not part of it. */

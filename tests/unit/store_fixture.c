@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store_fixture.h"
 
-#include "test.h"
+#include "store_test.h"
+#include "store_vfs.h"
 
 #include "shear/sums.h"
 
@@ -33,6 +34,29 @@ void fx_deinit(fixture *f)
 {
     fx_close(f);
     assert_int_equal(nftw(f->dir, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+}
+
+int fx_setup(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    store_vfs_register();
+    fx_init(f);
+    f->options.vfs = store_vfs_name;
+    fx_open(f);
+    *state = f;
+    return 0;
+}
+
+int fx_teardown(void **state)
+{
+    fixture *f = *state;
+    shear_error err = {0};
+    FX_OK(store_check(f->s, &err));
+    FX_OK(store_audit(f->s, &err));
+    fx_deinit(f);
+    free(f);
+    return 0;
 }
 
 int64_t fx_now(fixture *f)

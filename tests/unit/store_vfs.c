@@ -18,7 +18,7 @@ typedef struct file {
 static sqlite3_vfs *real_vfs;
 static struct {
     enum store_vfs_fault fault;
-    int64_t at, calls;
+    int64_t at, calls, syncs;
     bool fired, remember;
 } plan;
 
@@ -101,6 +101,7 @@ static int f_sync(sqlite3_file *f, int flags)
     char synced[600];
     const char *path = ((file *)(void *)f)->path;
     (void)flags;
+    plan.syncs++;
     if (fails(false)) {
         return SQLITE_IOERR_FSYNC;
     }
@@ -253,6 +254,7 @@ void store_vfs_arm(enum store_vfs_fault fault, int64_t at)
     plan.fault = fault;
     plan.at = at;
     plan.calls = 0;
+    plan.syncs = 0;
     plan.fired = false;
 }
 
@@ -264,6 +266,11 @@ bool store_vfs_fired(void)
 int64_t store_vfs_calls(void)
 {
     return plan.calls;
+}
+
+int64_t store_vfs_syncs(void)
+{
+    return plan.syncs;
 }
 
 void store_vfs_remember(bool on)

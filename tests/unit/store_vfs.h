@@ -21,6 +21,7 @@ void store_vfs_register(void);
 void store_vfs_arm(enum store_vfs_fault fault, int64_t at);
 bool store_vfs_fired(void);    /* did it come to that? */
 int64_t store_vfs_calls(void); /* since armed */
+int64_t store_vfs_syncs(void); /* of those, the syncs */
 
 /* Remember synced contents from here on: needed before VFS_POWER_CUT; costs a copy of the file a sync. */
 void store_vfs_remember(bool on);

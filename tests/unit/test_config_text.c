@@ -312,7 +312,7 @@ static bool survives(void **state, const char *text, size_t size) {
 }
 
 static void damaged_files(void **state) {
-    enum { FILES = 1500, ROOM = 1 << 16 };
+    enum { FILES = 1000, ROOM = 1 << 16 };
     static char text[ROOM];
     sheard_config config;
     uint64_t x = UINT64_C(20261122);

@@ -126,7 +126,6 @@ enum sheard_setting_type {
 
 typedef struct sheard_setting {
     const char *section, *key;
-    int type;                   /* enum sheard_setting_type */
     size_t offset;              /* of the member in sheard_config; not of SHEARD_T_MEASURE */
     const char *initial;        /* the default, as text; NULL for SHEARD_T_MEASURE */
     int64_t min, max;           /* of numbers, inclusive; max of paths and names: bytes */
@@ -134,8 +133,9 @@ typedef struct sheard_setting {
     const char *const *choices; /* SHEARD_T_CHOICE: NULL-terminated */
     const char *unit;           /* what an integer counts: "jobs"; may be NULL */
     const char *flag;           /* its own option: "workers" is --workers; may be NULL */
-    bool at_start;              /* a change takes effect at the next start only, not on reload */
     const char *help;           /* sentences */
+    int type;                   /* enum sheard_setting_type */
+    bool at_start;              /* a change takes effect at the next start only, not on reload */
     const shear_setting_def *measure; /* SHEARD_T_MEASURE only */
 } sheard_setting;
 
@@ -187,8 +187,8 @@ int sheard_config_read(sheard_config *config, const char *path, const sheard_lis
                        sheard_problems *problems);
 
 /* The steps of sheard_config_read. After an error in load or set, what was good has been set and
- * the rest is as it was; *config is sound and must be freed. A file that names a key twice, and a
- * second load, are errors and a renewal of all places, respectively. */
+ * the rest is as it was; *config is sound and must be freed. A failed init leaves nothing to free.
+ * load forgets where the values of an earlier load came from, but keeps them. */
 int sheard_config_init(sheard_config *config, shear_error *err);
 int sheard_config_load(sheard_config *config, const char *path, sheard_problems *problems);
 int sheard_config_set(sheard_config *config, const char *section, const char *key, const char *text,

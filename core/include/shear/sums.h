@@ -66,7 +66,7 @@ int shear_field_sums_new(shear_field_sums **f, shear_error *err);
 void shear_field_sums_free(shear_field_sums *f);
 void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b);  /* exact */
 void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g); /* f += g, exact */
-/* Exact text form (ASCII, versioned, about 2 KiB); *text is malloc'd, the caller frees it. Reading
+/* Exact text form (ASCII, versioned, 5 to 10 KiB); *text is malloc'd, the caller frees it. Reading
  * it back gives the same sums. Parse errors are SHEAR_E_FORMAT. */
 int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error *err);
 int shear_field_sums_parse(shear_field_sums **f, const char *text, shear_error *err);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sheard/frame.h: a stream of bytes into lines (docs/protocol.md, "Framing").
  *
- * A line ends with \n; a \r before it is not part of the line; empty lines are not given. What lines
- * come out does not depend on how the bytes were cut into pieces. A line longer than the limit, or
- * with a NUL byte in it, is reported once, at its first byte that is wrong, and skipped to its end:
- * the stream goes on with the next line. At no time is more memory held than the limit (and nothing
- * for lines that arrive in one piece).
+ * A line ends with \n; a \r before it is not part of the line; empty lines are not given. What
+ * lines come out does not depend on how the bytes were cut into pieces. A line longer than the
+ * limit, or with a NUL byte in it, is reported once, at its first byte that is wrong, and skipped
+ * to its end: the stream goes on with the next line. At no time is more memory held than the limit
+ * (and nothing for lines that arrive in one piece).
  */
 #ifndef SHEARD_FRAME_H
 #define SHEARD_FRAME_H
@@ -34,8 +34,8 @@ void shear_frame_init(shear_frame *f, size_t limit);
 void shear_frame_deinit(shear_frame *f); /* zeroed or deinited: fine */
 
 /* Take bytes from *input (*n of them; both move on) up to the next event, which is returned. Call
- * again until SHEAR_FRAME_MORE; a caller may also stop in between and go on later with the rest. *line
- * is valid until the next call and as long as the input; it has no NUL at its end. */
+ * again until SHEAR_FRAME_MORE; a caller may also stop in between and go on later with the rest.
+ * *line is valid until the next call and as long as the input; it has no NUL at its end. */
 int shear_frame_next(shear_frame *f, const char **input, size_t *n, const char **line,
                      size_t *length);
 

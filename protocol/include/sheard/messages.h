@@ -2,8 +2,8 @@
 /* sheard/messages.h: what the daemon and its clients say to each other, as plain structs.
  * docs/protocol.md is the meaning of every member; sheard/rpc.h makes lines of them and back.
  *
- * Ownership: a struct filled by a parse function owns its texts and lists until the deinit of what it
- * is part of. A struct that is to be written may point at anything: only deinit what was parsed.
+ * Ownership: a struct filled by a parse function owns its texts and lists until the deinit of what
+ * it is part of. A struct that is to be written may point at anything: only deinit what was parsed.
  * Absent (null in JSON): texts NULL, numbers NaN, times 0, and what a comment says.
  * Times are milliseconds since 1970, UTC; in JSON "2026-01-31T12:00:00.000Z".
  */
@@ -355,7 +355,8 @@ typedef struct shear_msg_reloaded {
     size_t n_restart;
 } shear_msg_reloaded;
 
-typedef struct shear_msg_stopping { /* of drain and shutdown; and of the notification server_state */
+typedef struct shear_msg_stopping { /* of drain and shutdown; and of the notification server_state
+                                     */
     int state;                      /* enum shear_server_state */
     int64_t running, queued;        /* jobs that are still to be finished; that wait for later */
 } shear_msg_stopping;
@@ -393,15 +394,15 @@ typedef struct shear_msg_side {
 
 /* ---- Settings as text ---- */
 
-/* Canonical settings: "NAME=VALUE\n" for each, in the order of the table (shear_settings_table), names
- * and values as the table and shear_settings_format write them: equal settings have equal text. A
- * part of the settings (those that a submit gives) is written in the same way.
+/* Canonical settings: "NAME=VALUE\n" for each, in the order of the table (shear_settings_table),
+ * names and values as the table and shear_settings_format write them: equal settings have equal
+ * text. A part of the settings (those that a submit gives) is written in the same way.
  *
  * The whole of *s in buf. SHEAR_E_SETTING where `size` is too small (SHEAR_MSG_SETTINGS_SIZE is
  * not). */
 int shear_settings_write(const shear_settings *s, char *buf, size_t size, shear_error *err);
-/* Set in *s what `text` gives (lines NAME=VALUE, in any order; NULL: nothing), then check the whole.
- * SHEAR_E_SETTING. */
+/* Set in *s what `text` gives (lines NAME=VALUE, in any order; NULL: nothing), then check the
+ * whole. SHEAR_E_SETTING. */
 int shear_settings_apply(shear_settings *s, const char *text, shear_error *err);
 /* The digest of the whole of *s: `hash` of its canonical text. */
 typedef void shear_digest(const void *bytes, size_t n, char *hex, size_t size);
@@ -413,8 +414,8 @@ int shear_settings_digest(const shear_settings *s, shear_digest *hash, char *hex
 enum { SHEAR_TIME_SIZE = 32 };
 /* RFC 3339, UTC, milliseconds. Returns buf. */
 char *shear_time_format(int64_t ms, char buf[SHEAR_TIME_SIZE]);
-/* Reads any RFC 3339 time (an offset, other fractions of a second: cut to milliseconds); false if it
- * is none. */
+/* Reads any RFC 3339 time (an offset, other fractions of a second: cut to milliseconds); false if
+ * it is none. */
 bool shear_time_parse(int64_t *ms, const char *text);
 
 #endif

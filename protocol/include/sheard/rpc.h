@@ -2,9 +2,9 @@
 /* sheard/rpc.h: JSON-RPC 2.0 lines to the structs of sheard/messages.h and back, for the daemon and
  * its clients alike. docs/protocol.md is normative.
  *
- * Functions return 0 or an enum shear_rpc_code, which is then also in *error (never NULL). Lines that
- * are made end with \n and a NUL, are malloc'd and the caller's to free. Thread-safe: there is no
- * state. Input of any kind, and want of memory at any point, is an error and never worse.
+ * Functions return 0 or an enum shear_rpc_code, which is then also in *error (never NULL). Lines
+ * that are made end with \n and a NUL, are malloc'd and the caller's to free. Thread-safe: there is
+ * no state. Input of any kind, and want of memory at any point, is an error and never worse.
  */
 #ifndef SHEARD_RPC_H
 #define SHEARD_RPC_H
@@ -67,7 +67,6 @@ enum shear_rpc_code {
     SHEAR_RPC_NEGATIVE_PIXELS,
     SHEAR_RPC_EXISTS,
     SHEAR_RPC_CANCELLED,
-    SHEAR_RPC_BAD_JOB_FILE,
     SHEAR_RPC_FILE_VANISHED,
     SHEAR_RPC_FILE_CHANGED,
     SHEAR_RPC_READER_CRASHED,
@@ -201,10 +200,10 @@ bool shear_rpc_id_equal(const shear_rpc_id *a, const shear_rpc_id *b);
 
 /* What a line may hold at most, whatever its method. */
 typedef struct shear_rpc_limits {
-    size_t line;  /* bytes */
-    int depth;    /* of arrays and objects in each other; the outermost object is 1 */
+    size_t line;   /* bytes */
+    int depth;     /* of arrays and objects in each other; the outermost object is 1 */
     size_t values; /* members, elements and names */
-    size_t text;   /* bytes of a string as written, and of a number */
+    size_t text;   /* bytes of a string as written, between its quotes */
 } shear_rpc_limits;
 extern const shear_rpc_limits shear_rpc_request_limits; /* 64 KiB, 8, 4096, 32 KiB */
 extern const shear_rpc_limits shear_rpc_reply_limits;   /* 32 MiB, 16, 4 million, 32 MiB */
@@ -215,9 +214,9 @@ typedef struct shear_request {
     shear_params params;
 } shear_request;
 
-/* One line without its \n, `n` bytes. `defaults`: the settings that a submit's own are set upon, to check
- * them together (NULL: shear_settings_init). On an error the request is empty, with its id where that
- * could be known: reply with it. */
+/* One line without its \n, `n` bytes. `defaults`: the settings that a submit's own are set upon, to
+ * check them together (NULL: shear_settings_init). On an error the request is empty, with its id
+ * where that could be known: reply with it. */
 int shear_request_parse(shear_request *request, const char *line, size_t n,
                         const shear_settings *defaults, shear_rpc_error *error);
 void shear_request_deinit(shear_request *request); /* zeroed or deinited: fine */
@@ -234,8 +233,9 @@ int shear_notice_line(char **line, size_t *n, int notice, const shear_notice_par
 
 /* ---- The client's side ---- */
 
-/* `params` may be NULL for a method without. It is checked as the daemon checks it, but for settings
- * together; what is at its default is left out. SHEAR_RPC_BAD_PARAMETER and its kin, as from the daemon. */
+/* `params` may be NULL for a method without. It is checked as the daemon checks it, but for
+ * settings together; what is at its default is left out. SHEAR_RPC_BAD_PARAMETER and its kin, as
+ * from the daemon. */
 int shear_request_line(char **line, size_t *n, const shear_rpc_id *id, int method,
                        const shear_params *params, shear_rpc_error *error);
 /* The params with every member at its default. */
@@ -251,8 +251,8 @@ typedef struct shear_message {
     void *body;                 /* of a reply; see below */
 } shear_message;
 
-/* One line from the daemon. SHEAR_RPC_BAD_REPLY where it is none of the three. Members that this version
- * does not know are passed over. */
+/* One line from the daemon. SHEAR_RPC_BAD_REPLY where it is none of the three. Members that this
+ * version does not know are passed over. */
 int shear_message_parse(shear_message *message, const char *line, size_t n, shear_rpc_error *error);
 void shear_message_deinit(shear_message *message);
 /* A reply as the result of `method`; *reply outlives the message. SHEAR_RPC_BAD_REPLY. */

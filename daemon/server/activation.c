@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sockets that systemd has opened for us: descriptors from 3 on, as sd_listen_fds(3) says. */
+#include "server/server.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+enum { FIRST_FD = 3 };
+
+static const char advice[] = "ListenStream= in sheard.socket must name one path, with Accept=no";
+
+/* The whole text a decimal number from 0 to max; -1: no. */
+static long read_number(const char *text, long max) {
+    char *end = NULL;
+    if (!text || *text < '0' || *text > '9') {
+        return -1;
+    }
+    errno = 0;
+    const long value = strtol(text, &end, 10);
+    return errno == 0 && *end == '\0' && value <= max ? value : -1;
+}
+
+static int get_int_option(int fd, int option) {
+    int value = -1;
+    socklen_t size = sizeof value;
+    return getsockopt(fd, SOL_SOCKET, option, &value, &size) == 0 ? value : -1;
+}
+
+static int check_socket(int fd, shear_error *err) {
+    if (get_int_option(fd, SO_DOMAIN) != AF_UNIX || get_int_option(fd, SO_TYPE) != SOCK_STREAM ||
+        get_int_option(fd, SO_ACCEPTCONN) != 1) {
+        return shear_fail(err, SHEAR_E_SETTING, advice,
+                          "descriptor %d from systemd is not a listening Unix stream socket", fd);
+    }
+    if (fcntl(fd, F_SETFD, FD_CLOEXEC) != 0) {
+        return shear_fail(err, SHEAR_E_IO, NULL, "descriptor %d from systemd: %s", fd,
+                          strerror(errno));
+    }
+    return SHEAR_OK;
+}
+
+static int take(int *fds, size_t room, size_t *n, shear_error *err) {
+    const char *count_text = getenv("LISTEN_FDS");
+    if (!count_text || read_number(getenv("LISTEN_PID"), INT32_MAX) != (long)getpid()) {
+        return SHEAR_OK; /* not for us: the variables were inherited */
+    }
+    const long count = read_number(count_text, 4096);
+    if (count < 0 || (size_t)count > room) {
+        return shear_fail(err, SHEAR_E_SETTING, advice,
+                          "LISTEN_FDS is '%.20s'; expected a number up to %zu", count_text, room);
+    }
+    for (int i = 0; i < (int)count; i++) {
+        if (check_socket(FIRST_FD + i, err) != SHEAR_OK) {
+            return err ? err->code : SHEAR_E_SETTING;
+        }
+        fds[i] = FIRST_FD + i;
+    }
+    *n = (size_t)count;
+    return SHEAR_OK;
+}
+
+int server_activation(int *fds, size_t room, size_t *n, shear_error *err) {
+    *n = 0;
+    const int code = take(fds, room, n, err);
+    unsetenv("LISTEN_PID");
+    unsetenv("LISTEN_FDS");
+    unsetenv("LISTEN_FDNAMES");
+    return code;
+}

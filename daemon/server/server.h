@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* server/server.h: the Unix stream socket that clients talk to. Bytes to requests and replies to
+ * bytes (docs/protocol.md); what a request means is the owner's business. Knows no SQL, no engine.
+ *
+ * One thread, the loop's: every function here, and every callback. All work on a connection that a
+ * call causes (writing, reading on, closing) happens in a later turn of the loop, so any function
+ * may be called from any callback.
+ *
+ * What a client may do to the others is bounded:
+ *   lines a turn    after `lines_per_turn` lines the other connections have their turn
+ *   requests        `in_flight` short requests unanswered: it is not read from until one is
+ *                   answered. Long ones (wait, submit with wait) have the same limit of their own,
+ *                   beyond which they are refused with too_many_requests: they may last for hours,
+ *                   and a client must be able to cancel what it waits for
+ *   unread replies  more than a part of `queue_bytes`: it is not read from; more than that of
+ *                   notifications: they are left out, and `lost` tells how many when it reads
+ *                   again; `queue_bytes`: it is dropped
+ *   silence         neither requests, subscriptions nor unread replies, or in the middle of a line,
+ *                   for `idle_timeout_ms`: error idle_timeout, and the end
+ *   not reading     nothing taken of what is queued for `stall_timeout_ms`: it is dropped
+ *   a long line     error line_too_long, and the end: what follows it cannot be trusted
+ * Any other malformed line is answered with its error, and the connection goes on. A client that
+ * shuts down its writing side still gets its replies and notifications.
+ */
+#ifndef SHEARD_SERVER_H
+#define SHEARD_SERVER_H
+
+#include "sheard/rpc.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <sys/types.h>
+#include <uv.h>
+
+typedef struct server server;
+
+/* Who is at the other end, as the kernel says of the moment of its connect. */
+typedef struct server_peer {
+    uid_t uid;
+    gid_t gid;
+    pid_t pid;
+    gid_t *groups; /* [n_groups] supplementary */
+    size_t n_groups;
+} server_peer;
+
+/* A connection's number is never used again; 0 is none. */
+typedef struct server_handle {
+    uint64_t connection;
+    uint64_t request; /* of that connection, from 1 */
+} server_handle;
+
+typedef struct server_request {
+    server_handle handle; /* to reply with, at any time */
+    const server_peer *peer; /* valid until `closed` was called for the connection */
+    /* Freed when the handler returns, unless the handler has copied the struct and zeroed it: then
+     * the copy is the owner's to deinit. */
+    shear_request *request;
+} server_request;
+
+typedef struct server_handlers {
+    /* A request of a known method with good parameters. Reply once, now or later. */
+    void (*request)(void *context, const server_request *request);
+    /* The connection is gone, with all its requests and subscriptions. May be NULL. */
+    void (*closed)(void *context, uint64_t connection);
+    void *context;
+} server_handlers;
+
+/* 0 (or NULL) in any of them: as server_limits_init says, but for the two times: never. */
+typedef struct server_limits {
+    size_t line_bytes;         /* not above shear_rpc_request_limits.line */
+    size_t connections;        /* beyond: error too_many_connections, and the end */
+    size_t in_flight;          /* requests of a connection, short and long ones each */
+    size_t subscriptions;      /* jobs and fields watched by a connection */
+    size_t queue_bytes;        /* of a connection; one more reply may lie above it */
+    size_t lines_per_turn;     /* of a connection */
+    int64_t idle_timeout_ms;   /* 0: never */
+    int64_t stall_timeout_ms;  /* 0: never */
+} server_limits;
+/* 64 KiB, 2048, 64, 1024, 16 MiB, 16, 10 min, 1 min */
+void server_limits_init(server_limits *limits);
+
+typedef struct server_options {
+    const char *path;  /* of the socket; at most 107 bytes */
+    unsigned mode;     /* its permissions, such as 0660: exactly, whatever the umask */
+    const char *group; /* its group's name; NULL or "": the process's own */
+    const int *fds;    /* [n_fds] listening sockets (server_activation); then the three above are
+                        * not used. They are the server's from the call on, also when it fails */
+    size_t n_fds;
+    server_limits limits;
+    const shear_settings *defaults; /* a submit's settings are checked upon these; copied; or NULL */
+    server_handlers handlers;
+} server_options;
+
+/* Listen. SHEAR_E_EXISTS: the path belongs to a living server, or to something that is no socket
+ * of ours: it is left alone. The socket file of a server that has died is replaced. Beside the path
+ * there is "PATH.lock" while the server lives.
+ * From here on the process ignores SIGPIPE. On success the server is freed by server_close. */
+int server_open(server **out, uv_loop_t *loop, const server_options *options, shear_error *err);
+
+/* Listening sockets that systemd passes (LISTEN_PID, LISTEN_FDS), into fds[room]; *n becomes 0
+ * where there are none. The variables are removed from the environment. */
+int server_activation(int *fds, size_t room, size_t *n, shear_error *err);
+
+/* After a reload. A new limit of connections or lines counts for connections to come. */
+void server_set_limits(server *s, const server_limits *limits);
+void server_set_defaults(server *s, const shear_settings *defaults);
+
+/* ---- replies ---- */
+
+/* The reply of the handle's method. Nothing happens where the connection is gone or the request
+ * has been answered. */
+void server_reply(server *s, server_handle to, const shear_reply *reply);
+void server_reply_error(server *s, server_handle to, const shear_rpc_error *error);
+/* A line of shear_reply_line or shear_error_line, made elsewhere with the request's own id; taken
+ * over, also when nothing happens. NULL: error out_of_memory. */
+void server_reply_line(server *s, server_handle to, char *line, size_t n);
+/* Is somebody still waiting for it? */
+bool server_is_open(const server *s, server_handle handle);
+
+/* ---- subscriptions ---- */
+
+/* Add to (take away from) what the connection watches, all of it or, on an error, nothing:
+ * SHEAR_RPC_TOO_MANY_SUBSCRIPTIONS, SHEAR_RPC_OUT_OF_MEMORY. *now may be NULL. */
+int server_subscribe(server *s, uint64_t connection, const shear_msg_subscribe *what,
+                     shear_msg_subscribed *now, shear_rpc_error *error);
+int server_unsubscribe(server *s, uint64_t connection, const shear_msg_subscribe *what,
+                       shear_msg_subscribed *now, shear_rpc_error *error);
+/* Does anybody watch it? To save the work of making a notification. */
+bool server_is_watched(const server *s, int notice, int64_t job, const char *field);
+/* Send to all that watch `job` (0: none), `field` (NULL: none) or everything. job_progress goes
+ * only to those who asked for progress, server_state to everybody with a subscription. */
+void server_publish(server *s, int notice, int64_t job, const char *field,
+                    const shear_notice_params *params);
+
+/* ---- the end ---- */
+
+/* No new connections; those that are go on. The socket file is removed. */
+void server_stop_accepting(server *s);
+/* Stop accepting and reading, answer open requests with error `stopping`, write what is queued for
+ * at most flush_ms, close everything, call `done` (may be NULL), free the server. Until `done`, the
+ * other functions may be called (also this one: an earlier end counts). */
+void server_close(server *s, int64_t flush_ms, void (*done)(void *context), void *context);
+
+/* ---- numbers ---- */
+
+/* Since the start, but for the first three. */
+typedef struct server_statistics {
+    uint64_t connections, subscribers, queued_bytes; /* now */
+    uint64_t accepted, refused;
+    uint64_t dropped;  /* clients that did not read */
+    uint64_t timeouts; /* idle */
+    uint64_t lines;
+    uint64_t requests[SHEAR_N_METHODS];
+    uint64_t errors[SHEAR_N_RPC_CODES]; /* error replies (not those of server_reply_line) */
+    uint64_t bytes_in, bytes_out;
+    uint64_t notices, lost;
+} server_statistics;
+void server_get_statistics(const server *s, server_statistics *statistics);
+
+#endif

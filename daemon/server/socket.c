@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The order of the steps is what keeps everybody out who should be:
+ *   1. the lock (PATH.lock): of several servers that start at once one goes on. A socket that is
+ *      bound but does not listen yet answers a connect as a dead one does, so the test of step 2
+ *      is only sound while nobody else is at the steps after it;
+ *   2. what is at the path is tested by a connect, and removed only if it is a socket of our own
+ *      user that nobody listens on;
+ *   3. fchmod(0) on the socket *before* bind: Linux makes the file with the socket's mode (minus
+ *      the umask), so that it never has more permissions than none. The umask, which belongs to
+ *      the whole process with its threads, is not touched;
+ *   4. the group, then the mode (in this order: the mode must not be there for the old group);
+ *   5. listen: only now can anybody get through. */
+#include "server/socket.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <grp.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+enum { BACKLOG = 4096 };
+
+static int failed(const char *what, const char *path, shear_error *err) {
+    const int number = errno;
+    return shear_fail(err, SHEAR_E_IO,
+                      "the directory must exist and belong to the service's user; see [daemon] "
+                      "socket in sheard.conf",
+                      "socket '%s': %s: %s", path, what, strerror(number));
+}
+
+static int is_served(const char *path, shear_error *err) {
+    return shear_fail(err, SHEAR_E_EXISTS,
+                      "stop the other service, or give this one a socket of its own",
+                      "socket '%s': another service listens there", path);
+}
+
+static int make_address(struct sockaddr_un *address, const char *path, shear_error *err) {
+    const size_t n = strlen(path);
+    *address = (struct sockaddr_un){.sun_family = AF_UNIX};
+    if (n == 0 || n >= sizeof address->sun_path) {
+        return shear_fail(err, SHEAR_E_SETTING, "choose a shorter path",
+                          "socket '%s': its path has %zu bytes; 1 to %zu are possible", path, n,
+                          sizeof address->sun_path - 1);
+    }
+    memcpy(address->sun_path, path, n);
+    return SHEAR_OK;
+}
+
+/* ---- the lock ---- */
+
+/* Its holder removes the lock file at last, so a lock may be had on a file that has no name any
+ * more and locks nobody out. */
+static bool is_current(int fd, const char *path) {
+    struct stat held;
+    struct stat named;
+    return fstat(fd, &held) == 0 && lstat(path, &named) == 0 && held.st_ino == named.st_ino &&
+           held.st_dev == named.st_dev;
+}
+
+static int take_lock(socket_file *file, shear_error *err) {
+    for (;;) {
+        file->lock =
+            open(file->lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
+        if (file->lock < 0) {
+            return failed("cannot make the lock beside it", file->path, err);
+        }
+        if (flock(file->lock, LOCK_EX | LOCK_NB) != 0) {
+            const bool taken = errno == EWOULDBLOCK;
+            return taken ? is_served(file->path, err) : failed("cannot lock", file->path, err);
+        }
+        if (is_current(file->lock, file->lock_path)) {
+            return SHEAR_OK;
+        }
+        close(file->lock);
+    }
+}
+
+static void drop_lock(socket_file *file, bool ours) {
+    if (file->lock >= 0) {
+        if (ours) {
+            unlink(file->lock_path); /* while it is held: see is_current */
+        }
+        close(file->lock);
+        file->lock = -1;
+    }
+}
+
+/* ---- what is in the way ---- */
+
+/* 0: somebody listens; else the errno of the connect. */
+static int try_connect(const struct sockaddr_un *address) {
+    const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (fd < 0) {
+        return errno;
+    }
+    const int rc =
+        connect(fd, (const struct sockaddr *)address, sizeof *address) == 0 ? 0 : errno;
+    close(fd);
+    return rc == EAGAIN ? 0 : rc; /* EAGAIN: its backlog is full */
+}
+
+static int remove_stale(const struct sockaddr_un *address, shear_error *err) {
+    const char *path = address->sun_path;
+    struct stat st;
+    if (lstat(path, &st) != 0) {
+        return errno == ENOENT ? SHEAR_OK : failed("cannot look at it", path, err);
+    }
+    if (!S_ISSOCK(st.st_mode) || st.st_uid != geteuid()) {
+        return shear_fail(err, SHEAR_E_EXISTS, "move it away, or choose another path",
+                          "socket '%s': there is a file that is not a socket of this user", path);
+    }
+    const int rc = try_connect(address);
+    if (rc == 0) {
+        return is_served(path, err);
+    }
+    if (rc != ECONNREFUSED) {
+        errno = rc;
+        return failed("cannot tell whether somebody listens there", path, err);
+    }
+    return unlink(path) == 0 ? SHEAR_OK : failed("cannot remove the old one", path, err);
+}
+
+/* ---- the new one ---- */
+
+static int find_group(gid_t *gid, const char *group, const char *path, shear_error *err) {
+    struct group entry;
+    struct group *found = NULL;
+    char text[16384];
+    *gid = (gid_t)-1;
+    if (!group || *group == '\0') {
+        return SHEAR_OK;
+    }
+    const int rc = getgrnam_r(group, &entry, text, sizeof text, &found);
+    if (rc != 0 || !found) {
+        return shear_fail(err, SHEAR_E_SETTING, "correct [daemon] socket_group in sheard.conf",
+                          "socket '%s': there is no group '%s'%s%s", path, group, rc ? ": " : "",
+                          rc ? strerror(rc) : "");
+    }
+    *gid = found->gr_gid;
+    return SHEAR_OK;
+}
+
+/* The file is there, for nobody. */
+static int give(const char *path, unsigned mode, gid_t gid, socket_file *file, shear_error *err) {
+    struct stat st;
+    if (lstat(path, &st) != 0 || !S_ISSOCK(st.st_mode)) {
+        return failed("it has vanished", path, err);
+    }
+    file->device = st.st_dev;
+    file->inode = st.st_ino;
+    if ((st.st_mode & 07777) != 0) {
+        return shear_fail(err, SHEAR_E_INTERNAL, NULL,
+                          "socket '%s': the system made it with mode %04o instead of none", path,
+                          (unsigned)st.st_mode & 07777);
+    }
+    if (gid != (gid_t)-1 && lchown(path, (uid_t)-1, gid) != 0) {
+        return failed("cannot give it to its group", path, err);
+    }
+    return chmod(path, mode & 0777) == 0 ? SHEAR_OK : failed("cannot set its mode", path, err);
+}
+
+static int bind_quietly(int fd, const struct sockaddr_un *address, unsigned mode, gid_t gid,
+                        socket_file *file, shear_error *err) {
+    if (fchmod(fd, 0) != 0 || bind(fd, (const struct sockaddr *)address, sizeof *address) != 0) {
+        return failed("cannot make it", address->sun_path, err);
+    }
+    int code = give(address->sun_path, mode, gid, file, err);
+    if (code == SHEAR_OK && listen(fd, BACKLOG) != 0) {
+        code = failed("cannot listen", address->sun_path, err);
+    }
+    return code;
+}
+
+static int name_files(socket_file *file, const char *path, shear_error *err) {
+    file->path = strdup(path);
+    if (!file->path || asprintf(&file->lock_path, "%s.lock", path) < 0) {
+        file->lock_path = NULL;
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the socket '%s'", path);
+    }
+    return SHEAR_OK;
+}
+
+static int make(socket_file *file, int fd, const char *path, unsigned mode, const char *group,
+                shear_error *err) {
+    struct sockaddr_un address;
+    gid_t gid;
+    int code = make_address(&address, path, err);
+    code = code ? code : find_group(&gid, group, path, err);
+    code = code ? code : name_files(file, path, err);
+    code = code ? code : take_lock(file, err);
+    code = code ? code : remove_stale(&address, err);
+    return code ? code : bind_quietly(fd, &address, mode, gid, file, err);
+}
+
+int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode, const char *group,
+                     shear_error *err) {
+    *file = (socket_file){.lock = -1};
+    *fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (*fd < 0) {
+        return failed("cannot open a socket", path, err);
+    }
+    const int code = make(file, *fd, path, mode, group, err);
+    if (code != SHEAR_OK) {
+        socket_file_remove(file);
+        close(*fd);
+        *fd = -1;
+    }
+    return code;
+}
+
+void socket_file_remove(socket_file *file) {
+    struct stat st;
+    if (file->path && file->inode != 0 && lstat(file->path, &st) == 0 &&
+        st.st_ino == file->inode && st.st_dev == file->device) {
+        unlink(file->path);
+    }
+    drop_lock(file, true);
+    free(file->path);
+    free(file->lock_path);
+    *file = (socket_file){.lock = -1};
+}

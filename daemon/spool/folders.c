@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "folders.h"
+
+#include "spool/spool.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+static const struct {
+    const char *name;
+    mode_t mode;
+} layout[N_FOLDERS] = {
+    /* Group-writable, sticky, and new files get the directory's group, so that the service can
+     * read what users drop with their own umask. */
+    [INCOMING] = {"incoming", 03770},
+    [ACTIVE] = {"active", 02750},
+    [DONE] = {"done", 02750},
+    [FAILED] = {"failed", 02750},
+};
+
+const char *folder_name(int folder) {
+    return layout[folder].name;
+}
+
+static int complain(shear_error *err, const char *path, const char *what, const char *name) {
+    return shear_fail(err, errno == ENOMEM ? SHEAR_E_NOMEM : SHEAR_E_IO,
+                      "the service's user must own the spool, and its disk must be writable",
+                      "%s/%s: cannot %s: %s", path, name, what, strerror(errno));
+}
+
+/* Restricted services (RestrictSUIDSGID) may not set the group bit; then the group comes from the
+ * parent directory, or from whoever installed the folders. */
+static int set_mode(int fd, mode_t mode) {
+    if (fchmod(fd, mode) == 0) {
+        return 0;
+    }
+    return errno == EPERM ? fchmod(fd, mode & ~(mode_t)S_ISGID) : -1;
+}
+
+/* Folders that exist keep the mode that the administrator gave them. */
+static int open_folder(const folders *f, int folder, int *fd, shear_error *err) {
+    const char *name = layout[folder].name;
+    const bool made = mkdirat(f->root, name, 0700) == 0;
+    if (!made && errno != EEXIST) {
+        return complain(err, f->path, "make it", name);
+    }
+    *fd = openat(f->root, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+    if (*fd < 0) {
+        return complain(err, f->path, "open it", name);
+    }
+    if (made && set_mode(*fd, layout[folder].mode) != 0) {
+        const int code = complain(err, f->path, "set its mode", name);
+        close(*fd);
+        *fd = -1;
+        return code;
+    }
+    return SHEAR_OK;
+}
+
+static int open_root(folders *f, shear_error *err) {
+    if (mkdir(f->path, 0750) != 0 && errno != EEXIST) {
+        return complain(err, f->path, "make it", "");
+    }
+    f->root = open(f->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    return f->root < 0 ? complain(err, f->path, "open it", "") : SHEAR_OK;
+}
+
+/* The holder's process number is in the file, for the message; the lock itself is the kernel's and
+ * ends with its holder. */
+static int take_lock(folders *f, shear_error *err) {
+    char holder[24] = "";
+    f->lock = openat(f->root, ".lock", O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0640);
+    if (f->lock < 0) {
+        return complain(err, f->path, "open it", ".lock");
+    }
+    if (flock(f->lock, LOCK_EX | LOCK_NB) == 0) {
+        const int n = snprintf(holder, sizeof holder, "%ld\n", (long)getpid());
+        /* For the message only: a full disk is no reason not to start. */
+        if (ftruncate(f->lock, 0) != 0 || pwrite(f->lock, holder, (size_t)n, 0) != n) {
+            errno = 0;
+        }
+        return SHEAR_OK;
+    }
+    if (errno != EWOULDBLOCK) {
+        return complain(err, f->path, "lock it", ".lock");
+    }
+    const ssize_t n = pread(f->lock, holder, sizeof holder - 1, 0);
+    holder[n > 0 ? strspn(holder, "0123456789") : 0] = '\0';
+    return shear_fail(err, SPOOL_LOCKED, "stop the other one, or configure another spool directory",
+                      "%s: another sheard%s%s%s uses this spool", f->path,
+                      holder[0] != '\0' ? " (process " : "", holder, holder[0] != '\0' ? ")" : "");
+}
+
+/* Two mounts of one file system do not do either: a rename does not cross them. */
+static int check_one_mount(const folders *f, shear_error *err) {
+    struct statx first;
+    for (int i = 0; i < N_FOLDERS; i++) {
+        struct statx one;
+        if (statx(f->fd[i], "", AT_EMPTY_PATH, STATX_INO | STATX_MNT_ID, &one) != 0) {
+            return complain(err, f->path, "examine it", layout[i].name);
+        }
+        first = i == 0 ? one : first;
+        if (one.stx_dev_major != first.stx_dev_major || one.stx_dev_minor != first.stx_dev_minor ||
+            ((one.stx_mask & STATX_MNT_ID) != 0 && one.stx_mnt_id != first.stx_mnt_id)) {
+            return shear_fail(err, SHEAR_E_IO,
+                              "put the whole spool on one file system, mounted once",
+                              "%s: %s/ and %s/ are on different mounts, files cannot be renamed "
+                              "from one to the other",
+                              f->path, layout[0].name, layout[i].name);
+        }
+    }
+    return SHEAR_OK;
+}
+
+int folders_open(folders *f, const char *path, shear_error *err) {
+    *f = (folders){strdup(path), -1, -1, {-1, -1, -1, -1}};
+    if (f->path == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the spool");
+    }
+    int code = open_root(f, err);
+    if (code == SHEAR_OK) {
+        code = take_lock(f, err);
+    }
+    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++) {
+        code = open_folder(f, i, &f->fd[i], err);
+    }
+    if (code == SHEAR_OK) {
+        code = check_one_mount(f, err);
+    }
+    if (code != SHEAR_OK) {
+        folders_close(f);
+    }
+    return code;
+}
+
+static void close_one(int *fd) {
+    if (*fd >= 0) {
+        close(*fd);
+    }
+    *fd = -1;
+}
+
+void folders_close(folders *f) {
+    if (f->path == NULL) {
+        return;
+    }
+    for (int i = 0; i < N_FOLDERS; i++) {
+        close_one(&f->fd[i]);
+    }
+    close_one(&f->lock);
+    close_one(&f->root);
+    free(f->path);
+    f->path = NULL;
+}
+
+static bool same_file(const struct stat *a, const struct stat *b) {
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+static int check_root(const folders *f, shear_error *err) {
+    struct stat held;
+    struct stat named;
+    if (fstat(f->root, &held) != 0 || stat(f->path, &named) != 0) {
+        return complain(err, f->path, "examine it", "");
+    }
+    if (!same_file(&held, &named)) {
+        return shear_fail(err, SHEAR_E_IO, "restart the service to use the new one",
+                          "%s: is another directory than at the start", f->path);
+    }
+    return SHEAR_OK;
+}
+
+int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
+    *incoming_changed = false;
+    int code = check_root(f, err);
+    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++) {
+        struct stat held;
+        struct stat named;
+        int fd = -1;
+        if (fstat(f->fd[i], &held) == 0 &&
+            fstatat(f->root, layout[i].name, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+            same_file(&held, &named)) {
+            continue;
+        }
+        code = open_folder(f, i, &fd, err);
+        if (code == SHEAR_OK) {
+            close(f->fd[i]);
+            f->fd[i] = fd;
+            *incoming_changed |= i == INCOMING;
+        }
+    }
+    return code;
+}
+
+int folder_move(const folders *f, int from, const char *name, int to, const char *new_name) {
+    struct stat st;
+    if (renameat2(f->fd[from], name, f->fd[to], new_name, RENAME_NOREPLACE) == 0) {
+        return 0;
+    }
+    if (errno != EINVAL && errno != ENOSYS) {
+        return errno;
+    }
+    /* Network file systems have no such rename. Nobody but us puts files into these folders. */
+    const int absent = folder_stat(f, to, new_name, &st);
+    if (absent != ENOENT) {
+        return absent == 0 ? EEXIST : absent;
+    }
+    return renameat(f->fd[from], name, f->fd[to], new_name) == 0 ? 0 : errno;
+}
+
+int folder_sync(const folders *f, int folder) {
+    return fsync(f->fd[folder]) == 0 ? 0 : errno;
+}
+
+int folder_stat(const folders *f, int folder, const char *name, struct stat *st) {
+    return fstatat(f->fd[folder], name, st, AT_SYMLINK_NOFOLLOW) == 0 ? 0 : errno;
+}
+
+DIR *folder_list(const folders *f, int folder) {
+    const int fd = openat(f->fd[folder], ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    if (dir == NULL && fd >= 0) {
+        const int saved = errno;
+        close(fd);
+        errno = saved;
+    }
+    return dir;
+}

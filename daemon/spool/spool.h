@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* spool/spool.h: the watch folder. Knows the loop and files; no jobs, no SQL, no JSON.
+ *
+ *     <directory>/incoming/NAME             put there by anybody who may
+ *     <directory>/active/KEY-NAME           taken: `found` tells the owner; KEY is unique for ever
+ *     <directory>/done/NAME, NAME.json      ended, with the report; or failed/NAME, NAME.json
+ *
+ * A file is in exactly one of these places at any moment, whatever is killed when; a name is never
+ * overwritten (the second a.fits becomes a.1.fits, its report a.1.fits.json).
+ *
+ * Taken are regular files *.fits, *.fits.gz, *.fits.fz and *.json. Dotfiles, *.tmp and *.part are
+ * passed over in silence; other names, and what is no regular file, with one message each. A file
+ * is taken as soon as its writer has closed it or has renamed it into place; where only a scan found
+ * it (it was there at the start, events were lost, or another machine wrote it) or where it is
+ * empty, when it has stood still for settle_ms.
+ *
+ * Crashes: a file that was taken but has not ended is found again by the next spool_open, with the
+ * same key. So the owner submits with the key as idempotency key, and commits a job's end before it
+ * calls spool_end; then each file counts once.
+ *
+ * One thread: the loop's. Callbacks come from the loop, never from within a call of this header;
+ * they may call everything here. The calls may wait for the disk.
+ */
+#ifndef SHEARD_SPOOL_H
+#define SHEARD_SPOOL_H
+
+#include "shear/error.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+#include <uv.h>
+
+enum spool_code {
+    SPOOL_LOCKED = 100, /* another process owns this spool */
+    SPOOL_GONE,         /* the file vanished from active/ */
+    SPOOL_DENIED,       /* the service may not read the file */
+    SPOOL_NOT_REGULAR   /* a link, directory or device */
+};
+
+/* As enum sheard_log_level numbers them. */
+enum spool_level { SPOOL_ERROR, SPOOL_WARNING, SPOOL_NOTICE };
+
+enum { SPOOL_KEY_SIZE = 35 }; /* bytes, with the final NUL */
+
+typedef struct spool_file {
+    const char *active_name; /* names the file to the calls below */
+    const char *key;         /* its first part: short, unique for ever, the idempotency key */
+    const char *name;        /* as it was called in incoming/ */
+    uid_t owner;             /* the file's */
+    bool again;              /* may have been told before */
+} spool_file;
+
+typedef struct spool_callbacks {
+    /* How many new files may be taken now; 0: they wait in incoming/. Asked before every batch. */
+    int64_t (*room)(void *context);
+    /* It is in active/, and on disk. Texts live during the call. The owner takes it (and calls
+     * spool_end one day), or refuses it for the time being with spool_refuse. */
+    void (*found)(void *context, const spool_file *file);
+    void (*log)(void *context, int level, const char *text); /* one line */
+    void *context;
+} spool_callbacks;
+
+/* What stays in done/ or failed/; the oldest go first, a file and its report together. 0: no
+ * limit. */
+typedef struct spool_keep {
+    int64_t max_age_ms, max_count, max_bytes;
+} spool_keep;
+
+/* What may change while running. */
+typedef struct spool_tuning {
+    int64_t settle_ms; /* >= 0 */
+    int64_t scan_ms;   /* > 0: between two scans */
+    spool_keep done, failed;
+} spool_tuning;
+
+typedef struct spool spool;
+
+/* Own `directory` until spool_close; it and the four folders are made where they are missing (the
+ * directory 0750, incoming/ writable by the group and sticky, so that users cannot take away each
+ * other's files, the others readable by the group). They must be on one file system. What a crash
+ * left half done is undone. The files in active/ are told first, with `again`, when the loop runs.
+ * *s is NULL on error: SPOOL_LOCKED, SHEAR_E_IO, SHEAR_E_NOMEM. Where the system refuses to watch
+ * (out of inotify instances), there is a warning, and scans alone find files. */
+int spool_open(spool **s, uv_loop_t *loop, const char *directory, const spool_tuning *tuning,
+               const spool_callbacks *callbacks, shear_error *err);
+/* No callback comes any more, and the lock is free; memory is freed by the loop's next turn, which
+ * must come. NULL is accepted. */
+void spool_close(spool *s);
+
+void spool_tune(spool *s, const spool_tuning *tuning); /* takes effect with the next scan */
+
+/* There is room again, or what made the owner refuse is over: look now, not at the next scan. */
+void spool_wake(spool *s);
+/* Tell this file again (`found` with `again`) at the next scan or spool_wake. SHEAR_E_NOMEM: it is
+ * told again by the next spool_open only. */
+int spool_refuse(spool *s, const char *active_name, shear_error *err);
+
+/* Open a taken file for reading. Errors: enum spool_code, or SHEAR_E_IO. *fd is -1 on error. */
+int spool_open_file(const spool *s, const char *active_name, int *fd, shear_error *err);
+
+/* Write the report (a text of the caller's) to done/ (good) or failed/, then move the file there. On
+ * disk when this returns SHEAR_OK. After an error nothing has happened, or only the last fsync is
+ * missing: call it again. A file that is no longer in active/ has been moved before (or was taken
+ * away): SHEAR_OK. SHEAR_E_IO, SHEAR_E_INTERNAL (not an active name). */
+int spool_end(spool *s, const char *active_name, bool good, const char *report, shear_error *err);
+
+typedef struct spool_stats {
+    int64_t waiting; /* in incoming/: those that settle, and those that wait for room */
+    int64_t ignored; /* in incoming/: neither taken nor meant to be passed over */
+    int64_t active;
+    int64_t taken, done, failed, removed; /* since spool_open; removed: by retention */
+    int64_t scans;                        /* completed */
+    bool watching;                        /* else scans alone find files */
+} spool_stats;
+spool_stats spool_get_stats(const spool *s);
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* inotify on one directory. */
+#ifndef SHEARD_SPOOL_WATCH_H
+#define SHEARD_SPOOL_WATCH_H
+
+enum watch_event {
+    WATCH_COMPLETE, /* closed after writing, or renamed into place */
+    WATCH_BEGUN,    /* a new name: made, or linked */
+    WATCH_GONE,     /* removed, or renamed away */
+    WATCH_OVERFLOW, /* events were lost */
+    WATCH_LOST      /* the directory was removed, renamed or unmounted */
+};
+
+typedef struct watch {
+    int fd; /* -1: none */
+    int id; /* -1: not watching */
+} watch;
+
+/* Returns 0 or errno; w->fd is -1 then. */
+int watch_init(watch *w);
+void watch_deinit(watch *w);
+/* Watch this directory, and no other any more. Returns 0 or errno. */
+int watch_start(watch *w, int directory);
+/* Hand over what is there, in order; the name is NULL for overflow and loss. Returns 0 or errno. */
+int watch_read(watch *w, void (*handle)(void *context, int event, const char *name), void *context);
+
+#endif

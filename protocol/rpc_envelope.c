@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "rpc_envelope.h"
+
+#include "json_text.h"
+#include "rpc_load.h"
+#include "rpc_scan.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+int rpc_no_memory(shear_rpc_error *error) {
+    return shear_rpc_fail(error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "out of memory");
+}
+
+bool shear_rpc_id_equal(const shear_rpc_id *a, const shear_rpc_id *b) {
+    return a->type == b->type && (a->type != SHEAR_ID_INTEGER || a->integer == b->integer) &&
+           (a->type != SHEAR_ID_TEXT || strcmp(a->text, b->text) == 0);
+}
+
+bool rpc_id_read(shear_rpc_id *id, const json_t *value) {
+    *id = (shear_rpc_id){.type = SHEAR_ID_NULL};
+    if (json_is_integer(value)) {
+        id->type = SHEAR_ID_INTEGER;
+        id->integer = json_integer_value(value);
+        return true;
+    }
+    if (!json_is_string(value)) {
+        return json_is_null(value);
+    }
+    const size_t n = json_string_length(value);
+    if (n > SHEAR_RPC_ID_MAX || strlen(json_string_value(value)) != n) {
+        return false;
+    }
+    id->type = SHEAR_ID_TEXT;
+    memcpy(id->text, json_string_value(value), n + 1);
+    return true;
+}
+
+json_t *rpc_id_write(const shear_rpc_id *id) {
+    return id->type == SHEAR_ID_INTEGER ? json_integer(id->integer)
+           : id->type == SHEAR_ID_TEXT  ? json_text_string(id->text)
+                                        : json_null();
+}
+
+/* From a line that is not taken as a whole: the value of the one "id" of its outermost object. */
+static void recover_id(shear_rpc_id *id, const char *line, const rpc_scan *scan) {
+    if (scan->n_ids != 1 || scan->id_end <= scan->id_at) {
+        return;
+    }
+    rpc_load_error why;
+    json_t *value = rpc_load(line + scan->id_at, scan->id_end - scan->id_at, JSON_DECODE_ANY, &why);
+    (void)rpc_id_read(id, value);
+    json_decref(value);
+}
+
+json_t *rpc_read_line(const char *line, size_t n, const shear_rpc_limits *limits, shear_rpc_id *id,
+                      shear_rpc_error *error) {
+    rpc_scan scan;
+    json_t *root = NULL;
+    int rc = rpc_scan_line(&scan, line, n, limits, error);
+    if (rc == SHEAR_RPC_OK) {
+        rpc_load_error why;
+        root = rpc_load(line, n, JSON_DECODE_ANY, &why);
+        rc = root ? SHEAR_RPC_OK : shear_rpc_fail(error, why.code, NULL, "%s", why.text);
+    }
+    if (id) {
+        *id = (shear_rpc_id){.type = SHEAR_ID_NULL};
+    }
+    if (id && (rc == SHEAR_RPC_TOO_COMPLEX || rc == SHEAR_RPC_DUPLICATE_KEY)) {
+        recover_id(id, line, &scan);
+    }
+    return root;
+}
+
+/* With room for \n and NUL. Takes the reference. */
+static int dump(char **line, size_t *n, json_t *object, shear_rpc_error *error) {
+    const size_t flags = JSON_COMPACT | JSON_REAL_PRECISION(17);
+    char *text = object ? json_dumps(object, flags) : NULL;
+    json_decref(object);
+    const size_t length = text ? strlen(text) : 0;
+    char *whole = text ? malloc(length + 2) : NULL;
+    if (whole) {
+        memcpy(whole, text, length);
+        memcpy(whole + length, "\n", 2);
+        *line = whole;
+        *n = length + 1;
+    }
+    free(text);
+    return whole ? SHEAR_RPC_OK : rpc_no_memory(error);
+}
+
+int rpc_write_line(char **line, size_t *n, shear_rpc_error *error, ...) {
+    *line = NULL;
+    *n = 0;
+    json_t *object = json_object();
+    bool failed = !object;
+    json_text_set(object, "jsonrpc", json_string("2.0"), &failed);
+    va_list members;
+    va_start(members, error);
+    for (const char *name = va_arg(members, const char *); name;
+         name = va_arg(members, const char *)) {
+        json_text_set(object, name, va_arg(members, json_t *), &failed);
+    }
+    va_end(members);
+    return dump(line, n, json_text_whole(object, failed), error);
+}

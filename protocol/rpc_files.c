@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Messages that are not lines: job files, sources as the store keeps them, the files beside inputs.
+ */
+#include "rpc_envelope.h"
+#include "rpc_methods.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int not_object(shear_rpc_error *error, const char *what) {
+    return shear_rpc_fail(error, SHEAR_RPC_BAD_PARAMETER, NULL, "%s must be one object", what);
+}
+
+int shear_job_file_parse(shear_msg_submit *submit, const char *text, size_t n,
+                         const shear_settings *defaults, shear_rpc_error *error) {
+    *error = (shear_rpc_error){.code = SHEAR_RPC_OK};
+    memset(submit, 0, sizeof *submit);
+    shear_rpc_limits limits = shear_rpc_request_limits;
+    limits.line = SHEAR_MSG_JOB_FILE_MAX;
+    json_t *root = rpc_read_line(text, n, &limits, NULL, error);
+    int rc = error->code;
+    if (root) {
+        rc = json_is_object(root) ? rpc_read_submit(submit, root, defaults, error)
+                                  : not_object(error, "a job file");
+    }
+    json_decref(root);
+    return rc;
+}
+
+void shear_submit_deinit(shear_msg_submit *submit) {
+    msg_deinit(submit, &msg_submit);
+}
+
+/* In *text, malloc'd. Takes the reference. */
+static int dump(char **text, json_t *object, size_t flags, shear_rpc_error *error) {
+    *text = json_dumps(object, flags | JSON_REAL_PRECISION(17));
+    json_decref(object);
+    return *text ? SHEAR_RPC_OK : rpc_no_memory(error);
+}
+
+int shear_source_text(char **text, const shear_msg_source *source, shear_rpc_error *error) {
+    *text = NULL;
+    json_t *object = msg_write(source, &msg_source, MSG_SPARSE, error);
+    return object ? dump(text, object, JSON_COMPACT, error) : error->code;
+}
+
+static int parse(void *message, const msg_table *table, unsigned mode, const char *text, size_t n,
+                 shear_rpc_error *error) {
+    *error = (shear_rpc_error){.code = SHEAR_RPC_OK};
+    memset(message, 0, table->size);
+    json_t *root = rpc_read_line(text, n, &shear_rpc_reply_limits, NULL, error);
+    int rc = error->code;
+    if (root) {
+        rc = json_is_object(root) ? msg_read(message, table, root, mode, error)
+                                  : not_object(error, "this text");
+    }
+    json_decref(root);
+    return rc;
+}
+
+int shear_source_parse(shear_msg_source *source, const char *text, shear_rpc_error *error) {
+    return parse(source, &msg_source, MSG_STRICT, text, strlen(text), error);
+}
+
+void shear_source_deinit(shear_msg_source *source) {
+    msg_deinit(source, &msg_source);
+}
+
+int shear_side_text(char **text, const shear_msg_side *side, shear_rpc_error *error) {
+    *text = NULL;
+    char *indented = NULL;
+    json_t *object = msg_write(side, &msg_side, 0, error);
+    int rc = object ? dump(&indented, object, JSON_INDENT(2), error) : error->code;
+    const size_t n = indented ? strlen(indented) : 0;
+    *text = indented ? malloc(n + 2) : NULL;
+    if (*text) {
+        memcpy(*text, indented, n);
+        memcpy(*text + n, "\n", 2);
+    } else if (rc == SHEAR_RPC_OK) {
+        rc = rpc_no_memory(error);
+    }
+    free(indented);
+    return rc;
+}
+
+int shear_side_parse(shear_msg_side *side, const char *text, size_t n, shear_rpc_error *error) {
+    return parse(side, &msg_side, 0, text, n, error);
+}
+
+void shear_side_deinit(shear_msg_side *side) {
+    msg_deinit(side, &msg_side);
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Messages to lines: requests of the client; replies, errors and notifications of the daemon. */
+#include "json_text.h"
+#include "rpc_envelope.h"
+#include "rpc_methods.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const char shear_rpc_no_memory_line[] =
+    "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32019,\"message\":\"out of memory\","
+    "\"data\":{\"code\":\"out_of_memory\",\"retry\":true,\"parameter\":null,"
+    "\"advice\":\"try again when the machine has more memory free\"}}}\n";
+
+static int bad_call(shear_rpc_error *error, const char *what, int number) {
+    return shear_rpc_fail(error, SHEAR_RPC_INTERNAL, NULL, "there is no %s number %d", what,
+                          number);
+}
+
+void shear_params_init(shear_params *params, int method) {
+    memset(params, 0, sizeof *params);
+    if (shear_method_name(method)) {
+        msg_init(params, rpc_methods[method].params);
+    }
+}
+
+/* The daemon would say no: say it here. */
+static int check_as_daemon(int method, const json_t *params, shear_rpc_error *error) {
+    shear_params parsed;
+    const msg_table *table = rpc_methods[method].params;
+    const int rc = msg_read(&parsed, table, params, MSG_STRICT, error);
+    if (rc == SHEAR_RPC_OK) {
+        msg_deinit(&parsed, table);
+    }
+    return rc;
+}
+
+int shear_request_line(char **line, size_t *n, const shear_rpc_id *id, int method,
+                       const shear_params *params, shear_rpc_error *error) {
+    *line = NULL;
+    *n = 0;
+    if (!shear_method_name(method)) {
+        return bad_call(error, "method", method);
+    }
+    shear_params none;
+    shear_params_init(&none, method);
+    json_t *object =
+        msg_write(params ? params : &none, rpc_methods[method].params, MSG_SPARSE, error);
+    const int rc = object ? check_as_daemon(method, object, error) : error->code;
+    if (rc != SHEAR_RPC_OK) {
+        json_decref(object);
+        return rc;
+    }
+    return rpc_write_line(line, n, error, "id", rpc_id_write(id), "method",
+                          json_string(rpc_methods[method].name), "params", object, NULL);
+}
+
+int shear_reply_line(char **line, size_t *n, const shear_rpc_id *id, int method,
+                     const shear_reply *reply, shear_rpc_error *error) {
+    *line = NULL;
+    *n = 0;
+    if (!shear_method_name(method)) {
+        return bad_call(error, "method", method);
+    }
+    json_t *result = msg_write(reply, rpc_methods[method].reply, 0, error);
+    return result ? rpc_write_line(line, n, error, "id", rpc_id_write(id), "result", result, NULL)
+                  : error->code;
+}
+
+static json_t *error_data(const shear_rpc_error *what) {
+    json_t *o = json_object();
+    bool failed = !o;
+    json_text_set(o, "code", json_text_string(what->name), &failed);
+    json_text_set(o, "retry", json_boolean(what->retry), &failed);
+    json_text_set(o, "parameter",
+                  json_text_string(what->parameter[0] != '\0' ? what->parameter : NULL), &failed);
+    json_text_set(o, "advice", json_text_string(what->advice), &failed);
+    return json_text_whole(o, failed);
+}
+
+int shear_error_line(char **line, size_t *n, const shear_rpc_id *id, const shear_rpc_error *what) {
+    json_t *o = json_object();
+    bool failed = !o;
+    json_text_set(o, "code", json_integer(what->number), &failed);
+    json_text_set(o, "message", json_text_string(what->message), &failed);
+    json_text_set(o, "data", error_data(what), &failed);
+    shear_rpc_error no_memory;
+    return rpc_write_line(line, n, &no_memory, "id", rpc_id_write(id), "error",
+                          json_text_whole(o, failed), NULL);
+}
+
+int shear_notice_line(char **line, size_t *n, int notice, const shear_notice_params *params,
+                      shear_rpc_error *error) {
+    *line = NULL;
+    *n = 0;
+    if (!shear_notice_name(notice)) {
+        return bad_call(error, "notification", notice);
+    }
+    json_t *object = msg_write(params, rpc_notices[notice].params, 0, error);
+    return object ? rpc_write_line(line, n, error, "method", json_string(rpc_notices[notice].name),
+                                   "params", object, NULL)
+                  : error->code;
+}

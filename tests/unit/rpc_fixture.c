@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "rpc_fixture.h"
+
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* splitmix64 */
+uint64_t next_random(uint64_t *seed) {
+    uint64_t z = (*seed += UINT64_C(0x9E3779B97F4A7C15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return z ^ (z >> 31);
+}
+
+static bool coin(uint64_t *seed) {
+    return next_random(seed) & 1;
+}
+
+static int64_t integer_within(int64_t min, int64_t max, uint64_t *seed) {
+    const uint64_t span = (uint64_t)max - (uint64_t)min;
+    const uint64_t r = next_random(seed);
+    return (int64_t)((uint64_t)min + (span == UINT64_MAX ? r : r % (span + 1)));
+}
+
+/* Any finite bits where there are no bounds. */
+static double real_within(int64_t min, int64_t max, uint64_t *seed) {
+    double x = 0;
+    do {
+        const uint64_t bits = next_random(seed);
+        memcpy(&x, &bits, sizeof x);
+    } while (!isfinite(x));
+    return max == 0 ? x
+                    : (double)min + ldexp((double)(next_random(seed) >> 11), -53) *
+                                        ((double)max - (double)min);
+}
+
+/* Letters that JSON has to take care of; the last ones are control characters. */
+static char *some_text(size_t longest, unsigned flags, uint64_t *seed) {
+    static const char *const letters[] = {
+        "a",           "Z",  "0",  " ",  "\"", "\\", "/",  "\xC3\xA9", "\xE2\x82\xAC",
+        "\xF0\x9F\x98\x80", "'", "{", "}", "\t", "\n", "\r", "\x01",     "\x7F"};
+    const size_t n_letters = flags & MSG_PLAIN ? 13 : 18;
+    const size_t n = 1 + next_random(seed) % 20;
+    char *text = malloc(4 * n + 2);
+    assert_non_null(text);
+    strcpy(text, flags & MSG_ABSOLUTE ? "/" : "x");
+    for (size_t i = 0; i < n; i++) {
+        const char *letter = letters[next_random(seed) % n_letters];
+        if (longest == 0 || strlen(text) + strlen(letter) <= longest) {
+            strcat(text, letter);
+        }
+    }
+    return text;
+}
+
+static char *some_object(uint64_t *seed) {
+    char text[200];
+    snprintf(text, sizeof text, "{\"g1\":%.17g,\"n_used\":%llu,\"deep\":{\"list\":[1,null,\"\\u0001\"]}}",
+             real_within(-1, 1, seed), (unsigned long long)(next_random(seed) >> 2));
+    return msg_copy(text, strlen(text));
+}
+
+static char *some_settings(uint64_t *seed) {
+    static const char *const lines[] = {
+        "interpolation=log-bicubic\n", "oversample=4\n",    "beta=1.6000000000000001\n",
+        "beta-ratio=1.25\n",           "zeros=floor\n",     "pedestal=0.1\n",
+        "psf-threshold=1e-08\n",       "noise-correction=false\n"};
+    char text[400] = "";
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        strcat(text, coin(seed) ? lines[i] : "");
+    }
+    return text[0] != '\0' ? msg_copy(text, strlen(text)) : NULL;
+}
+
+static void fill_list(void *message, const msg_member *m, uint64_t *seed) {
+    const size_t low = m->flags & MSG_REQUIRED ? 1 : 0;
+    const size_t n = low + next_random(seed) % 4;
+    const size_t size = m->type == MSG_INTS    ? sizeof(int64_t)
+                        : m->type == MSG_TEXTS ? sizeof(char *)
+                                               : m->table->size;
+    char *list = n > 0 ? calloc(n, size) : NULL;
+    for (size_t i = 0; i < n; i++) {
+        if (m->type == MSG_INTS) {
+            ((int64_t *)(void *)list)[i] = integer_within(1, INT64_MAX, seed);
+        } else if (m->type == MSG_TEXTS) {
+            msg_put_pointer(list, i * size, some_text((size_t)m->item_max, m->flags, seed));
+        } else {
+            fill(list + i * size, m->table, seed);
+        }
+    }
+    msg_put_pointer(message, m->offset, list);
+    *(size_t *)(void *)((char *)message + m->count_offset) = n;
+}
+
+static int some_name(const char *const *names, uint64_t *seed) {
+    int n = 0;
+    while (names[n]) {
+        n++;
+    }
+    return (int)(next_random(seed) % (unsigned)n);
+}
+
+static void fill_value(void *at, const msg_member *m, uint64_t *seed) {
+    switch (m->type) {
+    case MSG_BOOL:
+        *(bool *)at = coin(seed);
+        break;
+    case MSG_INT:
+        *(int64_t *)at = m->flags & MSG_NULLABLE && coin(seed)
+                             ? m->fallback
+                             : integer_within(m->min, m->max, seed);
+        break;
+    case MSG_REAL:
+        *(double *)at = coin(seed) ? real_within(m->min, m->max, seed) : NAN;
+        break;
+    case MSG_NAME:
+        *(int *)at = some_name(m->names, seed);
+        break;
+    case MSG_TIME:
+        *(int64_t *)at = integer_within(1, INT64_C(253402300799999), seed);
+        break;
+    case MSG_STATES:
+        *(unsigned *)at = (unsigned)(next_random(seed) % 64);
+        break;
+    default:
+        break;
+    }
+}
+
+static void fill_pointer(void *message, const msg_member *m, uint64_t *seed) {
+    char *text = m->type == MSG_TEXT       ? some_text((size_t)m->max, m->flags, seed)
+                 : m->type == MSG_SETTINGS ? some_settings(seed)
+                                           : some_object(seed);
+    if (m->type != MSG_MERGED && !(m->flags & MSG_REQUIRED) && coin(seed)) {
+        free(text);
+        text = NULL;
+    }
+    msg_put_pointer(message, m->offset, text);
+}
+
+static void fill_member(void *message, const msg_member *m, uint64_t *seed) {
+    void *at = (char *)message + m->offset;
+    switch (m->type) {
+    case MSG_TEXT:
+    case MSG_RAW:
+    case MSG_SETTINGS:
+    case MSG_MERGED:
+        fill_pointer(message, m, seed);
+        break;
+    case MSG_INTS:
+    case MSG_TEXTS:
+    case MSG_OBJECTS:
+        fill_list(message, m, seed);
+        break;
+    case MSG_OBJECT:
+        fill(at, m->table, seed);
+        if (m->flags & MSG_NULLABLE && (coin(seed) || !msg_is_there(at, m->table))) {
+            msg_deinit(at, m->table);
+            msg_init(at, m->table);
+        }
+        break;
+    default:
+        fill_value(at, m, seed);
+        break;
+    }
+}
+
+void fill(void *message, const msg_table *table, uint64_t *seed) {
+    msg_init(message, table);
+    for (size_t i = 0; i < table->n; i++) {
+        fill_member(message, &table->members[i], seed);
+    }
+}
+
+static void drop_path(const char **path) {
+    free((void *)(uintptr_t)*path);
+    *path = NULL;
+}
+
+static void one_source(shear_msg_source *s, uint64_t *seed) {
+    if (!s->path || coin(seed)) {
+        shear_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf};
+        drop_path(&s->path);
+        for (int i = 0; i < 3; i++) {
+            drop_path(&images[i]->path);
+            images[i]->path = some_text(SHEAR_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
+            images[i]->hdu = integer_within(-1, SHEAR_MSG_HDU_MAX, seed);
+        }
+        return;
+    }
+    shear_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf};
+    for (int i = 0; i < 3; i++) {
+        drop_path(&images[i]->path);
+        images[i]->hdu = -1;
+    }
+}
+
+void fill_params(shear_params *params, int method, uint64_t *seed) {
+    memset(params, 0, sizeof *params);
+    fill(params, rpc_methods[method].params, seed);
+    if (method == SHEAR_METHOD_SUBMIT) {
+        one_source(&params->submit.source, seed);
+    } else if (method == SHEAR_METHOD_HELLO && params->hello.oldest > params->hello.newest) {
+        params->hello.newest = params->hello.oldest;
+    } else if (method == SHEAR_METHOD_SUBSCRIBE && params->subscribe.n_jobs == 0 &&
+               params->subscribe.n_fields == 0) {
+        params->subscribe.all = true;
+    }
+}
+
+/* ---- Comparing ---- */
+
+static void same_text(const char *name, const char *a, const char *b) {
+    if (!a != !b || (a && strcmp(a, b) != 0)) {
+        fail_msg("%s: \"%s\" is not \"%s\"", name, a ? a : "(NULL)", b ? b : "(NULL)");
+    }
+}
+
+static void same_real(const char *name, double a, double b) {
+    if (!(isnan(a) && isnan(b)) && memcmp(&a, &b, sizeof a) != 0) {
+        fail_msg("%s: %.17g is not %.17g", name, a, b);
+    }
+}
+
+static void same_list(const void *a, const void *b, const msg_member *m) {
+    const size_t n = *(const size_t *)(const void *)((const char *)a + m->count_offset);
+    const size_t n_b = *(const size_t *)(const void *)((const char *)b + m->count_offset);
+    const char *list_a = msg_pointer(a, m->offset);
+    const char *list_b = msg_pointer(b, m->offset);
+    if (n != n_b) {
+        fail_msg("%s: %zu elements are not %zu", m->name, n, n_b);
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (m->type == MSG_INTS) {
+            assert_memory_equal(list_a + 8 * i, list_b + 8 * i, 8);
+        } else if (m->type == MSG_TEXTS) {
+            same_text(m->name, msg_pointer(list_a, i * sizeof(char *)),
+                      msg_pointer(list_b, i * sizeof(char *)));
+        } else {
+            assert_same(list_a + i * m->table->size, list_b + i * m->table->size, m->table);
+        }
+    }
+}
+
+static void same_bytes(const char *name, const void *a, const void *b, size_t n) {
+    if (memcmp(a, b, n) != 0) {
+        fail_msg("%s: differs", name);
+    }
+}
+
+static void same_member(const void *a, const void *b, const msg_member *m) {
+    const void *at_a = (const char *)a + m->offset;
+    const void *at_b = (const char *)b + m->offset;
+    switch (m->type) {
+    case MSG_BOOL:
+        same_bytes(m->name, at_a, at_b, sizeof(bool));
+        break;
+    case MSG_REAL:
+        same_real(m->name, *(const double *)at_a, *(const double *)at_b);
+        break;
+    case MSG_NAME:
+    case MSG_STATES:
+        same_bytes(m->name, at_a, at_b, sizeof(int));
+        break;
+    case MSG_INT:
+    case MSG_TIME:
+        same_bytes(m->name, at_a, at_b, sizeof(int64_t));
+        break;
+    case MSG_INTS:
+    case MSG_TEXTS:
+    case MSG_OBJECTS:
+        same_list(a, b, m);
+        break;
+    case MSG_OBJECT:
+        assert_same(at_a, at_b, m->table);
+        break;
+    default:
+        same_text(m->name, msg_pointer(at_a, 0), msg_pointer(at_b, 0));
+        break;
+    }
+}
+
+void assert_same(const void *a, const void *b, const msg_table *table) {
+    for (size_t i = 0; i < table->n; i++) {
+        same_member(a, b, &table->members[i]);
+    }
+}

@@ -1,0 +1,616 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Messages: written and read back they are the same, to the last bit; settings have one text; times. */
+#include "rpc_fixture.h"
+#include "test.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROUNDS = 40 };
+
+static const shear_rpc_id id_7 = {.type = SHEAR_ID_INTEGER, .integer = 7};
+
+/* A line without its \n must hold none, and read as itself. */
+static void assert_one_line(const char *line, size_t n) {
+    assert_int_equal(strlen(line), n);
+    assert_ptr_equal(strchr(line, '\n'), line + n - 1);
+}
+
+static void test_requests(void **state) {
+    (void)state;
+    uint64_t seed = 1;
+    for (int i = 0; i < ROUNDS * SHEAR_N_METHODS; i++) {
+        const int method = i % SHEAR_N_METHODS;
+        shear_params params;
+        fill_params(&params, method, &seed);
+        char *line = NULL;
+        size_t n = 0;
+        shear_rpc_error error = {0};
+        const int rc = shear_request_line(&line, &n, &id_7, method, &params, &error);
+        if (rc != SHEAR_RPC_OK) {
+            fail_msg("%s: %s", shear_method_name(method), error.message);
+        }
+        assert_one_line(line, n);
+        shear_request back;
+        assert_int_equal(shear_request_parse(&back, line, n - 1, NULL, &error), SHEAR_RPC_OK);
+        assert_int_equal(back.method, method);
+        assert_true(shear_rpc_id_equal(&back.id, &id_7));
+        assert_same(&params, &back.params, rpc_methods[method].params);
+        free(line);
+        shear_request_deinit(&back);
+        shear_request_deinit(&back);
+        msg_deinit(&params, rpc_methods[method].params);
+    }
+}
+
+/* What is at its default is not said, and comes back. */
+static void test_defaults(void **state) {
+    (void)state;
+    static const char *const lines[SHEAR_N_METHODS] = {
+        [SHEAR_METHOD_HELLO] = "{}",   [SHEAR_METHOD_JOBS] = "{}",   [SHEAR_METHOD_FIELDS] = "{}",
+        [SHEAR_METHOD_STATUS] = "{}",  [SHEAR_METHOD_METRICS] = "{}", [SHEAR_METHOD_RELOAD] = "{}",
+        [SHEAR_METHOD_DRAIN] = "{}",   [SHEAR_METHOD_SHUTDOWN] = "{}",
+        [SHEAR_METHOD_UNSUBSCRIBE] = "{}",
+    };
+    for (int method = 0; method < SHEAR_N_METHODS; method++) {
+        shear_params params;
+        shear_params_init(&params, method);
+        char *line = NULL;
+        size_t n = 0;
+        shear_rpc_error error;
+        const int rc = shear_request_line(&line, &n, &id_7, method, &params, &error);
+        assert_int_equal(rc == SHEAR_RPC_OK, lines[method] != NULL);
+        if (rc != SHEAR_RPC_OK) {
+            assert_int_equal(rc, SHEAR_RPC_MISSING_PARAMETER);
+            assert_null(line);
+            continue;
+        }
+        char expected[200];
+        snprintf(expected, sizeof expected,
+                 "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"%s\",\"params\":%s}\n",
+                 shear_method_name(method), lines[method]);
+        assert_string_equal(line, expected);
+        free(line);
+    }
+    shear_params jobs;
+    shear_params_init(&jobs, SHEAR_METHOD_JOBS);
+    assert_int_equal(jobs.jobs.limit, 50);
+    assert_int_equal(jobs.jobs.owner, -1);
+}
+
+static void test_replies(void **state) {
+    (void)state;
+    uint64_t seed = 2;
+    for (int i = 0; i < ROUNDS * SHEAR_N_METHODS; i++) {
+        const int method = i % SHEAR_N_METHODS;
+        const msg_table *table = rpc_methods[method].reply;
+        shear_reply reply;
+        fill(&reply, table, &seed);
+        char *line = NULL;
+        size_t n = 0;
+        shear_rpc_error error = {0};
+        const int rc = shear_reply_line(&line, &n, &id_7, method, &reply, &error);
+        if (rc != SHEAR_RPC_OK) {
+            fail_msg("%s: %s", shear_method_name(method), error.message);
+        }
+        assert_one_line(line, n);
+        shear_message message;
+        assert_int_equal(shear_message_parse(&message, line, n - 1, &error), SHEAR_RPC_OK);
+        assert_int_equal(message.kind, SHEAR_MESSAGE_REPLY);
+        assert_true(shear_rpc_id_equal(&message.id, &id_7));
+        shear_reply back;
+        assert_int_equal(shear_message_reply(&message, method, &back, &error), SHEAR_RPC_OK);
+        assert_same(&reply, &back, table);
+        char *text = NULL;
+        assert_int_equal(shear_message_text(&message, &text, &error), SHEAR_RPC_OK);
+        assert_non_null(strstr(line, text));
+        free(text);
+        free(line);
+        shear_message_deinit(&message);
+        shear_reply_deinit(&back, method);
+        msg_deinit(&reply, table);
+    }
+}
+
+static void test_notices(void **state) {
+    (void)state;
+    uint64_t seed = 3;
+    for (int i = 0; i < ROUNDS * SHEAR_N_NOTICES; i++) {
+        const int notice = i % SHEAR_N_NOTICES;
+        shear_notice_params params;
+        fill(&params, rpc_notices[notice].params, &seed);
+        char *line = NULL;
+        size_t n = 0;
+        shear_rpc_error error;
+        assert_int_equal(shear_notice_line(&line, &n, notice, &params, &error), SHEAR_RPC_OK);
+        assert_one_line(line, n);
+        shear_message message;
+        assert_int_equal(shear_message_parse(&message, line, n - 1, &error), SHEAR_RPC_OK);
+        assert_int_equal(message.kind, SHEAR_MESSAGE_NOTICE);
+        assert_int_equal(message.notice, notice);
+        assert_same(&params, &message.params, rpc_notices[notice].params);
+        free(line);
+        shear_message_deinit(&message);
+        msg_deinit(&params, rpc_notices[notice].params);
+    }
+}
+
+static void test_sources_and_sides(void **state) {
+    (void)state;
+    uint64_t seed = 4;
+    for (int i = 0; i < ROUNDS; i++) {
+        shear_rpc_error error;
+        char *text = NULL;
+        shear_params params;
+        fill_params(&params, SHEAR_METHOD_SUBMIT, &seed);
+        assert_int_equal(shear_source_text(&text, &params.submit.source, &error), SHEAR_RPC_OK);
+        shear_msg_source source;
+        assert_int_equal(shear_source_parse(&source, text, &error), SHEAR_RPC_OK);
+        assert_same(&params.submit.source, &source, &msg_source);
+        free(text);
+        shear_source_deinit(&source);
+        shear_submit_deinit(&params.submit);
+
+        shear_msg_side side;
+        fill(&side, &msg_side, &seed);
+        assert_int_equal(shear_side_text(&text, &side, &error), SHEAR_RPC_OK);
+        assert_int_equal(text[strlen(text) - 1], '\n');
+        shear_msg_side back;
+        assert_int_equal(shear_side_parse(&back, text, strlen(text), &error), SHEAR_RPC_OK);
+        assert_same(&side, &back, &msg_side);
+        free(text);
+        shear_side_deinit(&side);
+        shear_side_deinit(&back);
+    }
+}
+
+/* The very text of one of each kind, so that both sides cannot be wrong alike. */
+static void test_wire(void **state) {
+    (void)state;
+    shear_rpc_error error;
+    char *line = NULL;
+    size_t n = 0;
+    shear_params params;
+    shear_params_init(&params, SHEAR_METHOD_SUBMIT);
+    params.submit.source.galaxy = (shear_msg_image){"/data/g.fits", 1};
+    params.submit.source.noise = (shear_msg_image){"/data/n.fits", -1};
+    params.submit.source.psf = (shear_msg_image){"/data/p.fits", 0};
+    params.submit.settings = "beta=1.5\nnoise-correction=false\nzeros=floor\n";
+    params.submit.priority = -3;
+    params.submit.key = "k";
+    params.submit.wait = true;
+    assert_int_equal(shear_request_line(&line, &n, &id_7, SHEAR_METHOD_SUBMIT, &params, &error), 0);
+    assert_string_equal(
+        line, "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"submit\",\"params\":{"
+              "\"galaxy\":{\"path\":\"/data/g.fits\",\"hdu\":1},"
+              "\"noise\":{\"path\":\"/data/n.fits\"},"
+              "\"psf\":{\"path\":\"/data/p.fits\",\"hdu\":0},"
+              "\"settings\":{\"beta\":1.5,\"noise-correction\":false,\"zeros\":\"floor\"},"
+              "\"priority\":-3,\"key\":\"k\",\"wait\":true}}\n");
+    free(line);
+    const int64_t running[] = {3};
+    const shear_msg_field_row row = {.report = "{\"g1\":0.01,\"g2\":null}", .digest = "d", .jobs = 2,
+                                     .unfinished = 1, .partial = true, .running = running,
+                                     .n_running = 1, .updated_ms = 1};
+    shear_reply reply = {.field = {.field = "A", .rows = &row, .n_rows = 1}};
+    const shear_rpc_id text_id = {.type = SHEAR_ID_TEXT, .text = "x\"y"};
+    assert_int_equal(shear_reply_line(&line, &n, &text_id, SHEAR_METHOD_FIELD, &reply, &error), 0);
+    assert_string_equal(
+        line, "{\"jsonrpc\":\"2.0\",\"id\":\"x\\\"y\",\"result\":{\"field\":\"A\",\"mixed\":false,"
+              "\"rows\":[{\"g1\":0.01,\"g2\":null,\"digest\":\"d\",\"jobs\":2,\"unfinished\":1,"
+              "\"partial\":true,\"running\":[3],\"updated\":\"1970-01-01T00:00:00.001Z\","
+              "\"contributions\":[],\"more\":false}]}}\n");
+    free(line);
+    const shear_notice_params lost = {.lost = {.count = 12}};
+    assert_int_equal(shear_notice_line(&line, &n, SHEAR_NOTICE_LOST, &lost, &error), 0);
+    assert_string_equal(
+        line, "{\"jsonrpc\":\"2.0\",\"method\":\"lost\",\"params\":{\"count\":12}}\n");
+    free(line);
+}
+
+/* Numbers keep their bits; what is not finite is null; texts that are not UTF-8 are said with U+FFFD,
+ * but never in a request. */
+static void test_values(void **state) {
+    (void)state;
+    const double values[] = {0.1,     -0.0,    1.0 / 3, DBL_MIN, DBL_MAX, -DBL_TRUE_MIN, 5e-324,
+                             1e22,    123456789012345678.0, NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        const shear_msg_summary summary = {.field = "A\xFF", .digest = "d", .g1 = values[i]};
+        const shear_reply reply = {.fields = {.fields = &summary, .n_fields = 1}};
+        char *line = NULL;
+        size_t n = 0;
+        shear_rpc_error error;
+        shear_message message;
+        shear_reply back;
+        assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_FIELDS, &reply, &error), 0);
+        assert_int_equal(shear_message_parse(&message, line, n - 1, &error), 0);
+        assert_int_equal(shear_message_reply(&message, SHEAR_METHOD_FIELDS, &back, &error), 0);
+        const double got = back.fields.fields[0].g1;
+        if (isfinite(values[i])) {
+            assert_memory_equal(&got, &values[i], sizeof got);
+        } else {
+            assert_true(isnan(got));
+            assert_non_null(strstr(line, "\"g1\":null"));
+        }
+        assert_string_equal(back.fields.fields[0].field, "A\xEF\xBF\xBD");
+        free(line);
+        shear_message_deinit(&message);
+        shear_reply_deinit(&back, SHEAR_METHOD_FIELDS);
+    }
+    shear_params params;
+    shear_params_init(&params, SHEAR_METHOD_SUBMIT);
+    params.submit.source.path = "/data/\xFF.fits";
+    char *line = NULL;
+    size_t n = 0;
+    shear_rpc_error error;
+    assert_int_equal(shear_request_line(&line, &n, &id_7, SHEAR_METHOD_SUBMIT, &params, &error),
+                     SHEAR_RPC_BAD_PARAMETER);
+    assert_string_equal(error.parameter, "path");
+    assert_null(line);
+}
+
+/* A raw text that is no JSON object is a bug of the caller's, not a broken line. */
+static void test_bad_raw(void **state) {
+    (void)state;
+    static const char *const bad[] = {"", "{", "[1]", "{\"a\":1,\"a\":2}", "{} {}", "\xFF"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        const shear_reply reply = {.cancel = {.id = 1, .result = bad[i]}};
+        char *line = NULL;
+        size_t n = 0;
+        shear_rpc_error error;
+        assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_CANCEL, &reply, &error),
+                         SHEAR_RPC_INTERNAL);
+        assert_null(line);
+    }
+    const shear_reply reply = {.cancel = {.id = 1, .settings = "beta=hello\n"}};
+    char *line = NULL;
+    size_t n = 0;
+    shear_rpc_error error;
+    assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_CANCEL, &reply, &error),
+                     SHEAR_RPC_INTERNAL);
+}
+
+/* ---- Settings ---- */
+
+static void given_text(const char *json, char *out, size_t size) {
+    char text[2000];
+    snprintf(text, sizeof text, "{\"path\": \"/a\", \"settings\": %s}", json);
+    shear_msg_submit submit;
+    shear_rpc_error error = {0};
+    if (shear_job_file_parse(&submit, text, strlen(text), NULL, &error) != SHEAR_RPC_OK) {
+        fail_msg("%s: %s", json, error.message);
+    }
+    snprintf(out, size, "%s", submit.settings ? submit.settings : "(none)");
+    shear_submit_deinit(&submit);
+}
+
+static void test_settings_have_one_text(void **state) {
+    (void)state;
+    static const char *const same[][2] = {
+        {"{}", "(none)"},
+        {"null", "(none)"},
+        {"{\"zeros\": \"floor\", \"beta\": 2}", "beta=2\nzeros=floor\n"},
+        {"{\"beta\": 2.0, \"zeros\": \"floor\"}", "beta=2\nzeros=floor\n"},
+        {"{\"beta\": 20e-1}", "beta=2\n"},
+        {"{\"beta\": 0.1}", "beta=0.1\n"},
+        {"{\"beta\": 0.10000000000000001}", "beta=0.1\n"},
+        {"{\"beta\": \"auto\"}", "beta=auto\n"},
+        {"{\"beta_ratio\": 1.5}", "beta-ratio=1.5\n"},
+        {"{\"pedestal\": -0.0}", "pedestal=0\n"},
+        {"{\"pedestal\": 0}", "pedestal=0\n"},
+        {"{\"oversample\": \"auto\"}", "oversample=auto\n"},
+        {"{\"interpolation\": \"log_bicubic\"}", "interpolation=log-bicubic\n"},
+        {"{\"noise-correction\": true}", "noise-correction=true\n"},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; i++) {
+        char text[SHEAR_MSG_SETTINGS_SIZE];
+        given_text(same[i][0], text, sizeof text);
+        assert_string_equal(text, same[i][1]);
+    }
+}
+
+/* Sum of bytes: a digest that the eye can follow. */
+static void add_bytes(const void *bytes, size_t n, char *hex, size_t size) {
+    unsigned sum = 0;
+    for (size_t i = 0; i < n; i++) {
+        sum += ((const unsigned char *)bytes)[i];
+    }
+    snprintf(hex, size, "%08x", sum);
+}
+
+static void test_whole_settings(void **state) {
+    (void)state;
+    shear_settings s;
+    shear_settings t;
+    shear_error err;
+    char text[SHEAR_MSG_SETTINGS_SIZE];
+    char again[SHEAR_MSG_SETTINGS_SIZE];
+    shear_settings_init(&s);
+    assert_int_equal(shear_settings_apply(&s, "pedestal=0.25\ncore=7\nbeta=1.7", &err), SHEAR_OK);
+    assert_int_equal(shear_settings_write(&s, text, sizeof text, &err), SHEAR_OK);
+    assert_string_equal(text, "interpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=1.5\n"
+                              "filter=auto\ncore=7\nwidth=auto\nzeros=skip\npedestal=0.25\n"
+                              "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n");
+    shear_settings_init(&t);
+    assert_int_equal(shear_settings_apply(&t, text, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_write(&t, again, sizeof again, &err), SHEAR_OK);
+    assert_string_equal(text, again);
+    t.pedestal = -0.0;
+    s.pedestal = 0.0;
+    char a[16];
+    char b[16];
+    assert_int_equal(shear_settings_digest(&s, add_bytes, a, sizeof a, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_digest(&t, add_bytes, b, sizeof b, &err), SHEAR_OK);
+    assert_string_equal(a, b);
+    t.beta_ratio = 1.6;
+    assert_int_equal(shear_settings_digest(&t, add_bytes, b, sizeof b, &err), SHEAR_OK);
+    assert_string_not_equal(a, b);
+    const size_t exact = strlen(text) + 1;
+    assert_int_equal(shear_settings_apply(&s, text, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_write(&s, again, exact, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_write(&s, again, exact - 1, &err), SHEAR_E_SETTING);
+    assert_int_equal(shear_settings_write(&s, again, 0, &err), SHEAR_E_SETTING);
+}
+
+static void test_bad_settings_text(void **state) {
+    (void)state;
+    static const char *const bad[] = {"beta\n", "beta=x\n", "no-such=1\n", "=1\n", "\n",
+                                      "oversample=3\n", "filter=none\nwidth=2\n"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        shear_settings s;
+        shear_error err = {0};
+        shear_settings_init(&s);
+        assert_int_equal(shear_settings_apply(&s, bad[i], &err), SHEAR_E_SETTING);
+        assert_int_not_equal(err.message[0], '\0');
+    }
+    char longest[400];
+    memset(longest, 'x', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    shear_settings s;
+    shear_error err;
+    shear_settings_init(&s);
+    assert_int_equal(shear_settings_apply(&s, longest, &err), SHEAR_E_SETTING);
+}
+
+/* Every setting of the table: its bounds, what is beyond, every choice, every wrong type. */
+static void assert_setting(const char *name, const char *value, bool good) {
+    char text[300];
+    snprintf(text, sizeof text, "{\"path\":\"/a\",\"settings\":{\"%s\":%s}}", name, value);
+    shear_msg_submit submit;
+    shear_rpc_error error = {0};
+    const int rc = shear_job_file_parse(&submit, text, strlen(text), NULL, &error);
+    if (good != (rc == SHEAR_RPC_OK)) {
+        fail_msg("%s: %s", text, error.message);
+    }
+    if (!good) {
+        assert_int_equal(rc, SHEAR_RPC_BAD_SETTING);
+        snprintf(text, sizeof text, "settings.%s", name);
+        assert_string_equal(error.parameter, text);
+        assert_null(submit.source.path);
+    }
+    shear_submit_deinit(&submit);
+}
+
+static void assert_number_setting(const shear_setting_def *def) {
+    char text[64];
+    snprintf(text, sizeof text, "%.17g", def->min);
+    assert_setting(def->name, text, true);
+    snprintf(text, sizeof text, "%.17g", def->max);
+    assert_setting(def->name, text, true);
+    snprintf(text, sizeof text, "%.17g", def->min > 0 ? def->min / 2 : -1.0);
+    assert_setting(def->name, text, false);
+    if (def->max < DBL_MAX) {
+        snprintf(text, sizeof text, "%.17g", def->max * 2);
+        assert_setting(def->name, text, false);
+    }
+    assert_setting(def->name, "\"auto\"", def->has_auto);
+    assert_setting(def->name, "\"1\"", false);
+    assert_setting(def->name, "true", false);
+}
+
+static void test_every_setting(void **state) {
+    (void)state;
+    size_t n = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    for (size_t i = 0; i < n; i++) {
+        const shear_setting_def *def = &table[i];
+        if (def->type == SHEAR_T_CHOICE) {
+            for (int k = 0; def->choices[k]; k++) {
+                char text[64];
+                snprintf(text, sizeof text, "\"%s\"", def->choices[k]);
+                assert_setting(def->name, text, true);
+            }
+            assert_setting(def->name, "\"\"", false);
+            assert_setting(def->name, "\"none\\u0000\"", false);
+            assert_setting(def->name, "1", false);
+        } else if (def->type == SHEAR_T_BOOL) {
+            assert_setting(def->name, "true", true);
+            assert_setting(def->name, "false", true);
+            assert_setting(def->name, "1", false);
+            assert_setting(def->name, "\"true\"", false);
+        } else {
+            assert_number_setting(def);
+        }
+        assert_setting(def->name, "null", false);
+        assert_setting(def->name, "[]", false);
+        assert_setting(def->name, "{}", false);
+    }
+    assert_setting("no-such-setting", "1", false);
+    assert_setting("oversample", "2.0", false);
+    assert_setting("oversample", "1e3", false);
+}
+
+/* ---- Times ---- */
+
+static void test_times(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        int64_t ms;
+    } known[] = {
+        {"1970-01-01T00:00:00.000Z", 0},
+        {"1970-01-01T00:00:00Z", 0},
+        {"1969-12-31T23:59:59.999Z", -1},
+        {"2000-02-29T12:00:00.5Z", INT64_C(951825600500)},
+        {"2026-11-22T00:19:03.123Z", INT64_C(1795306743123)},
+        {"2026-11-22t01:49:03.1239z", INT64_C(1795312143123)},
+        {"2026-11-22T01:49:03.123+01:30", INT64_C(1795306743123)},
+        {"2026-11-21T16:19:03.123-08:00", INT64_C(1795306743123)},
+        {"2016-12-31T23:59:60Z", INT64_C(1483228800000)},
+        {"9999-12-31T23:59:59.999Z", INT64_C(253402300799999)},
+        {"0000-01-01T00:00:00.000Z", INT64_C(-62167219200000)},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        int64_t ms = 1;
+        assert_true(shear_time_parse(&ms, known[i].text));
+        assert_int_equal(ms, known[i].ms);
+        char text[SHEAR_TIME_SIZE];
+        int64_t again = 1;
+        assert_true(shear_time_parse(&again, shear_time_format(ms, text)));
+        assert_int_equal(again, ms);
+        assert_int_equal(strlen(text), strlen("2026-11-22T00:19:03.123Z"));
+    }
+    char text[SHEAR_TIME_SIZE];
+    assert_string_equal(shear_time_format(INT64_C(1795306743123), text),
+                        "2026-11-22T00:19:03.123Z");
+    assert_string_equal(shear_time_format(-1, text), "1969-12-31T23:59:59.999Z");
+    assert_string_equal(shear_time_format(INT64_MAX, text), "9999-12-31T23:59:59.999Z");
+    assert_string_equal(shear_time_format(INT64_MIN, text), "0000-01-01T00:00:00.000Z");
+}
+
+static void test_bad_times(void **state) {
+    (void)state;
+    static const char *const bad[] = {
+        "",
+        "2026-11-22",
+        "2026-11-22 00:00:00Z",
+        "2026-11-22T00:00:00",
+        "2026-13-22T00:00:00Z",
+        "2026-00-22T00:00:00Z",
+        "2026-02-29T00:00:00Z",
+        "1900-02-29T00:00:00Z",
+        "2026-11-31T00:00:00Z",
+        "2026-11-22T24:00:00Z",
+        "2026-11-22T00:60:00Z",
+        "2026-11-22T00:00:61Z",
+        "2026-11-22T00:00:00.Z",
+        "2026-11-22T00:00:00+1:00",
+        "2026-11-22T00:00:00+24:00",
+        "2026-11-22T00:00:00Zx",
+        "26-11-22T00:00:00Z",
+        "-026-11-22T00:00:00Z",
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        int64_t ms = 0;
+        if (shear_time_parse(&ms, bad[i])) {
+            fail_msg("\"%s\" was taken as a time", bad[i]);
+        }
+    }
+}
+
+/* ---- Job files ---- */
+
+static void test_job_file(void **state) {
+    (void)state;
+    static const char text[] = "{\n  \"path\": \"/data/a.fits\",\n\t\"field\": \"A\",\r\n"
+                               "  \"settings\": {\n    \"beta\": 1.6\n  }\n}\n\n";
+    shear_msg_submit submit;
+    shear_rpc_error error;
+    assert_int_equal(shear_job_file_parse(&submit, text, strlen(text), NULL, &error), 0);
+    assert_string_equal(submit.source.path, "/data/a.fits");
+    assert_string_equal(submit.field, "A");
+    assert_string_equal(submit.settings, "beta=1.6\n");
+    shear_submit_deinit(&submit);
+    static const struct {
+        const char *text;
+        int code;
+    } bad[] = {
+        {"", SHEAR_RPC_PARSE_ERROR},
+        {"[]", SHEAR_RPC_BAD_PARAMETER},
+        {"{}", SHEAR_RPC_MISSING_PARAMETER},
+        {"{\"path\":\"/a\"} x", SHEAR_RPC_PARSE_ERROR},
+        {"{\"path\":\"/a\",\"method\":\"submit\"}", SHEAR_RPC_UNKNOWN_PARAMETER},
+        {"{\"path\":\"/a\",\"path\":\"/b\"}", SHEAR_RPC_DUPLICATE_KEY},
+        {"{\"path\":\"a\"}", SHEAR_RPC_BAD_PARAMETER},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_int_equal(
+            shear_job_file_parse(&submit, bad[i].text, strlen(bad[i].text), NULL, &error),
+            bad[i].code);
+        assert_int_equal(error.code, bad[i].code);
+    }
+}
+
+static void test_job_file_size(void **state) {
+    (void)state;
+    char *text = malloc(SHEAR_MSG_JOB_FILE_MAX + 1);
+    assert_non_null(text);
+    memset(text, ' ', SHEAR_MSG_JOB_FILE_MAX + 1);
+    memcpy(text, "{\"path\":\"/a\"}", 13);
+    shear_msg_submit submit;
+    shear_rpc_error error;
+    assert_int_equal(shear_job_file_parse(&submit, text, SHEAR_MSG_JOB_FILE_MAX, NULL, &error), 0);
+    shear_submit_deinit(&submit);
+    assert_int_equal(shear_job_file_parse(&submit, text, SHEAR_MSG_JOB_FILE_MAX + 1, NULL, &error),
+                     SHEAR_RPC_LINE_TOO_LONG);
+    free(text);
+}
+
+/* The settings of a job are checked together with those of the service. */
+static void test_settings_upon_defaults(void **state) {
+    (void)state;
+    static const char text[] = "{\"path\":\"/a\",\"settings\":{\"width\":2}}";
+    shear_settings defaults;
+    shear_settings_init(&defaults);
+    shear_msg_submit submit;
+    shear_rpc_error error;
+    assert_int_equal(shear_job_file_parse(&submit, text, strlen(text), &defaults, &error), 0);
+    shear_submit_deinit(&submit);
+    defaults.filter = SHEAR_FILTER_NONE;
+    assert_int_equal(shear_job_file_parse(&submit, text, strlen(text), &defaults, &error),
+                     SHEAR_RPC_BAD_SETTING);
+    assert_string_equal(error.parameter, "settings");
+    assert_null(submit.source.path);
+}
+
+static void test_names(void **state) {
+    (void)state;
+    assert_string_equal(shear_job_state_name(SHEAR_JOB_WAITING), "waiting");
+    assert_string_equal(shear_job_state_name(-1), "unknown");
+    assert_string_equal(shear_job_state_name(SHEAR_N_JOB_STATES), "unknown");
+    assert_string_equal(shear_job_class_name(SHEAR_CLASS_NONE), "");
+    assert_string_equal(shear_job_class_name(SHEAR_CLASS_BUG), "bug");
+    assert_string_equal(shear_job_outcome_name(SHEAR_OUTCOME_DUPLICATE), "duplicate");
+    assert_string_equal(shear_job_origin_name(SHEAR_ORIGIN_SOCKET), "socket");
+    assert_string_equal(shear_job_ending_name(SHEAR_ENDING_INTERRUPTED), "interrupted");
+    assert_string_equal(shear_server_state_name(SHEAR_SERVER_STOPPING), "stopping");
+    for (int s = -1; s <= SHEAR_N_JOB_STATES; s++) {
+        assert_int_equal(shear_job_state_is_final(s), s >= SHEAR_JOB_DONE && s < SHEAR_N_JOB_STATES);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_requests),
+        cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_replies),
+        cmocka_unit_test(test_notices),
+        cmocka_unit_test(test_sources_and_sides),
+        cmocka_unit_test(test_wire),
+        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_bad_raw),
+        cmocka_unit_test(test_settings_have_one_text),
+        cmocka_unit_test(test_whole_settings),
+        cmocka_unit_test(test_bad_settings_text),
+        cmocka_unit_test(test_every_setting),
+        cmocka_unit_test(test_times),
+        cmocka_unit_test(test_bad_times),
+        cmocka_unit_test(test_job_file),
+        cmocka_unit_test(test_job_file_size),
+        cmocka_unit_test(test_settings_upon_defaults),
+        cmocka_unit_test(test_names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
