@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "progress.h"
 
+#include "bar.h"
 #include "message.h"
 
 #include <inttypes.h>
@@ -82,33 +83,13 @@ static int terminal_width(void) {
     return size.ws_col < MAX_WIDTH ? size.ws_col : MAX_WIDTH;
 }
 
-/* " 42% 12345/s 0:07 left" */
-static void format_figures(double part, double rate, double left, char *buf, size_t size) {
-    int64_t s = left < 359999.0 ? (int64_t)left : 359999;
-    if (s < 3600) {
-        snprintf(buf, size, " %3d%% %.0f stamps/s %" PRId64 ":%02" PRId64 " left",
-                 (int)(100.0 * part), rate, s / 60, s % 60);
-    } else {
-        snprintf(buf, size, " %3d%% %.0f stamps/s %" PRId64 ":%02" PRId64 ":%02" PRId64 " left",
-                 (int)(100.0 * part), rate, s / 3600, s / 60 % 60, s % 60);
-    }
-}
-
-static void draw(struct progress *p, int64_t done, int64_t total, double now) {
-    char figures[96];
-    double part = total > done && done >= 0 ? (double)done / (double)total : 1.0;
-    double rate = now > p->begun ? (double)done / (now - p->begun) : 0.0;
-    format_figures(part, rate, rate > 0.0 ? (double)(total - done) / rate : 0.0, figures,
-                   sizeof figures);
-    int width = terminal_width() - 1; /* a full line would wrap on some terminals */
-    int bar = width - (int)strlen(p->label) - (int)strlen(figures) - 3;
-    if (bar >= MIN_BAR) {
-        char marks[MAX_WIDTH + 1];
-        int full = (int)(part * bar);
-        memset(marks, '#', (size_t)full);
-        memset(marks + full, '.', (size_t)(bar - full));
-        marks[bar] = '\0';
-        fprintf(stderr, "\r%s [%s]%s", p->label, marks, figures);
+/* "label [####....] figures", or as much of the figures as fits. */
+static void paint(struct progress *p, double part, const char *figures, double now) {
+    const int width = terminal_width() - 1; /* a full line would wrap on some terminals */
+    const int bar = width - (int)strlen(p->label) - (int)strlen(figures) - 1;
+    if (bar >= MIN_BAR + 2) {
+        char text[MAX_WIDTH + 1];
+        fprintf(stderr, "\r%s %s%s", p->label, bar_text(part, bar, text, sizeof text), figures);
     } else {
         fprintf(stderr, "\r%.*s", width, figures + 1);
     }
@@ -118,15 +99,41 @@ static void draw(struct progress *p, int64_t done, int64_t total, double now) {
     p->refreshed = now;
 }
 
+static bool is_due(const struct progress *p, double now) {
+    return p && p->visible && 1000.0 * (now - p->refreshed) >= REFRESH_MS;
+}
+
+static void draw(struct progress *p, int64_t done, int64_t total, double rate, double now) {
+    char figures[96];
+    const double part = bar_part((double)done, (double)total);
+    if (total < 0) {
+        snprintf(figures, sizeof figures, " waiting");
+    } else {
+        bar_figures(part, rate, (double)(total - done) / rate, figures, sizeof figures);
+    }
+    paint(p, part, figures, now);
+}
+
 int progress_callback(void *progress, int64_t done, int64_t total) {
     struct progress *p = progress;
-    if (p && p->visible) {
-        double now = now_seconds();
-        if (1000.0 * (now - p->refreshed) >= REFRESH_MS) {
-            draw(p, done, total, now);
-        }
+    const double now = now_seconds();
+    if (is_due(p, now)) {
+        draw(p, done, total, now > p->begun ? (double)done / (now - p->begun) : 0.0, now);
     }
     return interrupted != 0;
+}
+
+void progress_show(struct progress *p, const char *label, int64_t done, int64_t total,
+                   double rate) {
+    const double now = now_seconds();
+    if (is_due(p, now)) {
+        message_clean(label, p->label, sizeof p->label);
+        draw(p, done, total, rate, now);
+    }
+}
+
+bool progress_visible(const struct progress *p) {
+    return p && p->visible;
 }
 
 void progress_end(struct progress *p) {

@@ -24,6 +24,13 @@ struct progress *progress_begin_quiet(void);
  * with the struct progress as its context. Returns non-zero where the user wants to stop. */
 int progress_callback(void *progress, int64_t done, int64_t total);
 
+/* The same for work that somebody else does, at `rate` stamps per second. `total` is negative where
+ * it is not known: then nothing but waiting is shown. */
+void progress_show(struct progress *progress, const char *label, int64_t done, int64_t total,
+                   double rate);
+/* False where nothing will be drawn. */
+bool progress_visible(const struct progress *progress);
+
 /* Take the bar off the screen, give the signals back, free. */
 void progress_end(struct progress *progress);
 

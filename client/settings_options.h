@@ -34,6 +34,9 @@ bool settings_options_is(int value);
 /* Put the option's argument (NULL for booleans) into *s. SHEAR_OK or SHEAR_E_SETTING. */
 int settings_options_handle(int value, const char *argument, shear_settings *s, shear_error *err);
 
+/* Which entry of shear_settings_table() the option belongs to. */
+size_t settings_options_index(int value);
+
 /* The help lines of all settings: option, default, help. */
 void settings_options_help(FILE *out);
 /* The same as an mdoc(7) list, for the manual page. */

@@ -10,6 +10,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 
+# Nothing of a program may stand in for a symbol of a shared library: CFITSIO, for one, has a file_read of its own, and a
+# program's symbols win. So all is hidden but what libshear exports (core/libshear.map).
+set(CMAKE_C_VISIBILITY_PRESET hidden)
+
 set(SHEAR_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize= (address,undefined or thread)")
 option(SHEAR_WERROR "Warnings are errors" ON)
 option(SHEAR_FUZZ "Build the libFuzzer targets (clang)" OFF)
@@ -22,6 +26,7 @@ target_compile_options(shear_flags INTERFACE
   -Wvla -Wformat=2 -Wundef $<$<BOOL:${SHEAR_WERROR}>:-Werror>
   # IEEE arithmetic as written, but sqrt and exp need not set errno: this is what lets them vectorise.
   -fno-math-errno)
+target_link_options(shear_flags INTERFACE -Wl,--exclude-libs,ALL)
 # clang warns where it could not vectorise what `omp simd` allows: a matter of speed, never in sanitizer builds.
 target_compile_options(shear_flags INTERFACE $<$<C_COMPILER_ID:Clang>:-Wno-pass-failed>)
 if(SHEAR_SANITIZE)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From JSON to messages: objects. */
 #include "msg_table.h"
+#include "rpc_dump.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -75,7 +76,7 @@ static int refuse_unknown(msg_reader *r, const msg_table *table, const char *nam
 
 static int check_names(msg_reader *r, const msg_table *table, const json_t *object) {
     /* jansson's iterators take no const; nothing is changed. */
-    json_t *o = (json_t *)(uintptr_t)object;
+    json_t *o = (json_t *)object;
     for (void *i = json_object_iter(o); i; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
         if (!find_member(table, name)) {
@@ -85,14 +86,20 @@ static int check_names(msg_reader *r, const msg_table *table, const json_t *obje
     return SHEAR_RPC_OK;
 }
 
-/* What is left of an object without the members that the table names. */
+/* What an object has beside the members that the table names. (json_copy passes over want of
+ * memory.)
+ */
 static int read_merged(msg_reader *r, const char **at, const msg_table *table,
                        const json_t *object) {
-    json_t *rest = json_copy((json_t *)(uintptr_t)object);
-    for (size_t i = 0; rest && i < table->n; i++) {
-        (void)json_object_del(rest, table->members[i].name); /* may well not be there */
+    json_t *o = (json_t *)object;
+    json_t *rest = json_object();
+    bool failed = !rest;
+    for (void *i = json_object_iter(o); i && !failed; i = json_object_iter_next(o, i)) {
+        const char *name = json_object_iter_key(i);
+        failed = !find_member(table, name) &&
+                 json_object_set(rest, name, json_object_iter_value(i)) != 0;
     }
-    *at = rest ? json_dumps(rest, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    *at = failed ? NULL : rpc_dump(rest, 0, "", NULL);
     json_decref(rest);
     return *at ? SHEAR_RPC_OK : msg_no_memory(r);
 }
@@ -101,9 +108,11 @@ static int read_raw(msg_reader *r, const char **at, const json_t *value) {
     if (!json_is_object(value)) {
         return msg_fail(r, SHEAR_RPC_BAD_PARAMETER, "expected an object, not %s", msg_kind(value));
     }
-    *at = json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    *at = rpc_dump(value, 0, "", NULL);
     return *at ? SHEAR_RPC_OK : msg_no_memory(r);
 }
+
+/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
 
 static int read_value(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
     void *at = (char *)message + m->offset;
@@ -153,6 +162,8 @@ int msg_read_object(msg_reader *r, void *message, const msg_table *table, const 
     }
     return rc;
 }
+
+/* NOLINTEND(misc-no-recursion) */
 
 int msg_read(void *message, const msg_table *table, const json_t *object, unsigned mode,
              shear_rpc_error *error) {

@@ -152,7 +152,7 @@ static int read_one(msg_reader *r, shear_settings *s, const shear_setting_def *d
 static int read_given(msg_reader *r, shear_settings *s, bool *given, const json_t *object) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
-    json_t *o = (json_t *)(uintptr_t)object; /* jansson's iterators take no const */
+    json_t *o = (json_t *)object; /* jansson's iterators take no const */
     for (void *i = json_object_iter(o); i; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
         const shear_setting_def *def = shear_settings_find(name);

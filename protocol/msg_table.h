@@ -60,9 +60,13 @@ typedef struct msg_table {
     int (*check)(const void *message, shear_rpc_error *error);
 } msg_table;
 
-/* Its type's name, so that a table entry for a member of another type does not compile. */
+/* The offset of a member that must be of this type. (sizeof a type's name cannot be put in
+ * parentheses.) */
+/* clang-format off */
 #define MSG_AT(T, member, type)                                                                    \
-    (offsetof(T, member) + 0 * sizeof(char[_Generic(((T *)0)->member, type : 1, default : -1)]))
+    (offsetof(T, member) +                                                                         \
+     0 * sizeof(char[_Generic(((T *)0)->member, type: 1, default: -1)])) /* NOLINT(bugprone-macro-parentheses) */
+/* clang-format on */
 #define MSG_LIST_AT(T, list, count)                                                                \
     .offset = offsetof(T, list), .count_offset = MSG_AT(T, count, size_t)
 

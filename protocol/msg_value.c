@@ -18,6 +18,8 @@ void msg_put_pointer(void *message, size_t offset, const void *pointer) {
     memcpy((char *)message + offset, &pointer, sizeof pointer);
 }
 
+/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+
 static void init_member(void *message, const msg_member *m) {
     void *at = (char *)message + m->offset;
     switch (m->type) {
@@ -85,6 +87,8 @@ void msg_deinit(void *message, const msg_table *table) {
     }
     memset(message, 0, table->size);
 }
+
+/* NOLINTEND(misc-no-recursion) */
 
 bool msg_is_there(const void *message, const msg_table *table) {
     const msg_member *first = &table->members[0];

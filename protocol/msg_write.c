@@ -83,6 +83,8 @@ static json_t *write_states(writer *w, unsigned set, const msg_member *m) {
     return made(w, array);
 }
 
+/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+
 static json_t *write_item(writer *w, const void *at, const msg_member *m) {
     switch (m->type) {
     case MSG_INTS:
@@ -211,6 +213,8 @@ static json_t *write_object(writer *w, const void *message, const msg_table *tab
     }
     return object;
 }
+
+/* NOLINTEND(misc-no-recursion) */
 
 json_t *msg_write(const void *message, const msg_table *table, unsigned mode,
                   shear_rpc_error *error) {

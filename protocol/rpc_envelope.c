@@ -2,11 +2,11 @@
 #include "rpc_envelope.h"
 
 #include "json_text.h"
+#include "rpc_dump.h"
 #include "rpc_load.h"
 #include "rpc_scan.h"
 
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
 int rpc_no_memory(shear_rpc_error *error) {
@@ -73,23 +73,6 @@ json_t *rpc_read_line(const char *line, size_t n, const shear_rpc_limits *limits
     return root;
 }
 
-/* With room for \n and NUL. Takes the reference. */
-static int dump(char **line, size_t *n, json_t *object, shear_rpc_error *error) {
-    const size_t flags = JSON_COMPACT | JSON_REAL_PRECISION(17);
-    char *text = object ? json_dumps(object, flags) : NULL;
-    json_decref(object);
-    const size_t length = text ? strlen(text) : 0;
-    char *whole = text ? malloc(length + 2) : NULL;
-    if (whole) {
-        memcpy(whole, text, length);
-        memcpy(whole + length, "\n", 2);
-        *line = whole;
-        *n = length + 1;
-    }
-    free(text);
-    return whole ? SHEAR_RPC_OK : rpc_no_memory(error);
-}
-
 int rpc_write_line(char **line, size_t *n, shear_rpc_error *error, ...) {
     *line = NULL;
     *n = 0;
@@ -103,5 +86,8 @@ int rpc_write_line(char **line, size_t *n, shear_rpc_error *error, ...) {
         json_text_set(object, name, va_arg(members, json_t *), &failed);
     }
     va_end(members);
-    return dump(line, n, json_text_whole(object, failed), error);
+    object = json_text_whole(object, failed);
+    *line = rpc_dump(object, 0, "\n", n);
+    json_decref(object);
+    return *line ? SHEAR_RPC_OK : rpc_no_memory(error);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages that are not lines: job files, sources as the store keeps them, the files beside inputs.
  */
+#include "rpc_dump.h"
 #include "rpc_envelope.h"
 #include "rpc_methods.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static int not_object(shear_rpc_error *error, const char *what) {
@@ -32,8 +32,9 @@ void shear_submit_deinit(shear_msg_submit *submit) {
 }
 
 /* In *text, malloc'd. Takes the reference. */
-static int dump(char **text, json_t *object, size_t flags, shear_rpc_error *error) {
-    *text = json_dumps(object, flags | JSON_REAL_PRECISION(17));
+static int dump(char **text, json_t *object, size_t flags, const char *tail,
+                shear_rpc_error *error) {
+    *text = rpc_dump(object, flags, tail, NULL);
     json_decref(object);
     return *text ? SHEAR_RPC_OK : rpc_no_memory(error);
 }
@@ -41,7 +42,7 @@ static int dump(char **text, json_t *object, size_t flags, shear_rpc_error *erro
 int shear_source_text(char **text, const shear_msg_source *source, shear_rpc_error *error) {
     *text = NULL;
     json_t *object = msg_write(source, &msg_source, MSG_SPARSE, error);
-    return object ? dump(text, object, JSON_COMPACT, error) : error->code;
+    return object ? dump(text, object, 0, "", error) : error->code;
 }
 
 static int parse(void *message, const msg_table *table, unsigned mode, const char *text, size_t n,
@@ -68,19 +69,8 @@ void shear_source_deinit(shear_msg_source *source) {
 
 int shear_side_text(char **text, const shear_msg_side *side, shear_rpc_error *error) {
     *text = NULL;
-    char *indented = NULL;
     json_t *object = msg_write(side, &msg_side, 0, error);
-    int rc = object ? dump(&indented, object, JSON_INDENT(2), error) : error->code;
-    const size_t n = indented ? strlen(indented) : 0;
-    *text = indented ? malloc(n + 2) : NULL;
-    if (*text) {
-        memcpy(*text, indented, n);
-        memcpy(*text + n, "\n", 2);
-    } else if (rc == SHEAR_RPC_OK) {
-        rc = rpc_no_memory(error);
-    }
-    free(indented);
-    return rc;
+    return object ? dump(text, object, JSON_INDENT(2), "\n", error) : error->code;
 }
 
 int shear_side_parse(shear_msg_side *side, const char *text, size_t n, shear_rpc_error *error) {

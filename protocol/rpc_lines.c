@@ -35,6 +35,19 @@ static int check_as_daemon(int method, const json_t *params, shear_rpc_error *er
     return rc;
 }
 
+/* Escapes may make a line longer than its parameters are. */
+static int check_length(char **line, size_t *n, shear_rpc_error *error) {
+    const size_t length = *n - 1;
+    if (length <= shear_rpc_request_limits.line) {
+        return SHEAR_RPC_OK;
+    }
+    free(*line);
+    *line = NULL;
+    *n = 0;
+    return shear_rpc_fail(error, SHEAR_RPC_LINE_TOO_LONG, NULL, "%zu bytes; at most %zu are taken",
+                          length, shear_rpc_request_limits.line);
+}
+
 int shear_request_line(char **line, size_t *n, const shear_rpc_id *id, int method,
                        const shear_params *params, shear_rpc_error *error) {
     *line = NULL;
@@ -51,8 +64,10 @@ int shear_request_line(char **line, size_t *n, const shear_rpc_id *id, int metho
         json_decref(object);
         return rc;
     }
-    return rpc_write_line(line, n, error, "id", rpc_id_write(id), "method",
-                          json_string(rpc_methods[method].name), "params", object, NULL);
+    const int written =
+        rpc_write_line(line, n, error, "id", rpc_id_write(id), "method",
+                       json_string(rpc_methods[method].name), "params", object, NULL);
+    return written == SHEAR_RPC_OK ? check_length(line, n, error) : written;
 }
 
 int shear_reply_line(char **line, size_t *n, const shear_rpc_id *id, int method,

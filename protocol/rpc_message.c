@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The client reads what the daemon says. */
+#include "rpc_dump.h"
 #include "rpc_envelope.h"
 #include "rpc_methods.h"
 
@@ -130,9 +131,7 @@ void shear_reply_deinit(shear_reply *reply, int method) {
 }
 
 int shear_message_text(const shear_message *message, char **text, shear_rpc_error *error) {
-    *text = message->body ? json_dumps(message->body,
-                                       JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17))
-                          : NULL;
+    *text = rpc_dump(message->body, 0, "", NULL);
     if (*text) {
         return SHEAR_RPC_OK;
     }

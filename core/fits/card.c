@@ -76,6 +76,16 @@ bool sf_card_logical(const char card[SF_CARD], bool *out) {
     return value_ends(card, i + 1);
 }
 
+bool sf_card_short_number(const char card[SF_CARD]) {
+    enum { LONGEST = 29 };
+    const int start = value_start(card);
+    int i = start;
+    while (i < SF_CARD && strchr("+-.0123456789ED", card[i]) != NULL && card[i] != '\0') {
+        i++;
+    }
+    return i > start && i - start <= LONGEST && value_ends(card, i);
+}
+
 bool sf_card_string(const char card[SF_CARD], char *out, size_t size) {
     int i = value_start(card);
     if (i == SF_CARD || card[i] != '\'') {

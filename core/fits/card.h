@@ -18,6 +18,8 @@ int sf_card_index(const char *key, const char *root);
  * where the card has no value of that type. */
 bool sf_card_int(const char card[SF_CARD], int64_t *out);
 bool sf_card_logical(const char card[SF_CARD], bool *out);
+/* True for a number of fewer than 30 characters, of any type. */
+bool sf_card_short_number(const char card[SF_CARD]);
 bool sf_card_string(const char card[SF_CARD], char *out, size_t size);
 
 #endif

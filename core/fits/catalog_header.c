@@ -16,7 +16,9 @@ static void put_string(fitsfile *f, const char *key, const char *text, const cha
     char clean[1024]; /* FITS knows printable ASCII only */
     snprintf(clean, sizeof clean, "%s", text != NULL ? text : "");
     for (char *c = clean; *c != '\0'; c++) {
-        *c = (*c >= ' ' && *c <= '~') ? *c : '?';
+        if (*c < ' ' || *c > '~') {
+            *c = '?';
+        }
     }
     fits_write_key_longstr(f, key, clean, comment, status);
 }

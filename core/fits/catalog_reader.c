@@ -50,8 +50,9 @@ static int read_rows(fitsfile *fits, sf_place at, shear_catalog_table *t, shear_
     t->rows = calloc((size_t)t->n + 1, sizeof *t->rows);
     if (values == NULL || t->rows == NULL) {
         rc = sf_fail_memory(err, at);
+        goto done;
     }
-    for (int64_t i = 0; rc == SHEAR_OK && i < t->n; i++) { /* members without a column */
+    for (int64_t i = 0; i < t->n; i++) { /* members without a column */
         t->rows[i].flux_removed = NAN;
         t->rows[i].border_mean = NAN;
         t->rows[i].border_var = NAN;
@@ -63,6 +64,7 @@ static int read_rows(fitsfile *fits, sf_place at, shear_catalog_table *t, shear_
     if (rc == SHEAR_OK) {
         rc = read_flags(fits, at, values, t, err);
     }
+done:
     free(values);
     return rc;
 }

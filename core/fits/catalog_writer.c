@@ -30,9 +30,9 @@ typedef struct layout {
 
 static void add(layout *l, const char *name, const char *form, const char *unit,
                 const char *comment) {
-    l->names[l->n] = (char *)(uintptr_t)name; /* CFITSIO only reads them */
-    l->forms[l->n] = (char *)(uintptr_t)form;
-    l->units[l->n] = (char *)(uintptr_t)unit;
+    l->names[l->n] = (char *)name; /* CFITSIO only reads them */
+    l->forms[l->n] = (char *)form;
+    l->units[l->n] = (char *)unit;
     l->comments[l->n++] = comment;
 }
 
@@ -126,7 +126,7 @@ static int write_copied(shear_catalog *c, int64_t first, int count, const shear_
         const bool id = sf_catalog_copied[i] == SHEAR_COL_ID;
         const void *values = id ? (const void *)b->id : (const void *)doubles[i];
         fits_write_col(c->out.fits, id ? TLONGLONG : TDOUBLE, ++column, first + 1, 1, count,
-                       (void *)(uintptr_t)values, status);
+                       (void *)values, status);
     }
     return column;
 }

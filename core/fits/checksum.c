@@ -29,6 +29,15 @@ static int digest_stream(int fd, XXH3_state_t *state, unsigned char *buffer, sf_
     }
 }
 
+static void write_hex(XXH128_hash_t hash, char out[SHEAR_CHECKSUM_SIZE]) {
+    snprintf(out, SHEAR_CHECKSUM_SIZE, "%016llx%016llx", (unsigned long long)hash.high64,
+             (unsigned long long)hash.low64);
+}
+
+void shear_bytes_checksum(const void *bytes, size_t n, char out[SHEAR_CHECKSUM_SIZE]) {
+    write_hex(XXH3_128bits(bytes, n), out);
+}
+
 int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], shear_error *err) {
     char shown[161];
     sf_printable_name(shown, sizeof shown, name);

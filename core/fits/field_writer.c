@@ -90,9 +90,9 @@ static int create_catalog(shear_field_writer *w, shear_error *err) {
     int n = 0;
     for (int i = 0; i < SF_COLUMNS; i++) {
         if ((w->spec.columns & sf_column_defs[i].bit) != 0) {
-            names[n] = (char *)(uintptr_t)sf_column_defs[i].name; /* CFITSIO only reads them */
-            forms[n] = (char *)(uintptr_t)sf_column_defs[i].form;
-            units[n] = (char *)(uintptr_t)sf_column_defs[i].unit;
+            names[n] = (char *)sf_column_defs[i].name; /* CFITSIO only reads them */
+            forms[n] = (char *)sf_column_defs[i].form;
+            units[n] = (char *)sf_column_defs[i].unit;
             w->column_number[i] = ++n;
         }
     }
@@ -158,8 +158,8 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
 static void write_cube(shear_field_writer *w, int64_t first, int count, const double *pixels,
                        int *status) {
     const int64_t stamp = (int64_t)w->spec.geometry.nx * w->spec.geometry.ny;
-    fits_write_img(w->out.fits, TDOUBLE, first * stamp + 1, count * stamp,
-                   (double *)(uintptr_t)pixels, status);
+    fits_write_img(w->out.fits, TDOUBLE, first * stamp + 1, count * stamp, (double *)pixels,
+                   status);
 }
 
 static void write_mosaic(shear_field_writer *w, int64_t first, int count, const double *pixels,
@@ -169,7 +169,7 @@ static void write_mosaic(shear_field_writer *w, int64_t first, int count, const 
     for (int64_t i = first; i < first + count; i++, pixels += nx * ny) {
         long low[2] = {(long)(i % w->columns * nx + 1), (long)(i / w->columns * ny + 1)};
         long high[2] = {(long)(low[0] + nx - 1), (long)(low[1] + ny - 1)};
-        fits_write_subset(w->out.fits, TDOUBLE, low, high, (double *)(uintptr_t)pixels, status);
+        fits_write_subset(w->out.fits, TDOUBLE, low, high, (double *)pixels, status);
     }
 }
 
@@ -206,7 +206,7 @@ static int write_catalog(shear_field_writer *w, int64_t first, int count,
                            "no values were given for column %s", sf_column_defs[i].name);
         }
         fits_write_col(w->out.fits, given[i].type, w->column_number[i], first + 1, 1, count,
-                       (void *)(uintptr_t)given[i].values, &status);
+                       (void *)given[i].values, &status);
     }
     return result(w, "CATALOG", status, err);
 }
@@ -242,8 +242,7 @@ int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *ps
     }
     int status = 0;
     fits_movabs_hdu(w->out.fits, HDU_PSF, NULL, &status);
-    fits_write_img(w->out.fits, TDOUBLE, index * samples + 1, samples, (double *)(uintptr_t)psf,
-                   &status);
+    fits_write_img(w->out.fits, TDOUBLE, index * samples + 1, samples, (double *)psf, &status);
     if (status == 0) {
         sf_bitset_add(&w->psfs, index, 1);
     }

@@ -99,7 +99,9 @@ static int take_integer(sf_header *h, const char *card, const char *key, int64_t
 
 static void printable(char *text) {
     for (char *c = text; *c != '\0'; c++) {
-        *c = (*c >= ' ' && *c <= '~') ? *c : '?';
+        if (*c < ' ' || *c > '~') {
+            *c = '?';
+        }
     }
 }
 
@@ -148,9 +150,58 @@ static int take_axis(sf_header *h, const char *card, const char *key, int index,
     return rc;
 }
 
+static int kind_of(const sf_header *h) {
+    if (h->hdu.number == 1 || strcmp(h->xtension, "IMAGE") == 0) {
+        return SF_IMAGE;
+    }
+    return strcmp(h->xtension, "BINTABLE") == 0 ? SF_TABLE : SF_OTHER;
+}
+
+/* The keyword that FITS wants as the next card, into `key`; "" where any may come. */
+static void wanted_key(const sf_header *h, char key[24]) {
+    static const char *const table[] = {"PCOUNT", "GCOUNT", "TFIELDS"};
+    const int n = h->cards;
+    key[0] = '\0';
+    if (n == 1 || n == 2) {
+        snprintf(key, 24, "%s", n == 1 ? "BITPIX" : "NAXIS");
+    } else if (n >= 3 && n - 2 <= h->hdu.naxis) {
+        snprintf(key, 24, "NAXIS%d", n - 2);
+    } else if (n == 5 || n == 6 || n == 7) {
+        snprintf(key, 24, "%s", kind_of(h) == SF_TABLE ? table[n - 5] : "");
+    }
+}
+
+static int check_order(const sf_header *h, const char *key, const char *file, shear_error *err) {
+    char wanted[24];
+    wanted_key(h, wanted);
+    if (wanted[0] == '\0' || strcmp(key, wanted) == 0) {
+        return SHEAR_OK;
+    }
+    char what[64];
+    snprintf(what, sizeof what, "must be card %d of the header", h->cards + 1);
+    return bad(h, file, wanted, what, err);
+}
+
+/* Other numbers that CFITSIO 4.2 reads as integers by itself: it writes past the end of a buffer
+ * where such a value is no integer and has 30 characters or more. */
+static bool is_plain_number(const char *key) {
+    static const char *const keys[] = {"ZDITHER0", "ZBLANK", "BLANK"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        if (strcmp(key, keys[i]) == 0) {
+            return true;
+        }
+    }
+    return sf_card_index(key, "ZVAL") > 0 || sf_card_index(key, "TNULL") > 0;
+}
+
 int sf_header_card(sf_header *h, const char *card, const char *file, shear_error *err) {
     char key[SF_KEY + 1];
     sf_card_key(card, key);
+    const int rc = check_order(h, key, file, err);
+    h->cards++;
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
     for (int i = 0; i < N_SCALARS; i++) {
         if (strcmp(key, scalars[i].key) == 0) {
             return take_scalar(h, i, card, file, err);
@@ -159,6 +210,9 @@ int sf_header_card(sf_header *h, const char *card, const char *file, shear_error
     int index = sf_card_index(key, "NAXIS");
     if (index > 0) {
         return take_axis(h, card, key, index, file, err);
+    }
+    if (is_plain_number(key) && !sf_card_short_number(card)) {
+        return bad(h, file, key, "is not a number (of at most 29 characters)", err);
     }
     for (int i = 1; i < N_INDEXED; i++) {
         index = sf_card_index(key, indexed[i].root);
@@ -171,13 +225,6 @@ int sf_header_card(sf_header *h, const char *card, const char *file, shear_error
         }
     }
     return SHEAR_OK;
-}
-
-static int kind_of(const sf_header *h) {
-    if (h->hdu.number == 1 || strcmp(h->xtension, "IMAGE") == 0) {
-        return SF_IMAGE;
-    }
-    return strcmp(h->xtension, "BINTABLE") == 0 ? SF_TABLE : SF_OTHER;
 }
 
 static bool bitpix_ok(int64_t bitpix) {

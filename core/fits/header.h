@@ -11,6 +11,7 @@ typedef struct sf_header {
     char label[SF_NAME];    /* EXTNAME, known as soon as its block is: for messages */
     char xtension[SF_NAME]; /* "" in the primary header */
     bool groups;
+    int cards;            /* taken in so far */
     int64_t axes_seen;    /* NAXISn cards */
     int64_t further_axes; /* product of NAXIS4 and beyond; -1 = overflow */
 } sf_header;
@@ -20,7 +21,8 @@ void sf_header_init(sf_header *h, int number);
 /* Look for the name in a block of cards, before they are taken in one by one. */
 void sf_header_find_label(sf_header *h, const char *block);
 
-/* Take in one card. SHEAR_E_FORMAT for a structural keyword that is ill-typed or given twice. */
+/* Take in the next card. SHEAR_E_FORMAT for a structural keyword that is ill-typed, given twice, or
+ * not where FITS wants it (CFITSIO takes what is in its place for it). */
 int sf_header_card(sf_header *h, const char *card, const char *file, shear_error *err);
 
 /* After END: check, and fill in kind and data_bytes. SHEAR_E_FORMAT. */

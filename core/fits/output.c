@@ -30,7 +30,7 @@ static int open_directory(sf_output *out, const char *path, shear_error *err) {
     if (strlen(base) >= sizeof out->base) {
         return sf_fail_errno(err, at, ENAMETOOLONG, "cannot be written");
     }
-    strcpy(out->base, base);
+    snprintf(out->base, sizeof out->base, "%s", base);
     char *directory = slash == NULL   ? strdup(".")
                       : slash == path ? strdup("/")
                                       : strndup(path, (size_t)(slash - path));

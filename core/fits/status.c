@@ -42,7 +42,9 @@ int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing)
     }
     fits_clear_errmsg();
     for (char *c = detail; *c != '\0'; c++) {
-        *c = (*c >= ' ' && *c <= '~') ? *c : '?';
+        if (*c < ' ' || *c > '~') {
+            *c = '?';
+        }
     }
     const int code = code_of(status);
     const char *advice = code == SHEAR_E_IO ? "check the disk's free space and permissions" : NULL;

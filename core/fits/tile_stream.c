@@ -50,7 +50,7 @@ int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit) {
     if (count > UINT32_MAX || inflateInit2(&z, 15 + 16) != Z_OK) {
         return -1;
     }
-    z.next_in = (unsigned char *)(uintptr_t)bytes; /* zlib only reads it */
+    z.next_in = (unsigned char *)bytes; /* zlib only reads it */
     z.avail_in = (uInt)count;
     int64_t size = 0;
     int rc = Z_OK;

@@ -4,6 +4,7 @@
 #include "fits/tile_stream.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -122,7 +123,7 @@ static int find_column(const sf_tiles *t, const char *name, int wanted, int *col
                        shear_error *err) {
     int status = 0;
     char template[FLEN_VALUE];
-    strcpy(template, name);
+    snprintf(template, sizeof template, "%s", name);
     *col = 0;
     fits_get_colnum(t->fits, CASEINSEN, template, col, &status);
     if (status == COL_NOT_FOUND) {
@@ -188,7 +189,7 @@ void sf_tiles_deinit(sf_tiles *t) {
 
 static int bad_tile(const sf_tiles *t, int64_t tile, const char *what, shear_error *err) {
     return sf_fail(err, SHEAR_E_FORMAT, t->at, "the file is damaged: copy or make it again",
-                   "compressed tile %lld: %s", (long long)(tile + 1), what);
+                   "compressed tile %lld: %s", (long long)tile + 1, what);
 }
 
 /* Elements and place of one tile in one of the columns; 0 elements where the column is not there.

@@ -205,7 +205,8 @@ int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *
     for (int j = -1; j < ny; j++) {
         for (int i = -1; i < nx; i++) {
             /* Beyond the outermost samples half a cell still belongs to the image. */
-            const double part = (i < 0 || i == nx - 1 ? 0.5 : 1.0) * (j < 0 || j == ny - 1 ? 0.5 : 1.0);
+            const double part =
+                (i < 0 || i == nx - 1 ? 0.5 : 1.0) * (j < 0 || j == ny - 1 ? 0.5 : 1.0);
             const int side = cell_side(&view, i, j, level);
             area += part * (side >= 0 ? side : cell_area(&view, i, j, refine, level));
         }

@@ -54,8 +54,9 @@ static int take(int *fds, size_t room, size_t *n, shear_error *err) {
                           "LISTEN_FDS is '%.20s'; expected a number up to %zu", count_text, room);
     }
     for (int i = 0; i < (int)count; i++) {
-        if (check_socket(FIRST_FD + i, err) != SHEAR_OK) {
-            return err ? err->code : SHEAR_E_SETTING;
+        const int code = check_socket(FIRST_FD + i, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
         fds[i] = FIRST_FD + i;
     }

@@ -25,6 +25,7 @@
 #ifndef SHEARD_SERVER_H
 #define SHEARD_SERVER_H
 
+#include "access/access.h"
 #include "sheard/rpc.h"
 
 #include <stdbool.h>
@@ -35,15 +36,6 @@
 
 typedef struct server server;
 
-/* Who is at the other end, as the kernel says of the moment of its connect. */
-typedef struct server_peer {
-    uid_t uid;
-    gid_t gid;
-    pid_t pid;
-    gid_t *groups; /* [n_groups] supplementary */
-    size_t n_groups;
-} server_peer;
-
 /* A connection's number is never used again; 0 is none. */
 typedef struct server_handle {
     uint64_t connection;
@@ -52,7 +44,8 @@ typedef struct server_handle {
 
 typedef struct server_request {
     server_handle handle; /* to reply with, at any time */
-    const server_peer *peer; /* valid until `closed` was called for the connection */
+    const access_peer
+        *peer; /* as of its connect; valid until `closed` was called for the connection */
     /* Freed when the handler returns, unless the handler has copied the struct and zeroed it: then
      * the copy is the owner's to deinit. */
     shear_request *request;
@@ -68,16 +61,16 @@ typedef struct server_handlers {
 
 /* 0 (or NULL) in any of them: as server_limits_init says, but for the two times: never. */
 typedef struct server_limits {
-    size_t line_bytes;         /* not above shear_rpc_request_limits.line */
-    size_t connections;        /* beyond: error too_many_connections, and the end */
-    size_t in_flight;          /* requests of a connection, short and long ones each */
-    size_t subscriptions;      /* jobs and fields watched by a connection */
-    size_t queue_bytes;        /* of a connection; one more reply may lie above it */
-    size_t lines_per_turn;     /* of a connection */
-    int64_t idle_timeout_ms;   /* 0: never */
-    int64_t stall_timeout_ms;  /* 0: never */
+    size_t line_bytes;        /* not above shear_rpc_request_limits.line */
+    size_t connections;       /* beyond: error too_many_connections, and the end */
+    size_t in_flight;         /* requests of a connection, short and long ones each */
+    size_t subscriptions;     /* jobs and fields watched by a connection */
+    size_t queue_bytes;       /* of a connection; one more reply may lie above it */
+    size_t lines_per_turn;    /* of a connection */
+    int64_t idle_timeout_ms;  /* 0: never */
+    int64_t stall_timeout_ms; /* 0: never */
 } server_limits;
-/* 64 KiB, 2048, 64, 1024, 16 MiB, 16, 10 min, 1 min */
+/* 64 KiB, 2048, 64, 1024, 32 MiB, 16, 10 min, 1 min */
 void server_limits_init(server_limits *limits);
 
 typedef struct server_options {
@@ -88,14 +81,16 @@ typedef struct server_options {
                         * not used. They are the server's from the call on, also when it fails */
     size_t n_fds;
     server_limits limits;
-    const shear_settings *defaults; /* a submit's settings are checked upon these; copied; or NULL */
+    const shear_settings
+        *defaults; /* a submit's settings are checked upon these; copied; or NULL */
     server_handlers handlers;
 } server_options;
 
 /* Listen. SHEAR_E_EXISTS: the path belongs to a living server, or to something that is no socket
  * of ours: it is left alone. The socket file of a server that has died is replaced. Beside the path
  * there is "PATH.lock" while the server lives.
- * From here on the process ignores SIGPIPE. On success the server is freed by server_close. */
+ * From here on the process ignores SIGPIPE. On success the server is freed by server_close; on
+ * failure by the loop, which must run once more. */
 int server_open(server **out, uv_loop_t *loop, const server_options *options, shear_error *err);
 
 /* Listening sockets that systemd passes (LISTEN_PID, LISTEN_FDS), into fds[room]; *n becomes 0
@@ -139,7 +134,7 @@ void server_publish(server *s, int notice, int64_t job, const char *field,
 void server_stop_accepting(server *s);
 /* Stop accepting and reading, answer open requests with error `stopping`, write what is queued for
  * at most flush_ms, close everything, call `done` (may be NULL), free the server. Until `done`, the
- * other functions may be called (also this one: an earlier end counts). */
+ * other functions may be called; this one once more shortens the time, and no more than that. */
 void server_close(server *s, int64_t flush_ms, void (*done)(void *context), void *context);
 
 /* ---- numbers ---- */

@@ -73,7 +73,11 @@ static int take_lock(socket_file *file, shear_error *err) {
         }
         if (flock(file->lock, LOCK_EX | LOCK_NB) != 0) {
             const bool taken = errno == EWOULDBLOCK;
-            return taken ? is_served(file->path, err) : failed("cannot lock", file->path, err);
+            const int code =
+                taken ? is_served(file->path, err) : failed("cannot lock", file->path, err);
+            close(file->lock);
+            file->lock = -1;
+            return code;
         }
         if (is_current(file->lock, file->lock_path)) {
             return SHEAR_OK;
@@ -82,11 +86,9 @@ static int take_lock(socket_file *file, shear_error *err) {
     }
 }
 
-static void drop_lock(socket_file *file, bool ours) {
-    if (file->lock >= 0) {
-        if (ours) {
-            unlink(file->lock_path); /* while it is held: see is_current */
-        }
+static void drop_lock(socket_file *file) {
+    if (file->lock >= 0 && file->lock_path) {
+        unlink(file->lock_path); /* while it is held: see is_current */
         close(file->lock);
         file->lock = -1;
     }
@@ -100,8 +102,7 @@ static int try_connect(const struct sockaddr_un *address) {
     if (fd < 0) {
         return errno;
     }
-    const int rc =
-        connect(fd, (const struct sockaddr *)address, sizeof *address) == 0 ? 0 : errno;
+    const int rc = connect(fd, (const struct sockaddr *)address, sizeof *address) == 0 ? 0 : errno;
     close(fd);
     return rc == EAGAIN ? 0 : rc; /* EAGAIN: its backlog is full */
 }
@@ -182,7 +183,8 @@ static int name_files(socket_file *file, const char *path, shear_error *err) {
     file->path = strdup(path);
     if (!file->path || asprintf(&file->lock_path, "%s.lock", path) < 0) {
         file->lock_path = NULL;
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the socket '%s'", path);
+        shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the socket '%s'", path);
+        return SHEAR_E_NOMEM;
     }
     return SHEAR_OK;
 }
@@ -217,11 +219,11 @@ int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode
 
 void socket_file_remove(socket_file *file) {
     struct stat st;
-    if (file->path && file->inode != 0 && lstat(file->path, &st) == 0 &&
-        st.st_ino == file->inode && st.st_dev == file->device) {
+    if (file->path && file->inode != 0 && lstat(file->path, &st) == 0 && st.st_ino == file->inode &&
+        st.st_dev == file->device) {
         unlink(file->path);
     }
-    drop_lock(file, true);
+    drop_lock(file);
     free(file->path);
     free(file->lock_path);
     *file = (socket_file){.lock = -1};

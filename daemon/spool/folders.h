@@ -31,7 +31,8 @@ const char *folder_name(int folder);
 /* Those return 0 or errno. A move never replaces (EEXIST). */
 int folder_move(const folders *f, int from, const char *name, int to, const char *new_name);
 int folder_sync(const folders *f, int folder);
-int folder_stat(const folders *f, int folder, const char *name, struct stat *st); /* of a link: its own */
+int folder_stat(const folders *f, int folder, const char *name,
+                struct stat *st); /* of a link: its own */
 /* For readdir; NULL and errno. */
 DIR *folder_list(const folders *f, int folder);
 

@@ -80,7 +80,7 @@ const char *name_complaint(int verdict) {
         [NAME_LONG] = "is too long",
     };
     return verdict >= 0 && verdict < NAME_N_VERDICTS && texts[verdict] != NULL ? texts[verdict]
-                                                                              : "";
+                                                                               : "";
 }
 
 void name_printable(char out[NAME_SIZE], const char *name) {

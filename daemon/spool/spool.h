@@ -10,16 +10,18 @@
  *
  * Taken are regular files *.fits, *.fits.gz, *.fits.fz and *.json. Dotfiles, *.tmp and *.part are
  * passed over in silence; other names, and what is no regular file, with one message each. A file
- * is taken as soon as its writer has closed it or has renamed it into place; where only a scan found
- * it (it was there at the start, events were lost, or another machine wrote it) or where it is
- * empty, when it has stood still for settle_ms.
+ * is taken as soon as its writer has closed it or has renamed it into place; where only a scan
+ * found it (it was there at the start, events were lost, or another machine wrote it), where it is
+ * empty, or a second link to a file, when it has stood still for settle_ms. A file that was made
+ * here and has not been closed is not taken before it has stood still for twelve times as long (and
+ * two seconds at least).
  *
  * Crashes: a file that was taken but has not ended is found again by the next spool_open, with the
  * same key. So the owner submits with the key as idempotency key, and commits a job's end before it
  * calls spool_end; then each file counts once.
  *
- * One thread: the loop's. Callbacks come from the loop, never from within a call of this header;
- * they may call everything here. The calls may wait for the disk.
+ * One thread: the loop's. Callbacks come from the loop (only messages come from within calls, too).
+ * `found` may call everything here; the other callbacks nothing. The calls may wait for the disk.
  */
 #ifndef SHEARD_SPOOL_H
 #define SHEARD_SPOOL_H
@@ -99,10 +101,10 @@ int spool_refuse(spool *s, const char *active_name, shear_error *err);
 /* Open a taken file for reading. Errors: enum spool_code, or SHEAR_E_IO. *fd is -1 on error. */
 int spool_open_file(const spool *s, const char *active_name, int *fd, shear_error *err);
 
-/* Write the report (a text of the caller's) to done/ (good) or failed/, then move the file there. On
- * disk when this returns SHEAR_OK. After an error nothing has happened, or only the last fsync is
- * missing: call it again. A file that is no longer in active/ has been moved before (or was taken
- * away): SHEAR_OK. SHEAR_E_IO, SHEAR_E_INTERNAL (not an active name). */
+/* Write the report (a text of the caller's) to done/ (good) or failed/, then move the file there.
+ * On disk when this returns SHEAR_OK. After an error nothing has happened, or only the last fsync
+ * is missing: call it again. A file that is no longer in active/ has been moved before (or was
+ * taken away): SHEAR_OK. SHEAR_E_IO, SHEAR_E_INTERNAL (not an active name). */
 int spool_end(spool *s, const char *active_name, bool good, const char *report, shear_error *err);
 
 typedef struct spool_stats {

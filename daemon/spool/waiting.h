@@ -11,6 +11,7 @@
 
 enum waiting_state {
     WAITING_SETTLING, /* queue by since_ms */
+    WAITING_BEGUN,    /* being written, it seems; queue by since_ms, too */
     WAITING_READY,    /* queue by arrival here */
     WAITING_IGNORED,
     WAITING_N_STATES
@@ -33,10 +34,10 @@ typedef struct waiting_file {
     TAILQ_ENTRY(waiting_file) link;
     char *name;
     int state;
-    int reason;          /* why it is ignored: the caller's number; 0 = not told yet */
-    bool complained;     /* about a failure to take it */
+    int reason; /* why it is ignored: the caller's number; 0 = not told yet */
+
     uint64_t generation; /* the last scan that saw it */
-    int64_t since_ms;    /* settling: it has this print since then */
+    int64_t since_ms;    /* settling, begun: it has this print since then */
     waiting_print print;
 } waiting_file;
 TAILQ_HEAD(waiting_queue, waiting_file);

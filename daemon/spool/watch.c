@@ -1,18 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "watch.h"
 
+#include "folders.h"
+
 #include <errno.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/inotify.h>
 #include <unistd.h>
 
-static const uint32_t wanted = IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE |
-                               IN_MOVED_FROM | IN_DELETE_SELF | IN_MOVE_SELF | IN_ONLYDIR;
+static const uint32_t of_directory =
+    IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
+
+/* That a directory was removed is told to its parent only, as long as somebody has it open. */
+static const uint32_t of_parent = IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
 
 int watch_init(watch *w) {
-    *w = (watch){inotify_init1(IN_NONBLOCK | IN_CLOEXEC), -1};
+    *w = (watch){inotify_init1(IN_NONBLOCK | IN_CLOEXEC), -1, -1};
     return w->fd >= 0 ? 0 : errno;
 }
 
@@ -20,33 +27,38 @@ void watch_deinit(watch *w) {
     if (w->fd >= 0) {
         close(w->fd);
     }
-    *w = (watch){-1, -1};
+    *w = (watch){-1, -1, -1};
 }
 
-static void forget(watch *w) {
-    if (w->id >= 0) {
-        inotify_rm_watch(w->fd, w->id);
+static void forget(watch *w, int *id) {
+    if (*id >= 0) {
+        inotify_rm_watch(w->fd, *id);
     }
-    w->id = -1;
+    *id = -1;
 }
 
-int watch_start(watch *w, int directory) {
+static int add(watch *w, int directory, uint32_t wanted, int *id) {
     char path[32];
+    /* By descriptor: the name may already stand for another directory. */
+    snprintf(path, sizeof path, "/proc/self/fd/%d", directory);
+    *id = inotify_add_watch(w->fd, path, wanted);
+    return *id >= 0 ? 0 : errno;
+}
+
+int watch_start(watch *w, int directory, int parent) {
     if (w->fd < 0) {
         return EBADF;
     }
-    forget(w);
-    /* By descriptor: the name may already stand for another directory. */
-    snprintf(path, sizeof path, "/proc/self/fd/%d", directory);
-    w->id = inotify_add_watch(w->fd, path, wanted);
-    return w->id >= 0 ? 0 : errno;
+    forget(w, &w->id);
+    const int error = add(w, parent, of_parent, &w->parent); /* the same number every time */
+    return error == 0 ? add(w, directory, of_directory, &w->id) : error;
 }
 
 static int meaning(uint32_t mask) {
     if ((mask & IN_Q_OVERFLOW) != 0) {
         return WATCH_OVERFLOW;
     }
-    if ((mask & (IN_DELETE_SELF | IN_MOVE_SELF | IN_UNMOUNT | IN_IGNORED)) != 0) {
+    if ((mask & (IN_UNMOUNT | IN_IGNORED)) != 0) {
         return WATCH_LOST;
     }
     if ((mask & (IN_CLOSE_WRITE | IN_MOVED_TO)) != 0) {
@@ -57,15 +69,20 @@ static int meaning(uint32_t mask) {
 
 static void dispatch(watch *w, const struct inotify_event *event,
                      void (*handle)(void *, int, const char *), void *context) {
-    const int kind = meaning(event->mask);
-    if (kind == WATCH_OVERFLOW) {
+    const bool named = event->len > 0;
+    int kind = meaning(event->mask);
+    if (event->wd == w->parent && kind == WATCH_GONE && named &&
+        strcmp(event->name, folder_name(INCOMING)) == 0) {
+        kind = WATCH_LOST;
+    } else if (kind != WATCH_OVERFLOW && event->wd != w->id) {
+        return; /* beside it, or of a directory that is no longer watched */
+    }
+    if (kind == WATCH_LOST) {
+        forget(w, &w->id);
+    }
+    if (kind == WATCH_OVERFLOW || kind == WATCH_LOST) {
         handle(context, kind, NULL);
-    } else if (event->wd != w->id) {
-        return; /* of a directory that is no longer watched */
-    } else if (kind == WATCH_LOST) {
-        forget(w);
-        handle(context, kind, NULL);
-    } else if (event->len > 0) {
+    } else if (named) {
         handle(context, kind, event->name);
     }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* inotify on one directory. */
+/* inotify on incoming/. */
 #ifndef SHEARD_SPOOL_WATCH_H
 #define SHEARD_SPOOL_WATCH_H
 
@@ -13,14 +13,16 @@ enum watch_event {
 
 typedef struct watch {
     int fd; /* -1: none */
-    int id; /* -1: not watching */
+    int id; /* of the directory; -1: not watching */
+    int parent;
 } watch;
 
 /* Returns 0 or errno; w->fd is -1 then. */
 int watch_init(watch *w);
 void watch_deinit(watch *w);
-/* Watch this directory, and no other any more. Returns 0 or errno. */
-int watch_start(watch *w, int directory);
+/* Watch this directory, which is called incoming in `parent`, and no other any more. Returns 0 or
+ * errno. */
+int watch_start(watch *w, int directory, int parent);
 /* Hand over what is there, in order; the name is NULL for overflow and loss. Returns 0 or errno. */
 int watch_read(watch *w, void (*handle)(void *context, int event, const char *name), void *context);
 

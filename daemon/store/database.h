@@ -11,14 +11,14 @@
 
 struct store {
     sqlite3 *db;
-    sqlite3_stmt *statements[SQL_N]; /* prepared at open, reset when not in use */
+    sqlite3_stmt *statements[SQL_N]; /* prepared at first use, reset when not in use */
     bool in_group;
     bool group_lost; /* SQLite rolled the group back by itself */
     store_opening opening;
     char path[STORE_PATH_MAX + 1];
 };
 
-/* Turn the connection's last error (result code `rc`) into *err; `doing` completes "while ...".
+/* Turn the connection's last error (result code `rc`) into *err; `doing` tells what failed.
  * `path` names the database. */
 int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shear_error *err);
 /* Run statements that give no rows and take no parameters. */

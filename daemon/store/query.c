@@ -4,22 +4,25 @@
 #include <string.h>
 
 query query_on(store *s, enum sql which) {
-    return (query){.s = s, .stmt = s->statements[which], .rc = SQLITE_OK};
-}
-
-static void note(query *q, int rc) {
-    if (q->rc == SQLITE_OK) {
-        q->rc = rc;
+    query q = {.s = s, .which = which, .stmt = s->statements[which], .rc = SQLITE_OK};
+    if (q.stmt == NULL) {
+        q.rc = sqlite3_prepare_v3(s->db, sql_texts[which], -1, SQLITE_PREPARE_PERSISTENT, &q.stmt,
+                                  NULL);
+        s->statements[which] = q.stmt;
     }
+    return q;
 }
 
 void query_int(query *q, int64_t value) {
-    note(q, sqlite3_bind_int64(q->stmt, ++q->bound, value));
+    if (q->rc == SQLITE_OK) {
+        q->rc = sqlite3_bind_int64(q->stmt, ++q->bound, value);
+    }
 }
 
 void query_text(query *q, const char *text) {
-    /* A NULL text binds as null. */
-    note(q, sqlite3_bind_text(q->stmt, ++q->bound, text, -1, SQLITE_STATIC));
+    if (q->rc == SQLITE_OK) { /* a NULL text binds as null */
+        q->rc = sqlite3_bind_text(q->stmt, ++q->bound, text, -1, SQLITE_STATIC);
+    }
 }
 
 int query_step(query *q, bool *row, shear_error *err) {
@@ -32,7 +35,7 @@ int query_step(query *q, bool *row, shear_error *err) {
     if (rc == SQLITE_ROW || rc == SQLITE_DONE) {
         return SHEAR_OK;
     }
-    const int code = database_fail(q->s->db, q->s->path, rc, sqlite3_sql(q->stmt), err);
+    const int code = database_fail(q->s->db, q->s->path, rc, sql_texts[q->which], err);
     /* Once the database is ours, nobody can be in the way but a file system that plays tricks with
      * locks. */
     if (code == STORE_LOCKED) {
@@ -63,9 +66,11 @@ int query_got(const query *q, shear_error *err) {
 }
 
 void query_end(query *q) {
-    sqlite3_reset(q->stmt);
-    /* Texts of the caller's must not be looked at again. */
-    sqlite3_clear_bindings(q->stmt);
+    if (q->stmt != NULL) {
+        sqlite3_reset(q->stmt);
+        /* Texts of the caller's must not be looked at again. */
+        sqlite3_clear_bindings(q->stmt);
+    }
 }
 
 int query_run(query *q, shear_error *err) {

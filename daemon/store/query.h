@@ -15,6 +15,7 @@
 
 typedef struct query {
     store *s;
+    enum sql which;
     sqlite3_stmt *stmt;
     int bound;      /* parameters so far */
     int column;     /* the next one to read of the present row */

@@ -57,8 +57,10 @@ int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shea
     if (m->code == STORE_LOCKED) {
         return shear_fail(err, m->code, m->advice, "%s: another process uses this database", path);
     }
-    return shear_fail(err, m->code, m->advice, "%s: while %s: %s%s%s (SQLite error %d)", path,
-                      doing, db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(rc),
+    /* What was being done comes last: it may be a long statement, which the message's end cuts off.
+     */
+    return shear_fail(err, m->code, m->advice, "%s: %s%s%s (SQLite error %d) while doing: %s", path,
+                      db != NULL ? sqlite3_errmsg(db) : sqlite3_errstr(rc),
                       system_errno != 0 ? ": " : "",
-                      system_errno != 0 ? strerror(system_errno) : "", rc);
+                      system_errno != 0 ? strerror(system_errno) : "", rc, doing);
 }

@@ -19,18 +19,7 @@ static int take_path(store *s, const char *path, shear_error *err) {
         return shear_fail(err, SHEAR_E_IO, "give a shorter path",
                           "the database's path is empty or too long");
     }
-    snprintf(s->path, sizeof s->path, "%s%s", here, path);
-    return SHEAR_OK;
-}
-
-static int prepare_statements(store *s, shear_error *err) {
-    for (int i = 0; i < SQL_N; i++) {
-        const int rc = sqlite3_prepare_v3(s->db, sql_texts[i], -1, SQLITE_PREPARE_PERSISTENT,
-                                          &s->statements[i], NULL);
-        if (rc != SQLITE_OK) {
-            return database_fail(s->db, s->path, rc, sql_texts[i], err);
-        }
-    }
+    stpcpy(stpcpy(s->path, here), path);
     return SHEAR_OK;
 }
 
@@ -92,9 +81,6 @@ int store_open(store **out, const char *path, const store_options *options, int6
     }
     if (code == SHEAR_OK) {
         code = database_use_wal(s->db, s->path, err);
-    }
-    if (code == SHEAR_OK) {
-        code = prepare_statements(s, err);
     }
     if (code == SHEAR_OK) {
         code = recover(s, now_ms, err);

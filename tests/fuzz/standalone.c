@@ -259,8 +259,8 @@ static int run_seeds(const char *option, int argc, char **argv) {
             fixture_save(out, seeds[i].data, seeds[i].size);
         }
     }
-    const int first = argc > 0 ? atoi(argv[0]) : 300;
-    const int last = argc > 1 ? atoi(argv[1]) : first + 1;
+    const int first = argc > 0 ? (int)strtol(argv[0], NULL, 10) : 300;
+    const int last = argc > 1 ? (int)strtol(argv[1], NULL, 10) : first + 1;
     const int rc = !good    ? 1
                    : corpus ? 0
                             : run_mutants(seeds, argc > 1 ? first : 0, argc > 1 ? last : first);

@@ -8,15 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void *zeros(size_t n, size_t size)
-{
+static void *zeros(size_t n, size_t size) {
     void *p = calloc(n, size);
     assert_non_null(p);
     return p;
 }
 
-void batch_init(batch *b, int count, const shear_geometry *geometry, double r_psf, uint64_t seed)
-{
+void batch_init(batch *b, int count, const shear_geometry *geometry, double r_psf, uint64_t seed) {
     const size_t n = (size_t)count;
     const size_t pixels = (size_t)geometry->nx * (size_t)geometry->ny;
     const size_t samples = (size_t)geometry->psf_nx * (size_t)geometry->psf_ny;
@@ -30,7 +28,8 @@ void batch_init(batch *b, int count, const shear_geometry *geometry, double r_ps
                  .psf_index = zeros(n, sizeof(int32_t)),
                  .mask = zeros(n, sizeof(int32_t))};
     pair p;
-    pair_init(&p, geometry->nx, geometry->ny, geometry->psf_nx, geometry->psf_ny, geometry->psf_oversample);
+    pair_init(&p, geometry->nx, geometry->ny, geometry->psf_nx, geometry->psf_ny,
+              geometry->psf_oversample);
     for (size_t i = 0; i < n; i++) {
         pair_draw(&p, r_psf, seed + 100 * i);
         memcpy(b->galaxy + i * pixels, p.galaxy, pixels * sizeof(double));
@@ -43,8 +42,7 @@ void batch_init(batch *b, int count, const shear_geometry *geometry, double r_ps
     pair_deinit(&p);
 }
 
-void batch_deinit(batch *b)
-{
+void batch_deinit(batch *b) {
     free(b->galaxy);
     free(b->noise);
     free(b->psf);
@@ -54,8 +52,7 @@ void batch_deinit(batch *b)
     free(b->mask);
 }
 
-shear_stamps batch_plain(const batch *b)
-{
+shear_stamps batch_plain(const batch *b) {
     return (shear_stamps){.count = b->count,
                           .nx = b->geometry.nx,
                           .ny = b->geometry.ny,
@@ -63,8 +60,7 @@ shear_stamps batch_plain(const batch *b)
                           .noise = b->noise};
 }
 
-shear_stamps batch_full(const batch *b)
-{
+shear_stamps batch_full(const batch *b) {
     shear_stamps s = batch_plain(b);
     s.n_psf = b->count;
     s.psf = b->psf;
@@ -75,22 +71,22 @@ shear_stamps batch_full(const batch *b)
     return s;
 }
 
-shear_plan *batch_plan(const batch *b, const shear_settings *settings, bool own_psf, bool has_r_gal)
-{
+shear_plan *batch_plan(const batch *b, const shear_settings *settings, bool own_psf,
+                       bool has_r_gal) {
     shear_plan *plan = NULL;
     shear_error err = {0};
     double r_psf = NAN;
-    assert_int_equal(shear_psf_radius(b->psf, b->geometry.psf_nx, b->geometry.psf_ny, b->geometry.psf_oversample,
-                                      &r_psf, &err),
+    assert_int_equal(shear_psf_radius(b->psf, b->geometry.psf_nx, b->geometry.psf_ny,
+                                      b->geometry.psf_oversample, &r_psf, &err),
                      SHEAR_OK);
-    if (shear_plan_new(&plan, settings, &b->geometry, own_psf ? NULL : b->psf, r_psf, has_r_gal, &err) != SHEAR_OK) {
+    if (shear_plan_new(&plan, settings, &b->geometry, own_psf ? NULL : b->psf, r_psf, has_r_gal,
+                       &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     return plan;
 }
 
-void batch_measure(const shear_plan *plan, const shear_stamps *stamps, shear_row *rows)
-{
+void batch_measure(const shear_plan *plan, const shear_stamps *stamps, shear_row *rows) {
     shear_workspace *ws = NULL;
     shear_error err = {0};
     assert_int_equal(shear_workspace_new(&ws, plan, &err), SHEAR_OK);

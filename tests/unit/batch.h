@@ -5,7 +5,8 @@
 
 #include "shear/plan.h"
 
-/* Everything a shear_stamps may point to; all arrays owned. Positive pixels, so that every method takes them. */
+/* Everything a shear_stamps may point to; all arrays owned. Positive pixels, so that every method
+ * takes them. */
 typedef struct batch {
     shear_geometry geometry;
     int count;
@@ -24,7 +25,8 @@ shear_stamps batch_plain(const batch *b);
 shear_stamps batch_full(const batch *b);
 
 /* A plan; fails the test where it cannot be made. own_psf: each stamp brings its own. */
-shear_plan *batch_plan(const batch *b, const shear_settings *settings, bool own_psf, bool has_r_gal);
+shear_plan *batch_plan(const batch *b, const shear_settings *settings, bool own_psf,
+                       bool has_r_gal);
 /* shear_measure_range over all stamps, with a workspace of its own. */
 void batch_measure(const shear_plan *plan, const shear_stamps *stamps, shear_row *rows);
 

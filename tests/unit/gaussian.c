@@ -66,8 +66,7 @@ void assert_rows_near(const shear_row *a, const shear_row *b, double tolerance) 
     assert_near(a->d, b->d, tolerance, second, "d");
 }
 
-void assert_same_rows(const shear_row *a, const shear_row *b, int n)
-{
+void assert_same_rows(const shear_row *a, const shear_row *b, int n) {
     const size_t used = offsetof(shear_row, flags) + sizeof a->flags; /* what follows is padding */
     for (int i = 0; i < n; i++) {
         assert_memory_equal(&a[i], &b[i], used);

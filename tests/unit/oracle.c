@@ -7,24 +7,22 @@
 #include <math.h>
 #include <stdlib.h>
 
-static double *numbers(size_t n)
-{
+static double *numbers(size_t n) {
     double *out = calloc(n, sizeof *out);
     assert_non_null(out);
     return out;
 }
 
-static bool is_log(int method)
-{
+static bool is_log(int method) {
     return method == SHEAR_INTERP_LOG_BILINEAR || method == SHEAR_INTERP_LOG_BICUBIC ||
            method == SHEAR_INTERP_LOG_SPLINE;
 }
 
-/* ---- step 1: interpolation; -INFINITY is the logarithm of a zero --------------------------------------- */
+/* ---- step 1: interpolation; -INFINITY is the logarithm of a zero
+ * --------------------------------------- */
 
 /* First derivatives, label dAdxdy: central, one-sided at both ends. */
-static void derivatives(int n, const double *f, double *e)
-{
+static void derivatives(int n, const double *f, double *e) {
     for (int i = 0; i < n; i++) {
         const int a = i > 0 ? i - 1 : 0;
         const int b = i < n - 1 ? i + 1 : n - 1;
@@ -32,10 +30,9 @@ static void derivatives(int n, const double *f, double *e)
     }
 }
 
-/* Second derivatives of the natural spline: (e_{i-1} + 4 e_i + e_{i+1}) / 6 = f_{i+1} - 2 f_i + f_{i-1} for the inner
- * points, e = 0 at the ends; Gaussian elimination on the full matrix. */
-static void second_derivatives(int n, const double *f, double *e)
-{
+/* Second derivatives of the natural spline: (e_{i-1} + 4 e_i + e_{i+1}) / 6 = f_{i+1} - 2 f_i +
+ * f_{i-1} for the inner points, e = 0 at the ends; Gaussian elimination on the full matrix. */
+static void second_derivatives(int n, const double *f, double *e) {
     double *m = numbers((size_t)n * (size_t)n);
     for (int i = 0; i < n; i++) {
         e[i] = 0.0;
@@ -62,13 +59,13 @@ static void second_derivatives(int n, const double *f, double *e)
 }
 
 /* Labels A_bilinear, A_bicubic, A_spline in one dimension, at t between two points. */
-static double between(int method, double t, double f0, double f1, double e0, double e1)
-{
+static double between(int method, double t, double f0, double f1, double e0, double e1) {
     const double h = 1.0 - t;
     switch (method) {
     case SHEAR_INTERP_BICUBIC:
     case SHEAR_INTERP_LOG_BICUBIC: /* the cubic with values f and derivatives e at its ends */
-        return f0 + t * (e0 + t * (3.0 * (f1 - f0) - 2.0 * e0 - e1 + t * (2.0 * (f0 - f1) + e0 + e1)));
+        return f0 +
+               t * (e0 + t * (3.0 * (f1 - f0) - 2.0 * e0 - e1 + t * (2.0 * (f0 - f1) + e0 + e1)));
     case SHEAR_INTERP_SPLINE:
     case SHEAR_INTERP_LOG_SPLINE:
         return h * f0 + t * f1 + (h * h * h - h) / 6.0 * e0 + (t * t * t - t) / 6.0 * e1;
@@ -77,10 +74,10 @@ static double between(int method, double t, double f0, double f1, double e0, dou
     }
 }
 
-/* What the method wants of a line of n points besides their values, each unbroken stretch of non-zero pixels by itself.
- * Points lie `step` numbers apart; `marks` says which are zeros. */
-static void line_slopes(int method, int n, int step, const double *marks, const double *f, double *e)
-{
+/* What the method wants of a line of n points besides their values, each unbroken stretch of
+ * non-zero pixels by itself. Points lie `step` numbers apart; `marks` says which are zeros. */
+static void line_slopes(int method, int n, int step, const double *marks, const double *f,
+                        double *e) {
     double *line = numbers(2 * (size_t)n);
     for (int from = 0, to; from < n; from = to + 1) {
         for (to = from; to < n && marks[to * step] != -INFINITY; to++) {
@@ -98,15 +95,15 @@ static void line_slopes(int method, int n, int step, const double *marks, const 
     free(line);
 }
 
-/* The numbers at the pixels that fix the surface: value, slope along x, along y, and the mixed one. Beside zeros it matters in
- * which order the two slopes of the mixed one are taken; their mean prefers neither axis. */
+/* The numbers at the pixels that fix the surface: value, slope along x, along y, and the mixed one.
+ * Beside zeros it matters in which order the two slopes of the mixed one are taken; their mean
+ * prefers neither axis. */
 typedef struct surface {
     int method, nx, ny;
     double *f, *fx, *fy, *fxy, *fyx; /* [ny][nx] */
 } surface;
 
-static void fill_slopes(surface *s)
-{
+static void fill_slopes(surface *s) {
     for (int y = 0; y < s->ny; y++) {
         line_slopes(s->method, s->nx, 1, s->f + y * s->nx, s->f + y * s->nx, s->fx + y * s->nx);
     }
@@ -119,10 +116,10 @@ static void fill_slopes(surface *s)
     }
 }
 
-/* The surface t of the way from pixel (x, y) to the next in x, and u in y. Beyond the last pixel it is linear to the first, where
- * the period closes. A cell with a zero at one of the corners that count is zero. */
-static double surface_at(const surface *s, int x, int y, double t, double u)
-{
+/* The surface t of the way from pixel (x, y) to the next in x, and u in y. Beyond the last pixel it
+ * is linear to the first, where the period closes. A cell with a zero at one of the corners that
+ * count is zero. */
+static double surface_at(const surface *s, int x, int y, double t, double u) {
     const int x1 = x == s->nx - 1 ? 0 : x + 1;
     const int y1 = y == s->ny - 1 ? 0 : y + 1;
     const int corner[2][2] = {{y * s->nx + x, y * s->nx + x1}, {y1 * s->nx + x, y1 * s->nx + x1}};
@@ -144,8 +141,7 @@ static double surface_at(const surface *s, int x, int y, double t, double u)
 }
 
 /* What is interpolated: the pixels, or their logarithms with zeros as the policy says. */
-static double *prepare(const double *pixels, size_t n, int method, int zeros, double pedestal)
-{
+static double *prepare(const double *pixels, size_t n, int method, int zeros, double pedestal) {
     double *out = numbers(n);
     double peak = 0.0;
     bool has_zero = false;
@@ -161,9 +157,8 @@ static double *prepare(const double *pixels, size_t n, int method, int zeros, do
     return out;
 }
 
-double *oracle_interpolate(const double *pixels, int nx, int ny, int interpolation, int s, int zeros,
-                           double pedestal)
-{
+double *oracle_interpolate(const double *pixels, int nx, int ny, int interpolation, int s,
+                           int zeros, double pedestal) {
     const size_t n = (size_t)nx * (size_t)ny;
     double *slopes = numbers(4 * n);
     surface surf = {.method = interpolation,
@@ -178,7 +173,8 @@ double *oracle_interpolate(const double *pixels, int nx, int ny, int interpolati
     double *fine = numbers(n * (size_t)s * (size_t)s);
     for (int y = 0; y < ny * s; y++) {
         for (int x = 0; x < nx * s; x++) {
-            const double f = surface_at(&surf, x / s, y / s, (double)(x % s) / s, (double)(y % s) / s);
+            const double f =
+                surface_at(&surf, x / s, y / s, (double)(x % s) / s, (double)(y % s) / s);
             fine[y * nx * s + x] = is_log(interpolation) ? exp(f) - pedestal : f;
         }
     }
@@ -187,10 +183,10 @@ double *oracle_interpolate(const double *pixels, int nx, int ny, int interpolati
     return fine;
 }
 
-/* ---- step 2: the filter -------------------------------------------------------------------------------- */
+/* ---- step 2: the filter
+ * -------------------------------------------------------------------------------- */
 
-double oracle_filter(int nx, int ny, int s, int x, int y, double core, double width)
-{
+double oracle_filter(int nx, int ny, int s, int x, int y, double core, double width) {
     /* The shortest way to the centre on the periodic stamp. */
     const double dx = remainder((double)x / s - 0.5 * (nx - 1), nx);
     const double dy = remainder((double)y / s - 0.5 * (ny - 1), ny);
@@ -198,18 +194,18 @@ double oracle_filter(int nx, int ny, int s, int x, int y, double core, double wi
     return r <= core ? 1.0 : exp(-0.5 * pow((r - core) / width, 2.0));
 }
 
-static void apply_filter(double *image, const shear_plan_info *info)
-{
+static void apply_filter(double *image, const shear_plan_info *info) {
     for (int y = 0; y < info->fine_ny && info->filter != SHEAR_FILTER_NONE; y++) {
         for (int x = 0; x < info->fine_nx; x++) {
             image[y * info->fine_nx + x] *=
-                oracle_filter(info->geometry.nx, info->geometry.ny, info->oversample, x, y, info->core_px,
-                              info->width_px);
+                oracle_filter(info->geometry.nx, info->geometry.ny, info->oversample, x, y,
+                              info->core_px, info->width_px);
         }
     }
 }
 
-/* ---- steps 3 to 6 --------------------------------------------------------------------------------------- */
+/* ---- steps 3 to 6
+ * --------------------------------------------------------------------------------------- */
 
 /* A square table of one number for every mode |jx| <= mx, |jy| <= my. */
 typedef struct modes {
@@ -217,19 +213,16 @@ typedef struct modes {
     double *at; /* [2 my + 1][2 mx + 1] */
 } modes;
 
-static double *mode(const modes *m, int jx, int jy)
-{
+static double *mode(const modes *m, int jx, int jy) {
     return m->at + (jy + m->my) * (2 * m->mx + 1) + jx + m->mx;
 }
 
-static modes modes_new(int mx, int my)
-{
+static modes modes_new(int mx, int my) {
     return (modes){.mx = mx, .my = my, .at = numbers((size_t)(2 * mx + 1) * (size_t)(2 * my + 1))};
 }
 
 /* exp(-2 pi i j / period), j from 0. */
-static double complex *waves(int period)
-{
+static double complex *waves(int period) {
     double complex *wave = calloc((size_t)period, sizeof *wave);
     assert_non_null(wave);
     for (int j = 0; j < period; j++) {
@@ -238,10 +231,10 @@ static double complex *waves(int period)
     return wave;
 }
 
-/* |F|^2 of a real image at k = 2 pi (jx / period_x, jy / period_y) a sample, by the sum that defines it, first along x,
- * then along y. */
-static void image_power(const double *image, int nx, int ny, int period_x, int period_y, modes *out)
-{
+/* |F|^2 of a real image at k = 2 pi (jx / period_x, jy / period_y) a sample, by the sum that
+ * defines it, first along x, then along y. */
+static void image_power(const double *image, int nx, int ny, int period_x, int period_y,
+                        modes *out) {
     double complex *column = calloc((size_t)ny, sizeof *column);
     assert_non_null(column);
     double complex *wave_x = waves(period_x);
@@ -250,7 +243,8 @@ static void image_power(const double *image, int nx, int ny, int period_x, int p
         for (int y = 0; y < ny; y++) {
             column[y] = 0.0;
             for (int x = 0; x < nx; x++) {
-                column[y] += image[y * nx + x] * wave_x[((jx * x) % period_x + period_x) % period_x];
+                column[y] +=
+                    image[y * nx + x] * wave_x[((jx * x) % period_x + period_x) % period_x];
             }
         }
         for (int jy = -out->my; jy <= out->my; jy++) {
@@ -267,8 +261,7 @@ static void image_power(const double *image, int nx, int ny, int period_x, int p
 }
 
 /* The PSF is not periodic: what interpolation puts beyond its last sample is not part of it. */
-static void cut_closing_cells(double *fine, int nx, int ny, int factor)
-{
+static void cut_closing_cells(double *fine, int nx, int ny, int factor) {
     for (int y = 0; y < ny * factor; y++) {
         for (int x = 0; x < nx * factor; x++) {
             const bool inside = x <= (nx - 1) * factor && y <= (ny - 1) * factor;
@@ -278,9 +271,8 @@ static void cut_closing_cells(double *fine, int nx, int ny, int factor)
 }
 
 /* |W|^2, 1 at k = 0, and the smallest |k| where it is below the threshold: at most Nyquist's. */
-static double psf_power(const shear_plan_info *info, const shear_settings *settings, const double *psf,
-                        modes *out)
-{
+static double psf_power(const shear_plan_info *info, const shear_settings *settings,
+                        const double *psf, modes *out) {
     const shear_geometry *g = &info->geometry;
     const int q = info->psf_oversample;
     const int factor = q / g->psf_oversample;
@@ -288,7 +280,8 @@ static double psf_power(const shear_plan_info *info, const shear_settings *setti
                                       settings->zeros, 0.0);
     cut_closing_cells(fine, g->psf_nx, g->psf_ny, factor);
     double cut = M_PI * fmin(info->oversample, q);
-    image_power(factor > 1 ? fine : psf, g->psf_nx * factor, g->psf_ny * factor, g->nx * q, g->ny * q, out);
+    image_power(factor > 1 ? fine : psf, g->psf_nx * factor, g->psf_ny * factor, g->nx * q,
+                g->ny * q, out);
     const double peak = *mode(out, 0, 0);
     for (int jy = -out->my; jy <= out->my; jy++) {
         for (int jx = -out->mx; jx <= out->mx; jx++) {
@@ -302,12 +295,13 @@ static double psf_power(const shear_plan_info *info, const shear_settings *setti
     return cut;
 }
 
-/* P = T |F|^2 summed with the six weights; `sign` is that of the stamp in the difference of label OSN3. */
-static void add_moments(shear_row *row, const shear_plan_info *info, const modes *power, const modes *psf,
-                        double cut, double sign)
-{
+/* P = T |F|^2 summed with the six weights; `sign` is that of the stamp in the difference of label
+ * OSN3. */
+static void add_moments(shear_row *row, const shear_plan_info *info, const modes *power,
+                        const modes *psf, double cut, double sign) {
     const double beta = info->beta_px;
-    const double points = (double)info->geometry.nx * info->geometry.ny * pow(info->oversample, 4.0);
+    const double points =
+        (double)info->geometry.nx * info->geometry.ny * pow(info->oversample, 4.0);
     for (int jy = -power->my; jy <= power->my; jy++) {
         for (int jx = -power->mx; jx <= power->mx; jx++) {
             const double kx = 2.0 * M_PI * jx / info->geometry.nx;
@@ -329,10 +323,10 @@ static void add_moments(shear_row *row, const shear_plan_info *info, const modes
 }
 
 static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_settings *settings,
-                      const double *pixels, const modes *psf, double cut, double sign)
-{
-    double *fine = oracle_interpolate(pixels, info->geometry.nx, info->geometry.ny, info->interpolation,
-                                      info->oversample, settings->zeros, settings->pedestal);
+                      const double *pixels, const modes *psf, double cut, double sign) {
+    double *fine =
+        oracle_interpolate(pixels, info->geometry.nx, info->geometry.ny, info->interpolation,
+                           info->oversample, settings->zeros, settings->pedestal);
     modes power = modes_new(psf->mx, psf->my);
     apply_filter(fine, info);
     image_power(fine, info->fine_nx, info->fine_ny, info->fine_nx, info->fine_ny, &power);
@@ -341,12 +335,13 @@ static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_s
     free(fine);
 }
 
-shear_row oracle_measure(const shear_plan_info *info, const shear_settings *settings, const double *galaxy,
-                         const double *noise, const double *psf, double *k_cut)
-{
+shear_row oracle_measure(const shear_plan_info *info, const shear_settings *settings,
+                         const double *galaxy, const double *noise, const double *psf,
+                         double *k_cut) {
     shear_row row = {0};
     /* Modes on the edge of the fine grid's band lie outside any circle inside it. */
-    const int finest = info->oversample < info->psf_oversample ? info->oversample : info->psf_oversample;
+    const int finest =
+        info->oversample < info->psf_oversample ? info->oversample : info->psf_oversample;
     modes of_psf = modes_new(info->geometry.nx * finest / 2, info->geometry.ny * finest / 2);
     *k_cut = psf_power(info, settings, psf, &of_psf);
     add_stamp(&row, info, settings, galaxy, &of_psf, *k_cut, 1.0);

@@ -9,3 +9,13 @@ target_link_options(rpc_fixture PUBLIC -Wl,--wrap=malloc,--wrap=calloc,--wrap=re
 foreach(name frame rpc messages rpc_hostile)
   shear_add_test(${name} SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_${name}.c LIBRARIES rpc_fixture LABELS protocol)
 endforeach()
+
+# docs/protocol.md and docs/protocol.schema.json against the code.
+add_executable(protocol_probe ${CMAKE_CURRENT_LIST_DIR}/protocol_probe.c)
+target_include_directories(protocol_probe PRIVATE ${PROJECT_SOURCE_DIR}/protocol)
+target_link_libraries(protocol_probe PRIVATE shear_flags shear_protocol PkgConfig::JANSSON)
+set_target_properties(protocol_probe PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+add_test(NAME protocol_docs
+  COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tests/system/test_protocol_docs.py)
+set_tests_properties(protocol_docs PROPERTIES LABELS protocol TIMEOUT 60
+  ENVIRONMENT "PROTOCOL_PROBE=$<TARGET_FILE:protocol_probe>")

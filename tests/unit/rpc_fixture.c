@@ -40,8 +40,8 @@ static double real_within(int64_t min, int64_t max, uint64_t *seed) {
 /* Letters that JSON has to take care of; the last ones are control characters. */
 static char *some_text(size_t longest, unsigned flags, uint64_t *seed) {
     static const char *const letters[] = {
-        "a",           "Z",  "0",  " ",  "\"", "\\", "/",  "\xC3\xA9", "\xE2\x82\xAC",
-        "\xF0\x9F\x98\x80", "'", "{", "}", "\t", "\n", "\r", "\x01",     "\x7F"};
+        "a", "Z", "0", " ",  "\"", "\\", "/",    "\xC3\xA9", "\xE2\x82\xAC", "\xF0\x9F\x98\x80",
+        "'", "{", "}", "\t", "\n", "\r", "\x01", "\x7F"};
     const size_t n_letters = flags & MSG_PLAIN ? 13 : 18;
     const size_t n = 1 + next_random(seed) % 20;
     char *text = malloc(4 * n + 2);
@@ -58,15 +58,16 @@ static char *some_text(size_t longest, unsigned flags, uint64_t *seed) {
 
 static char *some_object(uint64_t *seed) {
     char text[200];
-    snprintf(text, sizeof text, "{\"g1\":%.17g,\"n_used\":%llu,\"deep\":{\"list\":[1,null,\"\\u0001\"]}}",
+    snprintf(text, sizeof text,
+             "{\"g1\":%.17g,\"n_used\":%llu,\"deep\":{\"list\":[1,null,\"\\u0001\"]}}",
              real_within(-1, 1, seed), (unsigned long long)(next_random(seed) >> 2));
     return msg_copy(text, strlen(text));
 }
 
 static char *some_settings(uint64_t *seed) {
     static const char *const lines[] = {
-        "interpolation=log-bicubic\n", "oversample=4\n",    "beta=1.6000000000000001\n",
-        "beta-ratio=1.25\n",           "zeros=floor\n",     "pedestal=0.1\n",
+        "interpolation=log-bicubic\n", "oversample=4\n",          "beta=1.2345678901234567\n",
+        "beta-ratio=1.25\n",           "zeros=floor\n",           "pedestal=0.1\n",
         "psf-threshold=1e-08\n",       "noise-correction=false\n"};
     char text[400] = "";
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {

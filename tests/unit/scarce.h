@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scarce.h: memory that runs out at a chosen moment, for programs linked with
- * -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc (the library's own allocations, not those of the system). */
+ * -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc (the library's own allocations, not those of the
+ * system). */
 #ifndef TEST_SCARCE_H
 #define TEST_SCARCE_H
 

@@ -55,6 +55,7 @@ static bool copy_file(const char *from, const char *to)
 {
     char buffer[65536];
     size_t n = 0;
+    unlink(to); /* some file systems write a file out that replaces another by truncating it */
     FILE *in = fopen(from, "rb");
     FILE *out = in != NULL ? fopen(to, "wb") : NULL;
     bool good = out != NULL;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Interpolation along one axis: splines against GSL's, what linear and cubic must reproduce, the closing cell, broken lines. */
+/* Interpolation along one axis: splines against GSL's, what linear and cubic must reproduce, the
+ * closing cell, broken lines. */
 #include "gaussian.h"
 #include "pair.h"
 #include "test.h"
@@ -13,8 +14,7 @@
 enum { MAX_N = 64, MAX_S = 16 };
 
 /* One line through axis_slopes and axis_expand. */
-static void expand(int kind, int n, int s, const double *f, bool marked, double *fine)
-{
+static void expand(int kind, int n, int s, const double *f, bool marked, double *fine) {
     double e[MAX_N];
     axis ax;
     assert_true(axis_init(&ax, kind, n, s));
@@ -28,21 +28,20 @@ static void expand(int kind, int n, int s, const double *f, bool marked, double 
 }
 
 /* Numbers of order 1, so that tolerances are absolute. */
-static void draw_line(double *f, int n, uint64_t *seed)
-{
+static void draw_line(double *f, int n, uint64_t *seed) {
     for (int i = 0; i < n; i++) {
         f[i] = 2.0 * uniform(seed) - 1.0;
     }
 }
 
 /* GSL's natural spline through f[0..n), at the s n fine points of its n - 1 cells. */
-static void gsl_fine(int n, int s, const double *f, double *fine)
-{
+static void gsl_fine(int n, int s, const double *f, double *fine) {
     double x[MAX_N];
     for (int i = 0; i < n; i++) {
         x[i] = i;
     }
-    gsl_spline *spline = gsl_spline_alloc(n > 2 ? gsl_interp_cspline : gsl_interp_linear, (size_t)n);
+    gsl_spline *spline =
+        gsl_spline_alloc(n > 2 ? gsl_interp_cspline : gsl_interp_linear, (size_t)n);
     gsl_spline_init(spline, x, f, (size_t)n);
     for (int i = 0; i <= (n - 1) * s; i++) {
         fine[i] = gsl_spline_eval(spline, (double)i / s, NULL);
@@ -50,8 +49,7 @@ static void gsl_fine(int n, int s, const double *f, double *fine)
     gsl_spline_free(spline);
 }
 
-static void test_spline_is_gsls(void **state)
-{
+static void test_spline_is_gsls(void **state) {
     (void)state;
     uint64_t seed = 1;
     for (int n = 2; n <= MAX_N; n = n < 12 ? n + 1 : n + 13) {
@@ -70,14 +68,12 @@ static void test_spline_is_gsls(void **state)
 }
 
 /* A polynomial a + b x + c x^2 + d x^3. */
-static double polynomial(const double *c, double x)
-{
+static double polynomial(const double *c, double x) {
     return c[0] + x * (c[1] + x * (c[2] + x * c[3]));
 }
 
 /* Whether `kind` reproduces polynomials of this degree in the cells [from, to). */
-static void check_reproduces(int kind, int degree, int n, int from, int to)
-{
+static void check_reproduces(int kind, int degree, int n, int from, int to) {
     uint64_t seed = 3u + (uint64_t)degree;
     double c[4] = {0};
     double f[MAX_N];
@@ -92,21 +88,20 @@ static void check_reproduces(int kind, int degree, int n, int from, int to)
     }
 }
 
-static void test_polynomials(void **state)
-{
+static void test_polynomials(void **state) {
     (void)state;
     for (int n = 4; n < 20; n++) {
         check_reproduces(AXIS_LINEAR, 1, n, 0, n - 1);
         check_reproduces(AXIS_CUBIC, 1, n, 0, n - 1);
-        check_reproduces(AXIS_CUBIC, 2, n, 1, n - 2); /* central differences are exact for parabolas */
+        check_reproduces(AXIS_CUBIC, 2, n, 1,
+                         n - 2); /* central differences are exact for parabolas */
         check_reproduces(AXIS_SPLINE, 1, n, 0, n - 1);
     }
 }
 
-/* The border cell of the cubic by hand: f = 1, 3, 2, ...: slopes 2 (one-sided) and 1/2 at its ends; at t = 1/2
- * f = (1 + 3)/2 + (2 - 1/2)/8. */
-static void test_cubic_at_the_border(void **state)
-{
+/* The border cell of the cubic by hand: f = 1, 3, 2, ...: slopes 2 (one-sided) and 1/2 at its ends;
+ * at t = 1/2 f = (1 + 3)/2 + (2 - 1/2)/8. */
+static void test_cubic_at_the_border(void **state) {
     (void)state;
     const double f[] = {1.0, 3.0, 2.0, 5.0};
     double fine[8];
@@ -115,8 +110,7 @@ static void test_cubic_at_the_border(void **state)
     assert_true(fine[5] == 3.5 + (1.0 - 3.0) / 8.0); /* slopes 1 and 3 (one-sided) */
 }
 
-static void test_through_the_points(void **state)
-{
+static void test_through_the_points(void **state) {
     (void)state;
     uint64_t seed = 9;
     double f[MAX_N];
@@ -130,9 +124,9 @@ static void test_through_the_points(void **state)
     }
 }
 
-/* Linear from the last point back to the first; a line read backwards gives the fine line read backwards. */
-static void test_closing_cell(void **state)
-{
+/* Linear from the last point back to the first; a line read backwards gives the fine line read
+ * backwards. */
+static void test_closing_cell(void **state) {
     (void)state;
     enum { N = 13, S = 8 };
     uint64_t seed = 10;
@@ -149,17 +143,19 @@ static void test_closing_cell(void **state)
         expand(kind, N, S, back, false, fine_back);
         for (int p = 0; p < S; p++) {
             const double t = (double)p / S;
-            assert_near(fine[(N - 1) * S + p], (1.0 - t) * f[N - 1] + t * f[0], 1e-15, 1.0, "closing cell");
+            assert_near(fine[(N - 1) * S + p], (1.0 - t) * f[N - 1] + t * f[0], 1e-15, 1.0,
+                        "closing cell");
         }
         for (int i = 0; i < N * S; i++) {
-            assert_near(fine_back[((N - 1) * S - i + N * S) % (N * S)], fine[i], 1e-14, 1.0, "backwards");
+            assert_near(fine_back[((N - 1) * S - i + N * S) % (N * S)], fine[i], 1e-14, 1.0,
+                        "backwards");
         }
     }
 }
 
-/* axis_at gives the weights that axis_expand uses; many lanes at once are the same lines one by one. */
-static void test_weights_and_lanes(void **state)
-{
+/* axis_at gives the weights that axis_expand uses; many lanes at once are the same lines one by
+ * one. */
+static void test_weights_and_lanes(void **state) {
     (void)state;
     enum { N = 11, S = 4, LANES = 7, STRIDE = 9 };
     uint64_t seed = 12;
@@ -194,8 +190,7 @@ static void test_weights_and_lanes(void **state)
 }
 
 /* Runs of a broken line: points [from, to). */
-static void check_run(int kind, int s, const double *f, const double *fine, int from, int to)
-{
+static void check_run(int kind, int s, const double *f, const double *fine, int from, int to) {
     double expected[MAX_N * MAX_S];
     if (kind == AXIS_SPLINE && to - from > 1) {
         gsl_fine(to - from, s, f + from, expected);
@@ -207,9 +202,9 @@ static void check_run(int kind, int s, const double *f, const double *fine, int 
     }
 }
 
-/* 3 points, a mark, 1 point, two marks, 6 points, a mark, 2 points; then the closing cell to the first point. */
-static void test_broken_lines(void **state)
-{
+/* 3 points, a mark, 1 point, two marks, 6 points, a mark, 2 points; then the closing cell to the
+ * first point. */
+static void test_broken_lines(void **state) {
     (void)state;
     enum { N = 16, S = 8 };
     static const int runs[][2] = {{0, 3}, {7, 13}, {14, 16}};
@@ -234,8 +229,7 @@ static void test_broken_lines(void **state)
 }
 
 /* A mark at either end breaks the closing cell; nothing but marks stays so. */
-static void test_marks_at_the_ends(void **state)
-{
+static void test_marks_at_the_ends(void **state) {
     (void)state;
     double fine[16];
     const double first[] = {-INFINITY, 1.0, 2.0, 4.0};
@@ -243,9 +237,11 @@ static void test_marks_at_the_ends(void **state)
     const double none[] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
     for (int kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         expand(kind, 4, 4, first, true, fine);
-        assert_true(isinf(fine[0]) && isinf(fine[3]) && fine[4] == 1.0 && fine[12] == 4.0 && isinf(fine[13]));
+        assert_true(isinf(fine[0]) && isinf(fine[3]) && fine[4] == 1.0 && fine[12] == 4.0 &&
+                    isinf(fine[13]));
         expand(kind, 4, 4, last, true, fine);
-        assert_true(fine[0] == 1.0 && fine[8] == 4.0 && isinf(fine[9]) && isinf(fine[12]) && isinf(fine[15]));
+        assert_true(fine[0] == 1.0 && fine[8] == 4.0 && isinf(fine[9]) && isinf(fine[12]) &&
+                    isinf(fine[15]));
         expand(kind, 4, 4, none, true, fine);
         for (int i = 0; i < 16; i++) {
             assert_true(fine[i] == -INFINITY);
@@ -253,13 +249,12 @@ static void test_marks_at_the_ends(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spline_is_gsls),    cmocka_unit_test(test_polynomials),
+        cmocka_unit_test(test_spline_is_gsls),      cmocka_unit_test(test_polynomials),
         cmocka_unit_test(test_cubic_at_the_border), cmocka_unit_test(test_through_the_points),
-        cmocka_unit_test(test_closing_cell),      cmocka_unit_test(test_weights_and_lanes),
-        cmocka_unit_test(test_broken_lines),      cmocka_unit_test(test_marks_at_the_ends),
+        cmocka_unit_test(test_closing_cell),        cmocka_unit_test(test_weights_and_lanes),
+        cmocka_unit_test(test_broken_lines),        cmocka_unit_test(test_marks_at_the_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

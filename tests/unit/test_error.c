@@ -13,24 +13,22 @@ typedef struct guarded {
     char canary[64];
 } guarded;
 
-static void guarded_init(guarded *g)
-{
+static void guarded_init(guarded *g) {
     memset(g, 'x', sizeof *g);
 }
 
-static void assert_canary(const guarded *g)
-{
+static void assert_canary(const guarded *g) {
     for (size_t i = 0; i < sizeof g->canary; i++) {
         assert_true(g->canary[i] == 'x');
     }
 }
 
-static void test_fail(void **state)
-{
+static void test_fail(void **state) {
     (void)state;
     guarded g;
     guarded_init(&g);
-    assert_int_equal(shear_fail(&g.err, SHEAR_E_IO, "try %s", "file '%s', HDU %d", "a.fits", 3), SHEAR_E_IO);
+    assert_int_equal(shear_fail(&g.err, SHEAR_E_IO, "try %s", "file '%s', HDU %d", "a.fits", 3),
+                     SHEAR_E_IO);
     assert_int_equal(g.err.code, SHEAR_E_IO);
     assert_string_equal(g.err.message, "file 'a.fits', HDU 3");
     assert_string_equal(g.err.advice, "try %s"); /* an advice is no format */
@@ -40,12 +38,12 @@ static void test_fail(void **state)
     assert_canary(&g);
 }
 
-static void test_long_messages(void **state)
-{
+static void test_long_messages(void **state) {
     (void)state;
     char text[3000];
     guarded g;
-    for (size_t length = 0; length < sizeof text - 1; length += length > 200 && length < 1000 ? 1 : 97) {
+    for (size_t length = 0;
+         length<sizeof text - 1; length += length> 200 && length < 1000 ? 1 : 97) {
         guarded_init(&g);
         memset(text, 'm', length);
         text[length] = '\0';
@@ -59,13 +57,13 @@ static void test_long_messages(void **state)
 }
 
 /* prefix + ": " + message, cut at the end where it does not fit. */
-static void test_prefix(void **state)
-{
+static void test_prefix(void **state) {
     (void)state;
     char prefix[1200];
     char message[1200];
     char whole[3000];
-    static const size_t lengths[] = {0, 1, 100, 236, 237, 238, 239, 240, 477, 478, 479, 480, 481, 1000};
+    static const size_t lengths[] = {0,   1,   100, 236, 237, 238, 239,
+                                     240, 477, 478, 479, 480, 481, 1000};
     for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
         for (size_t j = 0; j < sizeof lengths / sizeof lengths[0]; j++) {
             guarded g;
@@ -79,8 +77,10 @@ static void test_prefix(void **state)
             strcat(whole, ": ");
             strcat(whole, message);
             whole[sizeof g.err.message - 1] = '\0';
-            assert_memory_equal(g.err.message, whole, strlen(whole) < 479 ? strlen(whole) + 1 : 479);
-            assert_true(g.err.message[sizeof g.err.message - 1] == '\0' || strlen(g.err.message) < 479);
+            assert_memory_equal(g.err.message, whole,
+                                strlen(whole) < 479 ? strlen(whole) + 1 : 479);
+            assert_true(g.err.message[sizeof g.err.message - 1] == '\0' ||
+                        strlen(g.err.message) < 479);
             assert_string_equal(g.err.advice, "advice");
             assert_canary(&g);
         }
@@ -88,8 +88,7 @@ static void test_prefix(void **state)
     assert_int_equal(shear_prefix(NULL, SHEAR_E_IO, "x"), SHEAR_E_IO);
 }
 
-static void test_code_names(void **state)
-{
+static void test_code_names(void **state) {
     (void)state;
     for (int code = SHEAR_OK; code <= SHEAR_E_INTERNAL; code++) {
         assert_string_not_equal(shear_code_name(code), "unknown");
@@ -101,17 +100,16 @@ static void test_code_names(void **state)
     assert_string_equal(shear_code_name(SHEAR_E_INTERNAL + 1), "unknown");
 }
 
-static void test_version(void **state)
-{
+static void test_version(void **state) {
     (void)state;
     assert_string_equal(shear_version(), SHEAR_VERSION_STRING);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fail),       cmocka_unit_test(test_long_messages), cmocka_unit_test(test_prefix),
-        cmocka_unit_test(test_code_names), cmocka_unit_test(test_version),
+        cmocka_unit_test(test_fail),    cmocka_unit_test(test_long_messages),
+        cmocka_unit_test(test_prefix),  cmocka_unit_test(test_code_names),
+        cmocka_unit_test(test_version),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

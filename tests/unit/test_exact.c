@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The exact accumulator: no order, no split and no cancellation changes a bit, and it rounds once, to nearest. */
+/* The exact accumulator: no order, no split and no cancellation changes a bit, and it rounds once,
+ * to nearest. */
 #include "pair.h"
 #include "test.h"
 
@@ -11,20 +12,17 @@
 #include <string.h>
 
 /* Any finite double: random sign, exponent from subnormal to largest, random mantissa. */
-static double any_double(uint64_t *state)
-{
+static double any_double(uint64_t *state) {
     const double fraction = 1.0 + uniform(state);
     const int exponent = (int)(2098.0 * uniform(state)) - 1074;
     return (uniform(state) < 0.5 ? -1.0 : 1.0) * ldexp(fraction, exponent);
 }
 
-static void assert_same_bits(double a, double b)
-{
+static void assert_same_bits(double a, double b) {
     assert_memory_equal(&a, &b, sizeof a);
 }
 
-static void shuffle(double *x, int n, uint64_t *state)
-{
+static void shuffle(double *x, int n, uint64_t *state) {
     for (int i = n - 1; i > 0; i--) {
         const int j = (int)((i + 1) * uniform(state));
         const double keep = x[i];
@@ -33,8 +31,7 @@ static void shuffle(double *x, int n, uint64_t *state)
     }
 }
 
-static double sum_of(const double *x, int n)
-{
+static double sum_of(const double *x, int n) {
     exact_sum *s = exact_new(1);
     assert_non_null(s);
     for (int i = 0; i < n; i++) {
@@ -47,8 +44,7 @@ static double sum_of(const double *x, int n)
 
 enum { N = 400 };
 
-static void test_order(void **state)
-{
+static void test_order(void **state) {
     (void)state;
     uint64_t seed = 1;
     double x[N];
@@ -63,8 +59,7 @@ static void test_order(void **state)
 }
 
 /* Split over several sums and joined. */
-static void test_split(void **state)
-{
+static void test_split(void **state) {
     (void)state;
     uint64_t seed = 2;
     double x[N];
@@ -89,10 +84,10 @@ static void test_split(void **state)
 }
 
 /* Everything cancels but one small number. */
-static void test_cancellation(void **state)
-{
+static void test_cancellation(void **state) {
     (void)state;
-    static const double left[] = {0.0, 5e-324, -5e-324, DBL_MIN, -1.0 / 3.0, 1e300, 2.2250738585072009e-308};
+    static const double left[] = {
+        0.0, 5e-324, -5e-324, DBL_MIN, -1.0 / 3.0, 1e300, 2.2250738585072009e-308};
     uint64_t seed = 3;
     double x[2 * N + 1];
     for (size_t k = 0; k < sizeof left / sizeof left[0]; k++) {
@@ -106,9 +101,9 @@ static void test_cancellation(void **state)
     }
 }
 
-/* Two doubles: IEEE addition rounds to nearest too, and TwoSum tells a tie (which goes away from zero here, to even there). */
-static void test_two_terms(void **state)
-{
+/* Two doubles: IEEE addition rounds to nearest too, and TwoSum tells a tie (which goes away from
+ * zero here, to even there). */
+static void test_two_terms(void **state) {
     (void)state;
     uint64_t seed = 4;
     for (int i = 0; i < 3000; i++) {
@@ -128,15 +123,15 @@ static void test_two_terms(void **state)
     }
 }
 
-static void test_rounding(void **state)
-{
+static void test_rounding(void **state) {
     (void)state;
     const double ulp = DBL_EPSILON;
-    assert_same_bits(sum_of((double[]){1.0, 0.5 * ulp}, 2), 1.0 + ulp);    /* a tie: away from zero */
+    assert_same_bits(sum_of((double[]){1.0, 0.5 * ulp}, 2), 1.0 + ulp); /* a tie: away from zero */
     assert_same_bits(sum_of((double[]){-1.0, -0.5 * ulp}, 2), -1.0 - ulp); /* on both sides */
     assert_same_bits(sum_of((double[]){1.0, 0.5 * ulp, -5e-324}, 3), 1.0);
     assert_same_bits(sum_of((double[]){1.0, 0.5 * ulp, 5e-324}, 3), 1.0 + ulp);
-    assert_same_bits(sum_of((double[]){2.0 - ulp, 0.5 * ulp}, 2), 2.0); /* carries into the next power of two */
+    assert_same_bits(sum_of((double[]){2.0 - ulp, 0.5 * ulp}, 2),
+                     2.0); /* carries into the next power of two */
     assert_same_bits(sum_of((double[]){DBL_MIN, -5e-324}, 2), DBL_MIN - 5e-324);
     assert_same_bits(sum_of((double[]){DBL_MAX, DBL_MAX, -DBL_MAX}, 3), DBL_MAX);
     assert_same_bits(sum_of((double[]){-DBL_MAX, -DBL_MAX}, 2), -INFINITY);
@@ -144,8 +139,7 @@ static void test_rounding(void **state)
 }
 
 /* n times x is n x rounded once, which IEEE multiplication does too. */
-static void test_many(void **state)
-{
+static void test_many(void **state) {
     (void)state;
     exact_sum *s = exact_new(1);
     for (int i = 1; i <= 20000; i++) {
@@ -157,8 +151,7 @@ static void test_many(void **state)
     exact_free(s, 1);
 }
 
-static void test_text(void **state)
-{
+static void test_text(void **state) {
     (void)state;
     uint64_t seed = 6;
     exact_sum *s = exact_new(2);
@@ -176,10 +169,10 @@ static void test_text(void **state)
     exact_free(s, 2);
 }
 
-static void test_bad_text(void **state)
-{
+static void test_bad_text(void **state) {
     (void)state;
-    static const char *const bad[] = {"", "-", "--1", "+1", " 1", "1 ", "0x1", "1g", "A", "1.5", "-1-", "1\n"};
+    static const char *const bad[] = {"",    "-",  "--1", "+1",  " 1",  "1 ",
+                                      "0x1", "1g", "A",   "1.5", "-1-", "1\n"};
     char endless[2000];
     exact_sum *s = exact_new(1);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -194,12 +187,12 @@ static void test_bad_text(void **state)
     exact_free(NULL, 3);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order),    cmocka_unit_test(test_split), cmocka_unit_test(test_cancellation),
-        cmocka_unit_test(test_two_terms), cmocka_unit_test(test_rounding), cmocka_unit_test(test_many),
-        cmocka_unit_test(test_text),     cmocka_unit_test(test_bad_text),
+        cmocka_unit_test(test_order),        cmocka_unit_test(test_split),
+        cmocka_unit_test(test_cancellation), cmocka_unit_test(test_two_terms),
+        cmocka_unit_test(test_rounding),     cmocka_unit_test(test_many),
+        cmocka_unit_test(test_text),         cmocka_unit_test(test_bad_text),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

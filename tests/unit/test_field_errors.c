@@ -2,7 +2,6 @@
 /* Spoiled field files: each is a clear error at once, whatever its header says. */
 #include "fits_fixture.h"
 
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -138,6 +137,46 @@ static void structural_keywords(void **state) {
     fixture_expect_open(bad(), SHEAR_E_FORMAT, "GALAXY", "NAXIS2", "twice", END);
 }
 
+static void exchange_cards(const char *one, const char *other) {
+    size_t size = 0;
+    unsigned char *bytes = fixture_load(bad(), &size);
+    const size_t start = fixture_data_offset(bad(), "GALAXY") - 2880;
+    unsigned char *a = memmem(bytes + start, 2880, one, strlen(one));
+    unsigned char *b = memmem(bytes + start, 2880, other, strlen(other));
+    unsigned char card[80];
+    assert_true(a != NULL && b != NULL);
+    memcpy(card, a, 80);
+    memcpy(a, b, 80);
+    memcpy(b, card, 80);
+    fixture_save(bad(), bytes, size);
+    free(bytes);
+}
+
+/* CFITSIO believes the place of these cards, not their names. */
+static void cards_out_of_order(void **state) {
+    (void)state;
+    static const char *const pairs[][2] = {{"BITPIX  ", "NAXIS   "},
+                                           {"NAXIS   ", "NAXIS1  "},
+                                           {"NAXIS1  ", "NAXIS2  "},
+                                           {"NAXIS3  ", "PCOUNT  "},
+                                           {"BITPIX  ", "EXTNAME "}};
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
+        cube();
+        exchange_cards(pairs[i][0], pairs[i][1]);
+        fixture_expect_open(bad(), SHEAR_E_FORMAT, "GALAXY", "must be card", END);
+    }
+}
+
+/* CFITSIO 4.2 overruns a buffer over such values. */
+static void long_numbers(void **state) {
+    (void)state;
+    static const char *const keys[] = {"BLANK", "ZBLANK", "ZDITHER0", "ZVAL2", "TNULL1"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        patched("GALAXY", keys[i], "'a string of many more characters than thirty'", keys[i]);
+        patched("GALAXY", keys[i], "100000000000000000000000000000", keys[i]);
+    }
+}
+
 /* Seconds and bytes that opening takes. */
 static void absurd_sizes(void **state) {
     (void)state;
@@ -181,7 +220,11 @@ static void endless_header(void **state) {
     char *bytes = malloc(size);
     assert_non_null(bytes);
     memset(bytes, ' ', size);
-    memcpy(bytes, "SIMPLE  =                    T", 30);
+    static const char *const cards[] = {"SIMPLE  =                    T", "BITPIX  = 8",
+                                        "NAXIS   = 0"};
+    for (size_t i = 0; i < 3; i++) {
+        memcpy(bytes + 80 * i, cards[i], strlen(cards[i]));
+    }
     fixture_save(bad(), bytes, size);
     free(bytes);
     fixture_expect_open(bad(), SHEAR_E_FORMAT, "primary", "header", "END", END);
@@ -408,81 +451,6 @@ static void catalog_tables(void **state) {
     fixture_expect_open(bad(), SHEAR_E_FORMAT, "HDU GALAXY", "is a table", END);
 }
 
-static void gzip_damage(void **state) {
-    (void)state;
-    const char *plain = fixture_path("plain.fits");
-    fixture_write_good(plain);
-    const char *packed = fixture_path("bad.fits.gz");
-    fixture_gzip(plain, packed);
-    size_t size = 0;
-    unsigned char *bytes = fixture_load(packed, &size);
-    for (size_t cut = 1; cut < size; cut += cut < 12 ? 1 : 251) {
-        fixture_save(packed, bytes, size - cut);
-        /* The last cut leaves less than the two magic bytes. */
-        fixture_expect_open(packed, SHEAR_E_FORMAT, size - cut > 1 ? "gzip data are truncated" : "",
-                            END);
-    }
-    for (size_t at = 20; at < size; at += 997) {
-        bytes[at] ^= 0x55;
-        fixture_save(packed, bytes, size);
-        fixture_expect_open(packed, SHEAR_E_FORMAT, END);
-        bytes[at] ^= 0x55;
-    }
-    bytes = realloc(bytes, size + 4);
-    memcpy(bytes + size, "junk", 4);
-    fixture_save(packed, bytes, size + 4);
-    fixture_expect_open(packed, SHEAR_E_FORMAT, "gzip data are damaged", END);
-    free(bytes);
-    fixture_save(plain, "plain text, packed", 18);
-    fixture_gzip(plain, packed);
-    fixture_expect_open(packed, SHEAR_E_FORMAT, "not a FITS file", "unpacked", END);
-}
-
-static void gzip_limits(void **state) {
-    (void)state;
-    const char *plain = fixture_path("plain.fits");
-    const char *packed = fixture_path("limited.fits.gz");
-    shear_field_spec s = fixture_spec();
-    s.n_stamps = 400;
-    fixture_write(plain, &s);
-    fixture_gzip(plain, packed);
-    assert_int_equal(setenv("SHEAR_UNPACK_LIMIT", "300000", 1), 0);
-    fixture_expect_open(packed, SHEAR_E_FORMAT, "limit of 300000 bytes", END);
-    assert_int_equal(setenv("SHEAR_UNPACK_LIMIT", "1000000", 1), 0);
-    shear_field *field = NULL;
-    assert_int_equal(shear_field_open(&field, packed, NULL), SHEAR_OK);
-    shear_field_close(field);
-    assert_int_equal(unsetenv("SHEAR_UNPACK_LIMIT"), 0);
-
-    const char *tmp = getenv("TMPDIR");
-    char *old = tmp != NULL ? strdup(tmp) : NULL;
-    assert_int_equal(setenv("TMPDIR", fixture_path("no/such/directory"), 1), 0);
-    fixture_expect_open(packed, SHEAR_E_IO, "temporary file", "TMPDIR", END);
-    if (old != NULL) {
-        setenv("TMPDIR", old, 1);
-    } else {
-        unsetenv("TMPDIR");
-    }
-    free(old);
-}
-
-/* No room for what is unpacked: an error of the system, not of the file. */
-static void no_room_to_unpack(void **state) {
-    (void)state;
-    const char *plain = fixture_path("plain.fits");
-    const char *packed = fixture_path("room.fits.gz");
-    shear_field_spec s = fixture_spec();
-    s.n_stamps = 400;
-    fixture_write(plain, &s);
-    fixture_gzip(plain, packed);
-    struct rlimit old;
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
-    struct rlimit tight = {.rlim_cur = 10000, .rlim_max = old.rlim_max};
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
-    fixture_expect_open(packed, SHEAR_E_IO, "temporary copy", END);
-    assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(not_fits),
@@ -490,6 +458,8 @@ int main(void) {
         cmocka_unit_test(truncated_after_opening),
         cmocka_unit_test(missing_hdus),
         cmocka_unit_test(structural_keywords),
+        cmocka_unit_test(cards_out_of_order),
+        cmocka_unit_test(long_numbers),
         cmocka_unit_test(absurd_sizes),
         cmocka_unit_test(endless_header),
         cmocka_unit_test(many_hdus),
@@ -500,10 +470,6 @@ int main(void) {
         cmocka_unit_test(primary_keywords),
         cmocka_unit_test(long_field_name),
         cmocka_unit_test(catalog_tables),
-        cmocka_unit_test(gzip_damage),
-        cmocka_unit_test(gzip_limits),
-        cmocka_unit_test(no_room_to_unpack),
     };
-    signal(SIGXFSZ, SIG_IGN);
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -163,6 +164,58 @@ static void no_descriptor_is_left_open(void **state) {
     assert_int_equal(count_descriptors(), before);
 }
 
+/* One thread's work: good files are read right, bad ones fail, each handle for itself. */
+static void *use_files(void *argument) {
+    const char *const *paths = argument; /* plain, gzipped, compressed, bad */
+    for (int round = 0; round < 10; round++) {
+        for (int i = 0; i < 4; i++) {
+            shear_field *field = NULL;
+            shear_error err = {0};
+            const int rc = shear_field_open(&field, paths[i], &err);
+            bool right = i == 3 ? rc == SHEAR_E_FORMAT && strstr(err.message, "OVERSAMP") != NULL
+                                : rc == SHEAR_OK;
+            if (rc == SHEAR_OK) {
+                double psf[9 * 7];
+                right = right && shear_field_read_psf(field, 0, psf, &err) == SHEAR_OK &&
+                        psf[10] == floor(fabs(fixture_pixel(FIXTURE_PSF, 0, 1, 1)));
+            }
+            shear_field_close(field);
+            if (!right) {
+                return argument;
+            }
+        }
+    }
+    return NULL;
+}
+
+static void many_threads(void **state) {
+    (void)state;
+    enum { THREADS = 4 };
+    char paths[4][600];
+    const char *list[4];
+    static const char *const names[] = {"t.fits", "t.fits.gz", "t.fits.fz", "t-bad.fits"};
+    const fixture_image plain = {.bitpix = 16, .axes = {12, 10}};
+    const fixture_image packed = {.bitpix = 16, .axes = {12, 10}, .compression = HCOMPRESS_1};
+    for (int i = 0; i < 4; i++) {
+        snprintf(paths[i], sizeof paths[i], "%s", fixture_path(names[i]));
+        list[i] = paths[i];
+    }
+    fixture_write_like(paths[0], &plain, 4);
+    fixture_gzip(paths[0], paths[1]);
+    fixture_write_like(paths[2], &packed, 4);
+    fixture_write_like(paths[3], &plain, 4);
+    fixture_patch(paths[3], "PSF", "OVERSAMP", "0");
+    pthread_t threads[THREADS];
+    for (int i = 0; i < THREADS; i++) {
+        assert_int_equal(pthread_create(&threads[i], NULL, use_files, list), 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        void *wrong = NULL;
+        assert_int_equal(pthread_join(threads[i], &wrong), 0);
+        assert_null(wrong);
+    }
+}
+
 /* In a child without rights: what root may do proves nothing. */
 static void as_nobody(void (*act)(const char *path), const char *path) {
     const pid_t child = fork();
@@ -263,147 +316,6 @@ static void checksums(void **state) {
     free(bytes);
 }
 
-static void expect_create(const char *path, const shear_field_spec *spec, int code,
-                          const char *word) {
-    shear_field_writer *w = (shear_field_writer *)1;
-    shear_error err = {0};
-    const int before = fixture_count_files();
-    assert_int_equal(shear_field_create(&w, path, spec, &err), code);
-    assert_null(w);
-    if (strstr(err.message, word) == NULL || strstr(err.message, path) == NULL) {
-        fail_msg("no '%s' and '%s' in: %s", word, path, err.message);
-    }
-    assert_int_equal(fixture_count_files(), before);
-}
-
-static void outputs_that_cannot_be(void **state) {
-    (void)state;
-    shear_field_spec s = fixture_spec();
-    expect_create(fixture_path("no/such/file.fits"), &s, SHEAR_E_IO, "No such file");
-    expect_create(fixture_path("sum/below-a-file.fits"), &s, SHEAR_E_IO, "Not a directory");
-    expect_create(fixture_path("dir.fits"), &s, SHEAR_E_IO, "a directory");
-    expect_create(fixture_path("dir.fits/"), &s, SHEAR_E_IO, "a directory");
-    expect_create(fixture_path("fifo.fits"), &s, SHEAR_E_IO, "not a regular file");
-    expect_create("/dev/null", &s, SHEAR_E_IO, "not a regular file");
-    expect_create("", &s, SHEAR_E_IO, "an empty name");
-    fixture_write_good(fixture_path("there.fits"));
-    s.overwrite = false;
-    expect_create(fixture_path("there.fits"), &s, SHEAR_E_EXISTS, "exists");
-    assert_int_equal(symlink("nowhere", fixture_path("dangling.fits")), 0);
-    expect_create(fixture_path("dangling.fits"), &s, SHEAR_E_EXISTS, "exists");
-}
-
-static void specs_that_cannot_be(void **state) {
-    (void)state;
-    const char *path = fixture_path("spec.fits");
-    shear_field_spec s[20];
-    for (int i = 0; i < 20; i++) {
-        s[i] = fixture_spec();
-    }
-    s[0].geometry.nx = 7;
-    s[1].geometry.ny = 1025;
-    s[2].geometry.psf_nx = 2;
-    s[3].geometry.psf_ny = 4097;
-    s[4].geometry.psf_oversample = 0;
-    s[5].geometry.psf_oversample = 65;
-    s[6].n_stamps = 0;
-    s[7].n_psf = 0;
-    s[8].n_psf = 5;
-    s[9].layout = 2;
-    s[10].mosaic_columns = 11;
-    s[11].mosaic_columns = -1;
-    s[12].bitpix = 16;
-    s[13].name = "";
-    s[14].name = "tab\t";
-    s[15].pixscale = 0.0;
-    s[16].pixscale = INFINITY;
-    s[17].has_truth = true;
-    s[17].sim_g1 = 1.0;
-    s[18].has_truth = true;
-    s[18].sim_g2 = NAN;
-    s[19].n_stamps = INT64_C(1) << 40;
-    for (int i = 0; i < 20; i++) {
-        expect_create(path, &s[i], SHEAR_E_SETTING, "");
-    }
-}
-
-static shear_field_writer *begin(const char *path, bool overwrite) {
-    shear_field_spec s = fixture_spec();
-    shear_field_writer *w = NULL;
-    s.overwrite = overwrite;
-    s.n_stamps = 2;
-    assert_int_equal(shear_field_create(&w, path, &s, NULL), SHEAR_OK);
-    return w;
-}
-
-static void complete(shear_field_writer *w) {
-    static const double pixels[2 * 12 * 10];
-    assert_int_equal(shear_field_write(w, 0, 2, pixels, pixels, NULL, NULL), SHEAR_OK);
-    assert_int_equal(shear_field_write_psf(w, 0, pixels, NULL), SHEAR_OK);
-}
-
-/* A file appears under its name when it is finished, and not before. */
-static void files_appear_at_once(void **state) {
-    (void)state;
-    const char *path = fixture_path("atomic.fits");
-    const int before = fixture_count_files();
-    shear_field_writer *w = begin(path, false);
-    assert_int_equal(access(path, F_OK), -1);
-    assert_int_equal(fixture_count_files(), before + 1); /* the temporary one */
-    shear_field_abort(w);
-    assert_int_equal(fixture_count_files(), before);
-    shear_field_abort(NULL);
-
-    w = begin(path, false);
-    complete(w);
-    fixture_save(path, "taken", 5); /* by someone else, meanwhile */
-    shear_error err = {0};
-    assert_int_equal(shear_field_finish(w, &err), SHEAR_E_EXISTS);
-    size_t size = 0;
-    free(fixture_load(path, &size));
-    assert_int_equal(size, 5);
-    assert_int_equal(fixture_count_files(), before + 1);
-
-    w = begin(path, true);
-    complete(w);
-    free(fixture_load(path, &size));
-    assert_int_equal(size, 5);
-    assert_int_equal(shear_field_finish(w, &err), SHEAR_OK);
-    assert_int_equal(fixture_count_files(), before + 1);
-    shear_field *field = NULL;
-    assert_int_equal(shear_field_open(&field, path, &err), SHEAR_OK);
-    shear_field_close(field);
-}
-
-static void incomplete_files_do_not_appear(void **state) {
-    (void)state;
-    static const double pixels[2 * 12 * 10];
-    const char *path = fixture_path("incomplete.fits");
-    const int before = fixture_count_files();
-    shear_error err = {0};
-    shear_field_writer *w = begin(path, true);
-    assert_int_equal(shear_field_write_psf(w, 0, pixels, NULL), SHEAR_OK);
-    assert_int_equal(shear_field_write(w, 0, 1, pixels, pixels, NULL, NULL), SHEAR_OK);
-    assert_int_equal(shear_field_finish(w, &err), SHEAR_E_INTERNAL);
-    assert_non_null(strstr(err.message, "stamp 1"));
-    w = begin(path, true);
-    assert_int_equal(shear_field_write(w, 0, 2, pixels, pixels, NULL, NULL), SHEAR_OK);
-    assert_int_equal(shear_field_finish(w, &err), SHEAR_E_INTERNAL);
-    assert_non_null(strstr(err.message, "PSF image 0"));
-    w = begin(path, true);
-    assert_int_equal(shear_field_write(w, 1, 2, pixels, pixels, NULL, &err), SHEAR_E_INTERNAL);
-    assert_int_equal(shear_field_write(w, -1, 1, pixels, pixels, NULL, &err), SHEAR_E_INTERNAL);
-    assert_int_equal(shear_field_write_psf(w, 1, pixels, &err), SHEAR_E_INTERNAL);
-    shear_field_abort(w);
-    shear_field_spec s = fixture_spec();
-    s.columns = SHEAR_COL_X;
-    assert_int_equal(shear_field_create(&w, path, &s, &err), SHEAR_OK);
-    assert_int_equal(shear_field_write(w, 0, 1, pixels, pixels, NULL, &err), SHEAR_E_INTERNAL);
-    assert_non_null(strstr(err.message, "column X"));
-    shear_field_abort(w);
-    assert_int_equal(fixture_count_files(), before);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_no_file),
@@ -412,12 +324,9 @@ int main(void) {
         cmocka_unit_test(descriptors),
         cmocka_unit_test(memory_files),
         cmocka_unit_test(no_descriptor_is_left_open),
+        cmocka_unit_test(many_threads),
         cmocka_unit_test(permissions),
         cmocka_unit_test(checksums),
-        cmocka_unit_test(outputs_that_cannot_be),
-        cmocka_unit_test(specs_that_cannot_be),
-        cmocka_unit_test(files_appear_at_once),
-        cmocka_unit_test(incomplete_files_do_not_appear),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

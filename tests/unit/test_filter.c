@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The border filter: its formula and symmetry, the rules for its core, and the flux it is said to remove. */
+/* The border filter: its formula and symmetry, the rules for its core, and the flux it is said to
+ * remove. */
 #include "gaussian.h"
 #include "oracle.h"
 #include "pair.h"
@@ -11,16 +12,17 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Label window_noise on every point, and the bounding columns and rows of what is not zero. Values below 1e-18 are zero. */
-static void check_map(int nx, int ny, int s, double core, double width)
-{
+/* Label window_noise on every point, and the bounding columns and rows of what is not zero. Values
+ * below 1e-18 are zero. */
+static void check_map(int nx, int ny, int s, double core, double width) {
     filter_map m;
     assert_true(filter_map_init(&m, nx, ny, s));
     filter_map_fill(&m, core, width);
     for (int y = 0; y < ny * s; y++) {
         for (int x = 0; x < nx * s; x++) {
             const double v = m.value[y * nx * s + x];
-            assert_near(v, oracle_filter(nx, ny, s, x, y, core, width), 2e-18 + 1e-14 * v, 1.0, "filter");
+            assert_near(v, oracle_filter(nx, ny, s, x, y, core, width), 2e-18 + 1e-14 * v, 1.0,
+                        "filter");
             /* Symmetric about the stamp's centre, on the periodic grid. */
             const int mx = ((nx - 1) * s - x + nx * s) % (nx * s);
             const int my = ((ny - 1) * s - y + ny * s) % (ny * s);
@@ -33,8 +35,7 @@ static void check_map(int nx, int ny, int s, double core, double width)
     filter_map_deinit(&m);
 }
 
-static void test_formula(void **state)
-{
+static void test_formula(void **state) {
     (void)state;
     static const int shapes[][3] = {{16, 16, 1}, {17, 17, 1}, {16, 21, 2}, {9, 8, 8}, {30, 11, 4}};
     for (int i = 0; i < 5; i++) {
@@ -46,14 +47,14 @@ static void test_formula(void **state)
 }
 
 /* Chosen points: the core's rim is 1, one width beyond exp(-1/2), two widths exp(-2). */
-static void test_chosen_points(void **state)
-{
+static void test_chosen_points(void **state) {
     (void)state;
     filter_map m;
     assert_true(filter_map_init(&m, 21, 21, 1));
     filter_map_fill(&m, 5.0, 2.0);
     const double *centre = m.value + 10 * 21 + 10;
-    assert_true(centre[0] == 1.0 && centre[5] == 1.0 && centre[-5 * 21] == 1.0 && centre[3 * 21 - 4] == 1.0);
+    assert_true(centre[0] == 1.0 && centre[5] == 1.0 && centre[-5 * 21] == 1.0 &&
+                centre[3 * 21 - 4] == 1.0);
     assert_near(centre[7], exp(-0.5), 1e-15, 1.0, "one width");
     assert_near(centre[-9 * 21], exp(-2.0), 1e-15, 1.0, "two widths");
     assert_near(centre[8 * 21 + 6], exp(-0.5 * 6.25), 1e-15, 1.0, "r = 10");
@@ -62,11 +63,11 @@ static void test_chosen_points(void **state)
     filter_map_deinit(&m);
 }
 
-static shear_plan_info info_of(const pair *p, bool has_r_gal)
-{
+static shear_plan_info info_of(const pair *p, bool has_r_gal) {
     shear_plan *plan = NULL;
     shear_error err = {0};
-    if (shear_plan_new(&plan, &p->settings, &p->geometry, p->psf, NAN, has_r_gal, &err) != SHEAR_OK) {
+    if (shear_plan_new(&plan, &p->settings, &p->geometry, p->psf, NAN, has_r_gal, &err) !=
+        SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     const shear_plan_info info = *shear_plan_get_info(plan);
@@ -74,9 +75,8 @@ static shear_plan_info info_of(const pair *p, bool has_r_gal)
     return info;
 }
 
-static void check_rule(const char *filter, const char *core, const char *width, bool has_r_gal, int expected,
-                       double core_px, double width_px)
-{
+static void check_rule(const char *filter, const char *core, const char *width, bool has_r_gal,
+                       int expected, double core_px, double width_px) {
     pair p;
     pair_init(&p, 40, 48, 15, 15, 1);
     pair_draw(&p, 1.2, 1);
@@ -92,8 +92,7 @@ static void check_rule(const char *filter, const char *core, const char *width, 
     pair_deinit(&p);
 }
 
-static void test_rules(void **state)
-{
+static void test_rules(void **state) {
     (void)state;
     const double fall = sqrt(2.0 * log(1000.0)); /* widths from 1 to 1e-3 */
     check_rule("auto", "auto", "auto", false, SHEAR_FILTER_NONE, NAN, NAN);
@@ -108,8 +107,8 @@ static void test_rules(void **state)
     assert_near(filter_edge_core(64, 33, 2.0), 16.0 - 2.0 * fall, 1e-15, 16.0, "edge");
 }
 
-static void check_refused(const char *filter, const char *core, const char *width, const char *word)
-{
+static void check_refused(const char *filter, const char *core, const char *width,
+                          const char *word) {
     pair p;
     shear_row row;
     shear_error err = {0};
@@ -125,8 +124,7 @@ static void check_refused(const char *filter, const char *core, const char *widt
     pair_deinit(&p);
 }
 
-static void test_refusals(void **state)
-{
+static void test_refusals(void **state) {
     (void)state;
     check_refused("paper", "auto", "auto", "R_GAL"); /* no such column */
     check_refused("paper", "5", "auto", "core");
@@ -136,9 +134,9 @@ static void test_refusals(void **state)
     check_refused("edge", "auto", "2.1", "2.1 px"); /* falls over 7.8 px, and there are 7.5 */
 }
 
-/* filter=paper: the core of stamp i is R_GAL + 4 beta. Each stamp equals one measured with that core. */
-static void test_core_per_stamp(void **state)
-{
+/* filter=paper: the core of stamp i is R_GAL + 4 beta. Each stamp equals one measured with that
+ * core. */
+static void test_core_per_stamp(void **state) {
     (void)state;
     enum { N = 5 };
     static const double r_gal[N] = {3.0, 6.5, 3.0, 0.25, 9.0};
@@ -149,13 +147,18 @@ static void test_core_per_stamp(void **state)
     pair_set(&p, "beta", "1.75");
     shear_plan *plan = NULL;
     shear_workspace *ws = NULL;
-    assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, NAN, true, NULL), SHEAR_OK);
+    assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, NAN, true, NULL),
+                     SHEAR_OK);
     assert_int_equal(shear_workspace_new(&ws, plan, NULL), SHEAR_OK);
     for (int i = 0; i < N; i++) {
         shear_row row;
         char core[32];
-        const shear_stamps one = {
-            .count = 1, .nx = 32, .ny = 33, .galaxy = p.galaxy, .noise = p.noise, .r_gal = &r_gal[i]};
+        const shear_stamps one = {.count = 1,
+                                  .nx = 32,
+                                  .ny = 33,
+                                  .galaxy = p.galaxy,
+                                  .noise = p.noise,
+                                  .r_gal = &r_gal[i]};
         assert_int_equal(shear_measure(plan, ws, &one, 0, &row, NULL), SHEAR_OK);
         pair fixed = p;
         snprintf(core, sizeof core, "%.17g", r_gal[i] + 4.0 * 1.75);
@@ -168,10 +171,9 @@ static void test_core_per_stamp(void **state)
     pair_deinit(&p);
 }
 
-/* The removed flux, stamp by stamp and as a part of the field's. Half of the flux sits where the filter is exp(-2): it takes
- * (1 - exp(-2)) / 2. */
-static void test_removed_flux(void **state)
-{
+/* The removed flux, stamp by stamp and as a part of the field's. Half of the flux sits where the
+ * filter is exp(-2): it takes (1 - exp(-2)) / 2. */
+static void test_removed_flux(void **state) {
     (void)state;
     enum { N = 21 };
     pair p;
@@ -199,13 +201,13 @@ static void test_removed_flux(void **state)
     shear_field_sums_add(sums, &block);
     shear_field_result(sums, &result);
     assert_near(result.filter_removed, removed / 6.0, 1e-14, 1.0, "part");
-    assert_near(result.filter_removed_err, 0.0, 1e-7, 1.0, "no scatter"); /* the root of a rounding error */
+    assert_near(result.filter_removed_err, 0.0, 1e-7, 1.0,
+                "no scatter"); /* the root of a rounding error */
     shear_field_sums_free(sums);
     pair_deinit(&p);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_formula),        cmocka_unit_test(test_chosen_points),
         cmocka_unit_test(test_rules),          cmocka_unit_test(test_refusals),

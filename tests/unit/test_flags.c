@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What leaves a stamp out: each flag by itself and together with others, the NaNs of flagged rows, and that their neighbours in the
- * batch do not notice. */
+/* What leaves a stamp out: each flag by itself and together with others, the NaNs of flagged rows,
+ * and that their neighbours in the batch do not notice. */
 #include "batch.h"
 #include "gaussian.h"
 #include "pair.h"
@@ -10,22 +10,23 @@
 #include <math.h>
 #include <string.h>
 
-static const shear_geometry geometry = {.nx = 18, .ny = 17, .psf_nx = 15, .psf_ny = 11, .psf_oversample = 1};
+static const shear_geometry geometry = {
+    .nx = 18, .ny = 17, .psf_nx = 15, .psf_ny = 11, .psf_oversample = 1};
 enum { COUNT = 9, PIXELS = 18 * 17, SAMPLES = 15 * 11, BAD = 4 };
 
-static void assert_no_numbers(const shear_row *row)
-{
-    const double numbers[] = {row->n1,  row->n2,   row->d,   row->u,   row->v,
-                              row->m20, row->m02,  row->m11, row->m4,  row->flux,
-                              row->snr, row->flux_removed, row->border_mean, row->border_var, row->border_var_noise};
+static void assert_no_numbers(const shear_row *row) {
+    const double numbers[] = {
+        row->n1,  row->n2,           row->d,           row->u,          row->v,
+        row->m20, row->m02,          row->m11,         row->m4,         row->flux,
+        row->snr, row->flux_removed, row->border_mean, row->border_var, row->border_var_noise};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         assert_true(isnan(numbers[i]));
     }
 }
 
-/* Measure COUNT stamps, the one in the middle spoilt by `spoil`: it carries `flags`, and every other row is as without it. */
-static void check(const shear_settings *settings, void (*spoil)(batch *), uint32_t flags)
-{
+/* Measure COUNT stamps, the one in the middle spoilt by `spoil`: it carries `flags`, and every
+ * other row is as without it. */
+static void check(const shear_settings *settings, void (*spoil)(batch *), uint32_t flags) {
     batch b;
     shear_row before[COUNT];
     shear_row after[COUNT];
@@ -53,132 +54,109 @@ static void check(const shear_settings *settings, void (*spoil)(batch *), uint32
     batch_deinit(&b);
 }
 
-static void galaxy_nan(batch *b)
-{
+static void galaxy_nan(batch *b) {
     b->galaxy[BAD * PIXELS + PIXELS - 1] = NAN;
 }
 
-static void galaxy_infinite(batch *b)
-{
+static void galaxy_infinite(batch *b) {
     b->galaxy[BAD * PIXELS] = -INFINITY;
 }
 
-static void noise_nan(batch *b)
-{
+static void noise_nan(batch *b) {
     b->noise[BAD * PIXELS + 77] = -NAN;
 }
 
-static void noise_infinite(batch *b)
-{
+static void noise_infinite(batch *b) {
     b->noise[BAD * PIXELS + PIXELS - 1] = INFINITY;
 }
 
-static void masked(batch *b)
-{
+static void masked(batch *b) {
     b->mask[BAD] = INT32_MIN;
 }
 
-static void constant(batch *b)
-{
+static void constant(batch *b) {
     for (int i = 0; i < PIXELS; i++) {
         b->galaxy[BAD * PIXELS + i] = 0.7;
     }
 }
 
-static void zero(batch *b)
-{
+static void zero(batch *b) {
     memset(b->galaxy + BAD * PIXELS, 0, PIXELS * sizeof(double));
 }
 
-static void negative_weight(batch *b)
-{
+static void negative_weight(batch *b) {
     b->weight[BAD] = -1e-300;
 }
 
-static void nan_weight(batch *b)
-{
+static void nan_weight(batch *b) {
     b->weight[BAD] = NAN;
 }
 
-static void infinite_weight(batch *b)
-{
+static void infinite_weight(batch *b) {
     b->weight[BAD] = INFINITY;
 }
 
-static void no_r_gal(batch *b)
-{
+static void no_r_gal(batch *b) {
     b->r_gal[BAD] = NAN;
 }
 
-static void zero_r_gal(batch *b)
-{
+static void zero_r_gal(batch *b) {
     b->r_gal[BAD] = 0.0;
 }
 
-static void infinite_r_gal(batch *b)
-{
+static void infinite_r_gal(batch *b) {
     b->r_gal[BAD] = INFINITY;
 }
 
-static void scale(batch *b, double a)
-{
+static void scale(batch *b, double a) {
     for (int i = 0; i < PIXELS; i++) {
         b->galaxy[BAD * PIXELS + i] *= a;
         b->noise[BAD * PIXELS + i] *= a;
     }
 }
 
-static void huge(batch *b)
-{
+static void huge(batch *b) {
     scale(b, 1e200);
 }
 
-static void largest(batch *b)
-{
+static void largest(batch *b) {
     scale(b, DBL_MAX / 8.0);
 }
 
 /* The moments are finite, but the squares that the field's errors need are not. */
-static void large(batch *b)
-{
+static void large(batch *b) {
     scale(b, 1e120);
 }
 
-static void huge_noise(batch *b)
-{
+static void huge_noise(batch *b) {
     b->noise[BAD * PIXELS + 5] = 1e250;
 }
 
-static void large_weight(batch *b)
-{
+static void large_weight(batch *b) {
     b->weight[BAD] = 1e200;
 }
 
-static void psf_nan(batch *b)
-{
+static void psf_nan(batch *b) {
     b->psf[BAD * SAMPLES + 3] = NAN;
 }
 
-static void psf_zero(batch *b)
-{
+static void psf_zero(batch *b) {
     memset(b->psf + BAD * SAMPLES, 0, SAMPLES * sizeof(double));
 }
 
-/* Two points 9 px apart: W = cos(4.5 kx) is zero at the first mode of 18 px, long before the target's power ends. */
-static void psf_double(batch *b)
-{
+/* Two points 9 px apart: W = cos(4.5 kx) is zero at the first mode of 18 px, long before the
+ * target's power ends. */
+static void psf_double(batch *b) {
     psf_zero(b);
     b->psf[BAD * SAMPLES + 5 * 15 + 3] = 1.0;
     b->psf[BAD * SAMPLES + 5 * 15 + 12] = 1.0;
 }
 
-static void psf_missing(batch *b)
-{
+static void psf_missing(batch *b) {
     b->psf_index[BAD] = -1;
 }
 
-static void psf_beyond(batch *b)
-{
+static void psf_beyond(batch *b) {
     b->psf_index[BAD] = COUNT;
 }
 
@@ -211,21 +189,20 @@ static const struct {
     {psf_beyond, SHEAR_FLAG_PSF_UNUSABLE},
 };
 
-static void test_each_flag(void **state)
-{
+static void test_each_flag(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m += 2) { /* none, bicubic, log-bilinear, log-spline */
         shear_settings settings;
         shear_settings_init(&settings);
-        assert_int_equal(shear_settings_set(&settings, "interpolation", pair_methods[m], NULL), SHEAR_OK);
+        assert_int_equal(shear_settings_set(&settings, "interpolation", pair_methods[m], NULL),
+                         SHEAR_OK);
         for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
             check(&settings, cases[i].spoil, cases[i].flags);
         }
     }
 }
 
-static void several(batch *b)
-{
+static void several(batch *b) {
     galaxy_nan(b);
     noise_infinite(b);
     masked(b);
@@ -233,26 +210,23 @@ static void several(batch *b)
     no_r_gal(b);
 }
 
-static void empty_and_masked(batch *b)
-{
+static void empty_and_masked(batch *b) {
     constant(b);
     masked(b);
 }
 
-static void test_several_flags(void **state)
-{
+static void test_several_flags(void **state) {
     (void)state;
     shear_settings settings;
     shear_settings_init(&settings);
     check(&settings, several,
-          SHEAR_FLAG_GALAXY_NOT_FINITE | SHEAR_FLAG_NOISE_NOT_FINITE | SHEAR_FLAG_MASKED | SHEAR_FLAG_BAD_WEIGHT |
-              SHEAR_FLAG_BAD_R_GAL);
+          SHEAR_FLAG_GALAXY_NOT_FINITE | SHEAR_FLAG_NOISE_NOT_FINITE | SHEAR_FLAG_MASKED |
+              SHEAR_FLAG_BAD_WEIGHT | SHEAR_FLAG_BAD_R_GAL);
     check(&settings, empty_and_masked, SHEAR_FLAG_EMPTY | SHEAR_FLAG_MASKED);
 }
 
 /* R_GAL matters only where the filter follows it; a weight of zero is a weight. */
-static void test_not_flagged(void **state)
-{
+static void test_not_flagged(void **state) {
     (void)state;
     batch b;
     shear_row rows[COUNT];
@@ -274,8 +248,7 @@ static void test_not_flagged(void **state)
 }
 
 /* Every row is counted, by flag; flagged ones add nothing to the sums. */
-static void test_counts(void **state)
-{
+static void test_counts(void **state) {
     (void)state;
     batch b;
     shear_row rows[COUNT];
@@ -308,8 +281,7 @@ static void test_counts(void **state)
     batch_deinit(&b);
 }
 
-static void test_names(void **state)
-{
+static void test_names(void **state) {
     (void)state;
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
         assert_true(strlen(shear_flag_name(i)) > 3 && strlen(shear_flag_help(i)) > 10);
@@ -325,11 +297,11 @@ static void test_names(void **state)
     assert_null(shear_flag_help(SHEAR_N_FLAGS));
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_flag), cmocka_unit_test(test_several_flags), cmocka_unit_test(test_not_flagged),
-        cmocka_unit_test(test_counts),    cmocka_unit_test(test_names),
+        cmocka_unit_test(test_each_flag),   cmocka_unit_test(test_several_flags),
+        cmocka_unit_test(test_not_flagged), cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

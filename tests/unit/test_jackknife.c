@@ -10,15 +10,13 @@
 #include <string.h>
 
 /* A standard normal number (Box and Muller). */
-static double normal(uint64_t *state)
-{
+static double normal(uint64_t *state) {
     const double radius = sqrt(-2.0 * log(1.0 - uniform(state)));
     return radius * cos(2.0 * M_PI * uniform(state));
 }
 
 /* A full block of independent rows. */
-static shear_block_sums draw_block(uint64_t *seed)
-{
+static shear_block_sums draw_block(uint64_t *seed) {
     shear_block_sums b;
     shear_block_sums_init(&b);
     for (int i = 0; i < SHEAR_BLOCK; i++) {
@@ -35,8 +33,7 @@ static shear_block_sums draw_block(uint64_t *seed)
 
 enum { BLOCKS = 203 };
 
-static void field_of(const shear_block_sums *blocks, int n, shear_result *r)
-{
+static void field_of(const shear_block_sums *blocks, int n, shear_result *r) {
     shear_field_sums *f = NULL;
     assert_int_equal(shear_field_sums_new(&f, NULL), SHEAR_OK);
     for (int b = 0; b < n; b++) {
@@ -46,8 +43,7 @@ static void field_of(const shear_block_sums *blocks, int n, shear_result *r)
     shear_field_sums_free(f);
 }
 
-static shear_jackknife *jackknife_of(const shear_block_sums *blocks, int n, int groups)
-{
+static shear_jackknife *jackknife_of(const shear_block_sums *blocks, int n, int groups) {
     shear_jackknife *j = NULL;
     assert_int_equal(shear_jackknife_new(&j, groups, NULL), SHEAR_OK);
     for (int b = 0; b < n; b++) {
@@ -56,9 +52,9 @@ static shear_jackknife *jackknife_of(const shear_block_sums *blocks, int n, int 
     return j;
 }
 
-/* Leave out group g of consecutive blocks [g n / G, (g+1) n / G), measure the rest, and take the scatter. */
-static void by_hand(const shear_block_sums *blocks, int n, int groups, shear_result *r)
-{
+/* Leave out group g of consecutive blocks [g n / G, (g+1) n / G), measure the rest, and take the
+ * scatter. */
+static void by_hand(const shear_block_sums *blocks, int n, int groups, shear_result *r) {
     double g1[BLOCKS];
     double g2[BLOCKS];
     double mean1 = 0.0;
@@ -88,18 +84,17 @@ static void by_hand(const shear_block_sums *blocks, int n, int groups, shear_res
     r->g2_err = sqrt(r->g2_err);
 }
 
-static void draw_blocks(shear_block_sums *blocks, int n, uint64_t seed)
-{
+static void draw_blocks(shear_block_sums *blocks, int n, uint64_t seed) {
     for (int b = 0; b < n; b++) {
         blocks[b] = draw_block(&seed);
     }
 }
 
-static void test_by_hand(void **state)
-{
+static void test_by_hand(void **state) {
     (void)state;
     static shear_block_sums blocks[BLOCKS];
-    static const int counts[][2] = {{2, 2}, {7, 2}, {7, 7}, {50, 8}, {BLOCKS, 10}, {BLOCKS, BLOCKS}};
+    static const int counts[][2] = {{2, 2},  {7, 2},       {7, 7},
+                                    {50, 8}, {BLOCKS, 10}, {BLOCKS, BLOCKS}};
     draw_blocks(blocks, BLOCKS, 1);
     for (int i = 0; i < 6; i++) {
         shear_result r;
@@ -109,7 +104,8 @@ static void test_by_hand(void **state)
         const double g1 = r.g1;
         by_hand(blocks, counts[i][0], counts[i][1], &expected);
         assert_int_equal(shear_jackknife_finish(j, &r, NULL), SHEAR_OK);
-        /* Differences of numbers that agree to a part in the number of groups: 1e-16 times 200 times 10. */
+        /* Differences of numbers that agree to a part in the number of groups: 1e-16 times 200
+         * times 10. */
         assert_near(r.g1_err, expected.g1_err, 1e-12, r.g1_err, "g1_err");
         assert_near(r.g2_err, expected.g2_err, 1e-12, r.g2_err, "g2_err");
         assert_near(r.cov12, expected.cov12, 1e-12, r.g1_err * r.g2_err, "cov12");
@@ -119,9 +115,9 @@ static void test_by_hand(void **state)
     }
 }
 
-/* Independent stamps: both methods estimate the same error. With G groups its own scatter is 1/sqrt(2 G) of it: 5 % for 203. */
-static void test_agrees_with_delta(void **state)
-{
+/* Independent stamps: both methods estimate the same error. With G groups its own scatter is
+ * 1/sqrt(2 G) of it: 5 % for 203. */
+static void test_agrees_with_delta(void **state) {
     (void)state;
     static shear_block_sums blocks[BLOCKS];
     for (uint64_t seed = 10; seed < 15; seed++) {
@@ -139,8 +135,7 @@ static void test_agrees_with_delta(void **state)
 }
 
 /* Parts joined in order are the whole. */
-static void test_join(void **state)
-{
+static void test_join(void **state) {
     (void)state;
     static shear_block_sums blocks[BLOCKS];
     shear_result whole;
@@ -156,15 +151,15 @@ static void test_join(void **state)
     assert_int_equal(shear_jackknife_join(a, none, NULL), SHEAR_OK);
     assert_int_equal(shear_jackknife_finish(j, &whole, NULL), SHEAR_OK);
     assert_int_equal(shear_jackknife_finish(a, &joined, NULL), SHEAR_OK);
-    assert_true(whole.g1_err == joined.g1_err && whole.g2_err == joined.g2_err && whole.cov12 == joined.cov12);
+    assert_true(whole.g1_err == joined.g1_err && whole.g2_err == joined.g2_err &&
+                whole.cov12 == joined.cov12);
     shear_jackknife_free(j);
     shear_jackknife_free(a);
     shear_jackknife_free(b);
     shear_jackknife_free(none);
 }
 
-static void test_errors(void **state)
-{
+static void test_errors(void **state) {
     (void)state;
     shear_block_sums blocks[4];
     shear_result r;
@@ -187,8 +182,7 @@ static void test_errors(void **state)
 }
 
 /* Without a shear there is no error; nor where all that counts lies in one group. */
-static void test_undefined(void **state)
-{
+static void test_undefined(void **state) {
     (void)state;
     shear_block_sums blocks[4];
     shear_result r;
@@ -208,11 +202,11 @@ static void test_undefined(void **state)
     shear_jackknife_free(j);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand), cmocka_unit_test(test_agrees_with_delta), cmocka_unit_test(test_join),
-        cmocka_unit_test(test_errors),  cmocka_unit_test(test_undefined),
+        cmocka_unit_test(test_by_hand),   cmocka_unit_test(test_agrees_with_delta),
+        cmocka_unit_test(test_join),      cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_undefined),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

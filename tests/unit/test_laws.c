@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What must come out where the same sky is recorded in another way: shifted, turned, mirrored. beta is set, because the PSF's
- * measured radius may differ by its own small error between an image and its mirror image. */
+/* What must come out where the same sky is recorded in another way: shifted, turned, mirrored. beta
+ * is set, because the PSF's measured radius may differ by its own small error between an image and
+ * its mirror image. */
 #include "gaussian.h"
 #include "pair.h"
 #include "test.h"
@@ -9,8 +10,7 @@
 #include <stdlib.h>
 
 /* out[ny][nx] = in moved by (dx, dy) pixels, around the edges. */
-static void roll(const double *in, int nx, int ny, int dx, int dy, double *out)
-{
+static void roll(const double *in, int nx, int ny, int dx, int dy, double *out) {
     for (int y = 0; y < ny; y++) {
         for (int x = 0; x < nx; x++) {
             const int to_x = ((x + dx) % nx + nx) % nx;
@@ -20,10 +20,10 @@ static void roll(const double *in, int nx, int ny, int dx, int dy, double *out)
     }
 }
 
-/* Without interpolation the stamp is periodic: any whole shift, also around the edge, is a phase. The FFT rounds otherwise at
- * 1e-16 of the brightest mode; T reaches 1e8 only where its Gaussian has fallen by as much. */
-static void test_periodic_shift(void **state)
-{
+/* Without interpolation the stamp is periodic: any whole shift, also around the edge, is a phase.
+ * The FFT rounds otherwise at 1e-16 of the brightest mode; T reaches 1e8 only where its Gaussian
+ * has fallen by as much. */
+static void test_periodic_shift(void **state) {
     (void)state;
     const int sizes[][2] = {{32, 32}, {31, 40}, {48, 33}};
     uint64_t seed = 8;
@@ -49,8 +49,7 @@ static void test_periodic_shift(void **state)
 }
 
 /* A bump of random pixels on a constant ground, far from the edges. */
-static void draw_bump(double *out, int nx, int ny, int x0, int y0, uint64_t seed)
-{
+static void draw_bump(double *out, int nx, int ny, int x0, int y0, uint64_t seed) {
     for (int i = 0; i < nx * ny; i++) {
         out[i] = 0.5;
     }
@@ -61,10 +60,9 @@ static void draw_bump(double *out, int nx, int ny, int x0, int y0, uint64_t seed
     }
 }
 
-/* Every interpolation commutes with whole shifts while only the constant ground touches the edges. Bilinear and bicubic are
- * local; a spline's memory falls by 0.27 a pixel: 1e-8 after 14 pixels. */
-static void test_shift_of_a_bump(void **state)
-{
+/* Every interpolation commutes with whole shifts while only the constant ground touches the edges.
+ * Bilinear and bicubic are local; a spline's memory falls by 0.27 a pixel: 1e-8 after 14 pixels. */
+static void test_shift_of_a_bump(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m++) {
         pair p;
@@ -87,10 +85,10 @@ static void test_shift_of_a_bump(void **state)
     }
 }
 
-/* Well sampled and far from the edges, a shift by any part of a pixel changes nothing: what a Gaussian of 2.5 px leaves beyond
- * Nyquist is exp(-(2.5 pi)^2), and at the edge exp(-0.5 (14/2.5)^2) = 1.5e-7, which enters squared. */
-static void test_sub_pixel_shift(void **state)
-{
+/* Well sampled and far from the edges, a shift by any part of a pixel changes nothing: what a
+ * Gaussian of 2.5 px leaves beyond Nyquist is exp(-(2.5 pi)^2), and at the edge exp(-0.5
+ * (14/2.5)^2) = 1.5e-7, which enters squared. */
+static void test_sub_pixel_shift(void **state) {
     (void)state;
     uint64_t seed = 5;
     shear_row first = {0};
@@ -98,7 +96,8 @@ static void test_sub_pixel_shift(void **state)
         pair p;
         pair_init(&p, 40, 40, 31, 30, 1);
         const gaussian galaxy = {2.0, 6.5, 5.0, 1.0, 19.0 + uniform(&seed), 19.0 + uniform(&seed)};
-        const gaussian psf = {exp(uniform(&seed)), 2.6, 2.2, -0.3, 14.0 + uniform(&seed), 14.0 + uniform(&seed)};
+        const gaussian psf = {exp(uniform(&seed)),  2.6, 2.2, -0.3, 14.0 + uniform(&seed),
+                              14.0 + uniform(&seed)};
         gaussian_draw(&galaxy, 40, 40, 1, p.galaxy);
         gaussian_draw(&psf, 31, 30, 1, p.psf);
         pair_set(&p, "beta", "2.3");
@@ -110,8 +109,7 @@ static void test_sub_pixel_shift(void **state)
 }
 
 /* The stamp turned by 90 degrees, (x, y) -> (-y, x), or mirrored on the diagonal. */
-static void turn(const double *in, int nx, int ny, bool mirror, double *out)
-{
+static void turn(const double *in, int nx, int ny, bool mirror, double *out) {
     for (int y = 0; y < ny; y++) {
         for (int x = 0; x < nx; x++) {
             out[x * ny + (mirror ? y : ny - 1 - y)] = in[y * nx + x];
@@ -119,8 +117,7 @@ static void turn(const double *in, int nx, int ny, bool mirror, double *out)
     }
 }
 
-static void pair_turn(const pair *p, bool mirror, pair *out)
-{
+static void pair_turn(const pair *p, bool mirror, pair *out) {
     const shear_geometry *g = &p->geometry;
     pair_init(out, g->ny, g->nx, g->psf_ny, g->psf_nx, g->psf_oversample);
     out->settings = p->settings;
@@ -129,10 +126,10 @@ static void pair_turn(const pair *p, bool mirror, pair *out)
     turn(p->psf, g->psf_nx, g->psf_ny, mirror, out->psf);
 }
 
-/* Turning by 90 degrees flips N1 and N2 (spin 2) and keeps D, U, V (spins 0 and 4). The mirror on the diagonal flips N1 and V
- * (the sines and cosines that are odd under phi -> 90 - phi) and keeps N2, D, U. Rounding only: 1e-11. */
-static void check_turned(const pair *p, double tolerance)
-{
+/* Turning by 90 degrees flips N1 and N2 (spin 2) and keeps D, U, V (spins 0 and 4). The mirror on
+ * the diagonal flips N1 and V (the sines and cosines that are odd under phi -> 90 - phi) and keeps
+ * N2, D, U. Rounding only: 1e-11. */
+static void check_turned(const pair *p, double tolerance) {
     const shear_row a = pair_measure(p);
     for (int mirror = 0; mirror < 2; mirror++) {
         const double sign = mirror ? 1.0 : -1.0;
@@ -156,8 +153,7 @@ static void check_turned(const pair *p, double tolerance)
     }
 }
 
-static void test_turns(void **state)
-{
+static void test_turns(void **state) {
     (void)state;
     const int sizes[][4] = {{32, 32, 21, 21}, {33, 33, 24, 21}, {32, 41, 20, 25}, {37, 24, 21, 16}};
     for (int i = 0; i < 4; i++) {
@@ -177,8 +173,7 @@ static void test_turns(void **state)
 }
 
 /* With zeros=skip the log-bilinear cells are symmetric too. */
-static void test_turns_with_zeros(void **state)
-{
+static void test_turns_with_zeros(void **state) {
     (void)state;
     uint64_t seed = 4;
     for (int policy = 0; policy < 2; policy++) {
@@ -200,8 +195,7 @@ static void test_turns_with_zeros(void **state)
 }
 
 /* Turned by any angle a, (N1, N2) turn by 2 a and (U, 4 V) by 4 a. */
-static void test_any_angle(void **state)
-{
+static void test_any_angle(void **state) {
     (void)state;
     shear_row first = {0};
     for (int i = 0; i <= 8; i++) {
@@ -229,11 +223,10 @@ static void test_any_angle(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_periodic_shift),  cmocka_unit_test(test_shift_of_a_bump),
-        cmocka_unit_test(test_sub_pixel_shift), cmocka_unit_test(test_turns),
+        cmocka_unit_test(test_periodic_shift),   cmocka_unit_test(test_shift_of_a_bump),
+        cmocka_unit_test(test_sub_pixel_shift),  cmocka_unit_test(test_turns),
         cmocka_unit_test(test_turns_with_zeros), cmocka_unit_test(test_any_angle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Messages: written and read back they are the same, to the last bit; settings have one text; times. */
+/* Messages: written and read back they are the same, to the last bit; settings have one text;
+ * times. */
 #include "rpc_fixture.h"
 #include "test.h"
 
@@ -49,9 +50,10 @@ static void test_requests(void **state) {
 static void test_defaults(void **state) {
     (void)state;
     static const char *const lines[SHEAR_N_METHODS] = {
-        [SHEAR_METHOD_HELLO] = "{}",   [SHEAR_METHOD_JOBS] = "{}",   [SHEAR_METHOD_FIELDS] = "{}",
-        [SHEAR_METHOD_STATUS] = "{}",  [SHEAR_METHOD_METRICS] = "{}", [SHEAR_METHOD_RELOAD] = "{}",
-        [SHEAR_METHOD_DRAIN] = "{}",   [SHEAR_METHOD_SHUTDOWN] = "{}",
+        [SHEAR_METHOD_HELLO] = "{}",       [SHEAR_METHOD_JOBS] = "{}",
+        [SHEAR_METHOD_FIELDS] = "{}",      [SHEAR_METHOD_STATUS] = "{}",
+        [SHEAR_METHOD_METRICS] = "{}",     [SHEAR_METHOD_RELOAD] = "{}",
+        [SHEAR_METHOD_DRAIN] = "{}",       [SHEAR_METHOD_SHUTDOWN] = "{}",
         [SHEAR_METHOD_UNSUBSCRIBE] = "{}",
     };
     for (int method = 0; method < SHEAR_N_METHODS; method++) {
@@ -191,9 +193,14 @@ static void test_wire(void **state) {
               "\"priority\":-3,\"key\":\"k\",\"wait\":true}}\n");
     free(line);
     const int64_t running[] = {3};
-    const shear_msg_field_row row = {.report = "{\"g1\":0.01,\"g2\":null}", .digest = "d", .jobs = 2,
-                                     .unfinished = 1, .partial = true, .running = running,
-                                     .n_running = 1, .updated_ms = 1};
+    const shear_msg_field_row row = {.report = "{\"g1\":0.01,\"g2\":null}",
+                                     .digest = "d",
+                                     .jobs = 2,
+                                     .unfinished = 1,
+                                     .partial = true,
+                                     .running = running,
+                                     .n_running = 1,
+                                     .updated_ms = 1};
     shear_reply reply = {.field = {.field = "A", .rows = &row, .n_rows = 1}};
     const shear_rpc_id text_id = {.type = SHEAR_ID_TEXT, .text = "x\"y"};
     assert_int_equal(shear_reply_line(&line, &n, &text_id, SHEAR_METHOD_FIELD, &reply, &error), 0);
@@ -205,17 +212,19 @@ static void test_wire(void **state) {
     free(line);
     const shear_notice_params lost = {.lost = {.count = 12}};
     assert_int_equal(shear_notice_line(&line, &n, SHEAR_NOTICE_LOST, &lost, &error), 0);
-    assert_string_equal(
-        line, "{\"jsonrpc\":\"2.0\",\"method\":\"lost\",\"params\":{\"count\":12}}\n");
+    assert_string_equal(line,
+                        "{\"jsonrpc\":\"2.0\",\"method\":\"lost\",\"params\":{\"count\":12}}\n");
     free(line);
 }
 
-/* Numbers keep their bits; what is not finite is null; texts that are not UTF-8 are said with U+FFFD,
- * but never in a request. */
+/* Numbers keep their bits; what is not finite is null; texts that are not UTF-8 are said with
+ * U+FFFD, but never in a request. */
 static void test_values(void **state) {
     (void)state;
-    const double values[] = {0.1,     -0.0,    1.0 / 3, DBL_MIN, DBL_MAX, -DBL_TRUE_MIN, 5e-324,
-                             1e22,    123456789012345678.0, NAN, INFINITY, -INFINITY};
+    const double values[] = {0.1,     -0.0,     1.0 / 3,
+                             DBL_MIN, DBL_MAX,  -DBL_TRUE_MIN,
+                             5e-324,  1e22,     123456789012345678.0,
+                             NAN,     INFINITY, -INFINITY};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
         const shear_msg_summary summary = {.field = "A\xFF", .digest = "d", .g1 = values[i]};
         const shear_reply reply = {.fields = {.fields = &summary, .n_fields = 1}};
@@ -224,7 +233,8 @@ static void test_values(void **state) {
         shear_rpc_error error;
         shear_message message;
         shear_reply back;
-        assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_FIELDS, &reply, &error), 0);
+        assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_FIELDS, &reply, &error),
+                         0);
         assert_int_equal(shear_message_parse(&message, line, n - 1, &error), 0);
         assert_int_equal(shear_message_reply(&message, SHEAR_METHOD_FIELDS, &back, &error), 0);
         const double got = back.fields.fields[0].g1;
@@ -330,9 +340,10 @@ static void test_whole_settings(void **state) {
     shear_settings_init(&s);
     assert_int_equal(shear_settings_apply(&s, "pedestal=0.25\ncore=7\nbeta=1.7", &err), SHEAR_OK);
     assert_int_equal(shear_settings_write(&s, text, sizeof text, &err), SHEAR_OK);
-    assert_string_equal(text, "interpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=1.5\n"
-                              "filter=auto\ncore=7\nwidth=auto\nzeros=skip\npedestal=0.25\n"
-                              "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n");
+    assert_string_equal(text,
+                        "interpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=1.5\n"
+                        "filter=auto\ncore=7\nwidth=auto\nzeros=skip\npedestal=0.25\n"
+                        "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n");
     shear_settings_init(&t);
     assert_int_equal(shear_settings_apply(&t, text, &err), SHEAR_OK);
     assert_int_equal(shear_settings_write(&t, again, sizeof again, &err), SHEAR_OK);
@@ -356,8 +367,8 @@ static void test_whole_settings(void **state) {
 
 static void test_bad_settings_text(void **state) {
     (void)state;
-    static const char *const bad[] = {"beta\n", "beta=x\n", "no-such=1\n", "=1\n", "\n",
-                                      "oversample=3\n", "filter=none\nwidth=2\n"};
+    static const char *const bad[] = {"beta\n", "beta=x\n",       "no-such=1\n",           "=1\n",
+                                      "\n",     "oversample=3\n", "filter=none\nwidth=2\n"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         shear_settings s;
         shear_error err = {0};
@@ -587,7 +598,8 @@ static void test_names(void **state) {
     assert_string_equal(shear_job_ending_name(SHEAR_ENDING_INTERRUPTED), "interrupted");
     assert_string_equal(shear_server_state_name(SHEAR_SERVER_STOPPING), "stopping");
     for (int s = -1; s <= SHEAR_N_JOB_STATES; s++) {
-        assert_int_equal(shear_job_state_is_final(s), s >= SHEAR_JOB_DONE && s < SHEAR_N_JOB_STATES);
+        assert_int_equal(shear_job_state_is_final(s),
+                         s >= SHEAR_JOB_DONE && s < SHEAR_N_JOB_STATES);
     }
 }
 

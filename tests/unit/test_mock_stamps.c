@@ -204,6 +204,25 @@ static void test_noises_do_not_know_each_other(void **state) {
     shear_mock_free(white);
 }
 
+/* In the first row, far from the galaxy, the two stamps of a pair differ, whatever the noise. */
+static void test_galaxy_and_noise_stamps_differ(void **state) {
+    (void)state;
+    static const char *const kinds[] = {"white", "noise-ratio", "photons"};
+    for (int k = 0; k < 3; k++) {
+        shear_mock *m = MOCK("size", "48", "r-psf", "1", "r-gal", "4", kinds[k], "100");
+        double *g, *n;
+        int equal = 0;
+        make_stamps(m, 2, 1, 1, &g, &n);
+        for (int i = 0; i < SIDE; i++) {
+            equal += g[i] == n[i];
+        }
+        assert_true(equal < SIDE / 4); /* counts of photons may coincide */
+        free(g);
+        free(n);
+        shear_mock_free(m);
+    }
+}
+
 static void test_shared_noise(void **state) {
     (void)state;
     shear_mock *own = MOCK("size", "48", "white", "1", "noise-ratio", "1", "rotate", "2");
@@ -303,6 +322,7 @@ int main(void) {
         cmocka_unit_test(test_threads_and_chunks),
         cmocka_unit_test(test_noise_does_not_know_the_shear),
         cmocka_unit_test(test_noises_do_not_know_each_other),
+        cmocka_unit_test(test_galaxy_and_noise_stamps_differ),
         cmocka_unit_test(test_shared_noise),
         cmocka_unit_test(test_psf_layouts),
         cmocka_unit_test(test_bad_range),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Memory runs out at the n-th allocation, for every n until the call succeeds: the call says so, leaves nothing behind, and
- * the next one works. The linker brings every allocation of libshear's own here (--wrap, see core.cmake). */
+/* Memory runs out at the n-th allocation, for every n until the call succeeds: the call says so,
+ * leaves nothing behind, and the next one works. The linker brings every allocation of libshear's
+ * own here (--wrap, see core.cmake). */
 #include "batch.h"
 #include "gaussian.h"
 #include "pair.h"
@@ -13,17 +14,15 @@
 #include <string.h>
 
 /* Counted from several OpenMP threads. */
-static atomic_int calls;    /* allocations since the countdown was set */
-static atomic_int fail_at;  /* the call that fails, from 1; 0: none */
-static atomic_int live;     /* allocations not yet freed */
+static atomic_int calls;   /* allocations since the countdown was set */
+static atomic_int fail_at; /* the call that fails, from 1; 0: none */
+static atomic_int live;    /* allocations not yet freed */
 
-static bool refuse(void)
-{
+static bool refuse(void) {
     return atomic_fetch_add(&calls, 1) + 1 == atomic_load(&fail_at);
 }
 
-static void *counted(void *p)
-{
+static void *counted(void *p) {
     atomic_fetch_add(&live, p != NULL);
     return p;
 }
@@ -39,8 +38,9 @@ void __real_fftw_free(void *p);
 FILE *__real_open_memstream(char **text, size_t *size);
 void *__real_fftw_plan_dft_1d(int n, void *in, void *out, int sign, unsigned flags);
 void *__real_fftw_plan_dft_r2c_1d(int n, void *in, void *out, unsigned flags);
-void *__real_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed, int istride, int idist,
-                                void *out, const int *onembed, int ostride, int odist, int sign, unsigned flags);
+void *__real_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
+                                int istride, int idist, void *out, const int *onembed, int ostride,
+                                int odist, int sign, unsigned flags);
 void __real_fftw_destroy_plan(void *plan);
 
 void *__wrap_malloc(size_t n);
@@ -53,22 +53,20 @@ void __wrap_fftw_free(void *p);
 FILE *__wrap_open_memstream(char **text, size_t *size);
 void *__wrap_fftw_plan_dft_1d(int n, void *in, void *out, int sign, unsigned flags);
 void *__wrap_fftw_plan_dft_r2c_1d(int n, void *in, void *out, unsigned flags);
-void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed, int istride, int idist,
-                                void *out, const int *onembed, int ostride, int odist, int sign, unsigned flags);
+void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
+                                int istride, int idist, void *out, const int *onembed, int ostride,
+                                int odist, int sign, unsigned flags);
 void __wrap_fftw_destroy_plan(void *plan);
 
-void *__wrap_malloc(size_t n)
-{
+void *__wrap_malloc(size_t n) {
     return refuse() ? NULL : counted(__real_malloc(n));
 }
 
-void *__wrap_calloc(size_t n, size_t size)
-{
+void *__wrap_calloc(size_t n, size_t size) {
     return refuse() ? NULL : counted(__real_calloc(n, size));
 }
 
-void *__wrap_realloc(void *p, size_t n)
-{
+void *__wrap_realloc(void *p, size_t n) {
     if (refuse()) {
         return NULL;
     }
@@ -76,62 +74,55 @@ void *__wrap_realloc(void *p, size_t n)
     return p == NULL ? counted(q) : q;
 }
 
-void __wrap_free(void *p)
-{
+void __wrap_free(void *p) {
     atomic_fetch_sub(&live, p != NULL);
     __real_free(p);
 }
 
-char *__wrap_strdup(const char *s)
-{
+char *__wrap_strdup(const char *s) {
     return refuse() ? NULL : counted(__real_strdup(s));
 }
 
-void *__wrap_fftw_malloc(size_t n)
-{
+void *__wrap_fftw_malloc(size_t n) {
     return refuse() ? NULL : counted(__real_fftw_malloc(n));
 }
 
-void __wrap_fftw_free(void *p)
-{
+void __wrap_fftw_free(void *p) {
     atomic_fetch_sub(&live, p != NULL);
     __real_fftw_free(p);
 }
 
 /* Its text is malloc'd by libc and freed by us. */
-FILE *__wrap_open_memstream(char **text, size_t *size)
-{
+FILE *__wrap_open_memstream(char **text, size_t *size) {
     return refuse() ? NULL : counted(__real_open_memstream(text, size));
 }
 
-void *__wrap_fftw_plan_dft_1d(int n, void *in, void *out, int sign, unsigned flags)
-{
+void *__wrap_fftw_plan_dft_1d(int n, void *in, void *out, int sign, unsigned flags) {
     return refuse() ? NULL : counted(__real_fftw_plan_dft_1d(n, in, out, sign, flags));
 }
 
-void *__wrap_fftw_plan_dft_r2c_1d(int n, void *in, void *out, unsigned flags)
-{
+void *__wrap_fftw_plan_dft_r2c_1d(int n, void *in, void *out, unsigned flags) {
     return refuse() ? NULL : counted(__real_fftw_plan_dft_r2c_1d(n, in, out, flags));
 }
 
-void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed, int istride, int idist,
-                                void *out, const int *onembed, int ostride, int odist, int sign, unsigned flags)
-{
-    return refuse() ? NULL
-                    : counted(__real_fftw_plan_many_dft(rank, n, howmany, in, inembed, istride, idist, out, onembed,
-                                                        ostride, odist, sign, flags));
+void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
+                                int istride, int idist, void *out, const int *onembed, int ostride,
+                                int odist, int sign, unsigned flags) {
+    return refuse()
+               ? NULL
+               : counted(__real_fftw_plan_many_dft(rank, n, howmany, in, inembed, istride, idist,
+                                                   out, onembed, ostride, odist, sign, flags));
 }
 
-void __wrap_fftw_destroy_plan(void *plan)
-{
+void __wrap_fftw_destroy_plan(void *plan) {
     atomic_fetch_sub(&live, plan != NULL);
     __real_fftw_destroy_plan(plan);
 }
 
-/* Run `attempt` with the n-th allocation failing, n = 1, 2, ... until it needs fewer than n. It returns a code, and must have
- * freed everything. At least `least` allocations must have been met. */
-static void exhaust(int (*attempt)(void *), void *context, int least)
-{
+/* Run `attempt` with the n-th allocation failing, n = 1, 2, ... until it needs fewer than n. It
+ * returns a code, and must have freed everything. At least `least` allocations must have been met.
+ */
+static void exhaust(int (*attempt)(void *), void *context, int least) {
     for (int n = 1;; n++) {
         const int before = atomic_load(&live);
         atomic_store(&calls, 0);
@@ -148,7 +139,8 @@ static void exhaust(int (*attempt)(void *), void *context, int least)
     }
 }
 
-static const shear_geometry geometry = {.nx = 16, .ny = 12, .psf_nx = 13, .psf_ny = 12, .psf_oversample = 1};
+static const shear_geometry geometry = {
+    .nx = 16, .ny = 12, .psf_nx = 13, .psf_ny = 12, .psf_oversample = 1};
 enum { COUNT = 40 };
 
 /* What the attempts share. */
@@ -159,20 +151,19 @@ typedef struct scene {
     bool own_psf;
 } scene;
 
-static int new_plan(void *context)
-{
+static int new_plan(void *context) {
     const scene *s = context;
     shear_error err = {0};
     shear_plan *plan = NULL;
-    const int code = shear_plan_new(&plan, &s->settings, &geometry, s->own_psf ? NULL : s->b.psf, 1.0, true, &err);
+    const int code = shear_plan_new(&plan, &s->settings, &geometry, s->own_psf ? NULL : s->b.psf,
+                                    1.0, true, &err);
     assert_true((code == SHEAR_OK) == (plan != NULL));
     assert_int_equal(err.code, code);
     shear_plan_free(plan);
     return code;
 }
 
-static int new_workspace(void *context)
-{
+static int new_workspace(void *context) {
     const scene *s = context;
     shear_error err = {0};
     shear_workspace *ws = NULL;
@@ -183,16 +174,14 @@ static int new_workspace(void *context)
     return code;
 }
 
-static int measure_batch(void *context)
-{
+static int measure_batch(void *context) {
     const scene *s = context;
     shear_row rows[COUNT];
     const shear_stamps stamps = batch_full(&s->b);
     return shear_measure_batch(s->plan, &stamps, 3, NULL, rows, NULL);
 }
 
-static int inspect(void *context)
-{
+static int inspect(void *context) {
     const scene *s = context;
     shear_inspection in;
     shear_workspace *ws = NULL;
@@ -206,8 +195,7 @@ static int inspect(void *context)
     return code;
 }
 
-static void test_plans_and_workspaces(void **state)
-{
+static void test_plans_and_workspaces(void **state) {
     (void)state;
     scene s = {0};
     batch_init(&s.b, COUNT, &geometry, 1.0, 4);
@@ -231,8 +219,7 @@ static void test_plans_and_workspaces(void **state)
 }
 
 /* Measuring allocates nothing at all. */
-static void test_nothing_per_stamp(void **state)
-{
+static void test_nothing_per_stamp(void **state) {
     (void)state;
     scene s = {0};
     shear_row rows[COUNT];
@@ -253,8 +240,7 @@ static void test_nothing_per_stamp(void **state)
     batch_deinit(&s.b);
 }
 
-static int new_sums(void *context)
-{
+static int new_sums(void *context) {
     (void)context;
     shear_field_sums *f = NULL;
     const int code = shear_field_sums_new(&f, NULL);
@@ -263,8 +249,7 @@ static int new_sums(void *context)
     return code;
 }
 
-static int parse_sums(void *context)
-{
+static int parse_sums(void *context) {
     shear_field_sums *f = NULL;
     const int code = shear_field_sums_parse(&f, context, NULL);
     assert_true((code == SHEAR_OK) == (f != NULL));
@@ -273,8 +258,7 @@ static int parse_sums(void *context)
 }
 
 /* GMP writes into memory of ours; the stream is libc's. */
-static int format_sums(void *context)
-{
+static int format_sums(void *context) {
     char *text = NULL;
     const int code = shear_field_sums_format(context, &text, NULL);
     assert_true((code == SHEAR_OK) == (text != NULL));
@@ -282,8 +266,7 @@ static int format_sums(void *context)
     return code;
 }
 
-static void test_sums(void **state)
-{
+static void test_sums(void **state) {
     (void)state;
     shear_field_sums *f = NULL;
     shear_block_sums b;
@@ -302,8 +285,7 @@ static void test_sums(void **state)
 }
 
 /* 600 blocks: the table grows twice. */
-static int fill_jackknife(void *context)
-{
+static int fill_jackknife(void *context) {
     shear_jackknife *j = NULL;
     shear_jackknife *whole = NULL;
     int code = shear_jackknife_new(&j, 5, NULL);
@@ -317,16 +299,14 @@ static int fill_jackknife(void *context)
     return code;
 }
 
-static void test_jackknife(void **state)
-{
+static void test_jackknife(void **state) {
     (void)state;
     shear_block_sums b;
     shear_block_sums_init(&b);
     exhaust(fill_jackknife, &b, 5);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plans_and_workspaces),
         cmocka_unit_test(test_nothing_per_stamp),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the row answers to brightness: units of flux, noise, PSFs of another flux or sampling; and stamps of every size. */
+/* How the row answers to brightness: units of flux, noise, PSFs of another flux or sampling; and
+ * stamps of every size. */
 #include "gaussian.h"
 #include "oracle.h"
 #include "pair.h"
@@ -8,8 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-static shear_row times(shear_row r, double a2)
-{
+static shear_row times(shear_row r, double a2) {
     double *numbers[] = {&r.m20, &r.m02, &r.m11, &r.m4, &r.u, &r.v, &r.n1, &r.n2, &r.d};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
         *numbers[i] *= a2;
@@ -17,17 +17,16 @@ static shear_row times(shear_row r, double a2)
     return r;
 }
 
-static void multiply(double *x, int n, double a)
-{
+static void multiply(double *x, int n, double a) {
     for (int i = 0; i < n; i++) {
         x[i] *= a;
     }
 }
 
-/* All moments go with the square of the flux. By a power of two nothing rounds, and without logarithms every bit must agree;
- * ln(a) up to 46 beside ln(pixel) costs the log methods two digits. */
-static void check_flux(int method, double a, const char *zeros)
-{
+/* All moments go with the square of the flux. By a power of two nothing rounds, and without
+ * logarithms every bit must agree; ln(a) up to 46 beside ln(pixel) costs the log methods two
+ * digits. */
+static void check_flux(int method, double a, const char *zeros) {
     pair p;
     pair_init(&p, 20, 23, 15, 15, 1);
     pair_draw(&p, 1.1, 7);
@@ -49,8 +48,7 @@ static void check_flux(int method, double a, const char *zeros)
     pair_deinit(&p);
 }
 
-static void test_flux(void **state)
-{
+static void test_flux(void **state) {
     (void)state;
     static const double scales[] = {0x1p-66, 0x1p10, 1e-20, 3.7, 1e20, -2.0};
     for (int m = 0; m < PAIR_METHODS; m++) {
@@ -65,8 +63,7 @@ static void test_flux(void **state)
 }
 
 /* The PSF's flux drops out. */
-static void test_psf_flux(void **state)
-{
+static void test_psf_flux(void **state) {
     (void)state;
     static const double scales[] = {0x1p-66, 5.1, 1e20, 1e-150, 1e200};
     for (int m = 0; m < PAIR_METHODS; m++) {
@@ -85,8 +82,7 @@ static void test_psf_flux(void **state)
     }
 }
 
-static shear_row minus(const shear_row *a, const shear_row *b)
-{
+static shear_row minus(const shear_row *a, const shear_row *b) {
     return (shear_row){.m20 = a->m20 - b->m20,
                        .m02 = a->m02 - b->m02,
                        .m11 = a->m11 - b->m11,
@@ -99,8 +95,7 @@ static shear_row minus(const shear_row *a, const shear_row *b)
 }
 
 /* Label OSN3: the pair's moments are the galaxy's minus the noise's. */
-static void test_noise_correction(void **state)
-{
+static void test_noise_correction(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m++) {
         pair p;
@@ -118,15 +113,15 @@ static void test_noise_correction(void **state)
         assert_rows_near(&both, &difference, 1e-12);
         pair_set(&p, "noise-correction", "on"); /* galaxy = noise: nothing is left */
         const shear_row nothing = pair_measure(&p);
-        assert_true(fabs(nothing.d) <= 1e-13 * fabs(noise.d) && fabs(nothing.m4) <= 1e-13 * noise.m4);
+        assert_true(fabs(nothing.d) <= 1e-13 * fabs(noise.d) &&
+                    fabs(nothing.m4) <= 1e-13 * noise.m4);
         assert_true(nothing.flux == 0.0 && nothing.border_mean == 0.0 && nothing.border_var == 0.0);
         pair_deinit(&p);
     }
 }
 
 /* A noise stamp of zeros subtracts nothing, under every method and policy. */
-static void test_zero_noise(void **state)
-{
+static void test_zero_noise(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m++) {
         for (int policy = 0; policy < 2; policy++) {
@@ -146,9 +141,9 @@ static void test_zero_noise(void **state)
     }
 }
 
-/* The same Gaussian PSF at several samplings. R_PSF = 2 px: one sample a pixel is enough to 1e-9. */
-static void test_psf_sampling(void **state)
-{
+/* The same Gaussian PSF at several samplings. R_PSF = 2 px: one sample a pixel is enough to 1e-9.
+ */
+static void test_psf_sampling(void **state) {
     (void)state;
     shear_row first = {0};
     for (int q = 1; q <= 5; q++) {
@@ -171,8 +166,7 @@ static void test_psf_sampling(void **state)
 }
 
 /* Against the closed form: the PSF's edge at 7 px is 1e-9 of its peak, and T divides by |W|^2. */
-static void check_size(int nx, int ny)
-{
+static void check_size(int nx, int ny) {
     const gaussian galaxy = {1.0, 6.0, 5.0, 0.2, 0.5 * nx - 0.4, 0.5 * ny - 0.6};
     const gaussian psf = {1.0, 1.2, 1.2, 0.0, 7.0, 7.0};
     pair p;
@@ -187,8 +181,7 @@ static void check_size(int nx, int ny)
 }
 
 /* Against the oracle, which does not ask that anything fits. */
-static void check_short_side(int nx, int ny)
-{
+static void check_short_side(int nx, int ny) {
     pair p;
     shear_plan_info info;
     double k_cut;
@@ -200,8 +193,7 @@ static void check_short_side(int nx, int ny)
     pair_deinit(&p);
 }
 
-static void test_sizes(void **state)
-{
+static void test_sizes(void **state) {
     (void)state;
     check_size(31, 37);
     check_size(127, 31);
@@ -213,8 +205,7 @@ static void test_sizes(void **state)
     check_short_side(1024, 8);
 }
 
-static void test_size_limits(void **state)
-{
+static void test_size_limits(void **state) {
     (void)state;
     const int sizes[][2] = {{7, 8}, {8, 7}, {1025, 8}, {8, 1025}, {0, 0}, {-8, 8}};
     for (int i = 0; i < 6; i++) {
@@ -231,11 +222,14 @@ static void test_size_limits(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_flux),       cmocka_unit_test(test_psf_flux),     cmocka_unit_test(test_noise_correction),
-        cmocka_unit_test(test_zero_noise), cmocka_unit_test(test_psf_sampling), cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_flux),
+        cmocka_unit_test(test_psf_flux),
+        cmocka_unit_test(test_noise_correction),
+        cmocka_unit_test(test_zero_noise),
+        cmocka_unit_test(test_psf_sampling),
+        cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_size_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

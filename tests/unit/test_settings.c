@@ -11,18 +11,17 @@
 #include <stdio.h>
 #include <string.h>
 
-static const void *member(const shear_settings *s, const shear_setting_def *def)
-{
+static const void *member(const shear_settings *s, const shear_setting_def *def) {
     return (const char *)s + def->offset;
 }
 
-static size_t size_of(const shear_setting_def *def)
-{
-    return def->type == SHEAR_T_DOUBLE ? sizeof(double) : def->type == SHEAR_T_BOOL ? sizeof(bool) : sizeof(int);
+static size_t size_of(const shear_setting_def *def) {
+    return def->type == SHEAR_T_DOUBLE ? sizeof(double)
+           : def->type == SHEAR_T_BOOL ? sizeof(bool)
+                                       : sizeof(int);
 }
 
-static void test_table(void **state)
-{
+static void test_table(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -31,7 +30,8 @@ static void test_table(void **state)
         assert_ptr_equal(shear_settings_find(table[i].name), &table[i]);
         assert_in_range(strlen(table[i].keyword), 1, 8);
         for (const char *c = table[i].keyword; *c != '\0'; c++) {
-            assert_true(isupper((unsigned char)*c) || isdigit((unsigned char)*c) || *c == '_' || *c == '-');
+            assert_true(isupper((unsigned char)*c) || isdigit((unsigned char)*c) || *c == '_' ||
+                        *c == '-');
         }
         assert_true(strlen(table[i].help) > 10 && strchr(table[i].help, '\n') == NULL);
         assert_true((table[i].type == SHEAR_T_CHOICE) == (table[i].choices != NULL));
@@ -49,20 +49,21 @@ static void test_table(void **state)
     assert_ptr_equal(shear_settings_find("beta_ratio"), shear_settings_find("beta-ratio"));
 }
 
-static void test_defaults(void **state)
-{
+static void test_defaults(void **state) {
     (void)state;
     shear_settings s;
     shear_settings_init(&s);
     assert_int_equal(shear_settings_check(&s, NULL), SHEAR_OK);
-    assert_true(s.interpolation == SHEAR_INTERP_AUTO && s.oversample == 0 && isnan(s.beta_px) && s.beta_ratio == 1.5);
-    assert_true(s.filter == SHEAR_FILTER_AUTO && isnan(s.core_px) && isnan(s.width_px) && s.zeros == SHEAR_ZEROS_SKIP);
-    assert_true(s.pedestal == 0.0 && s.psf_threshold == 1e-8 && s.power_tolerance == 1e-3 && s.noise_correction);
+    assert_true(s.interpolation == SHEAR_INTERP_AUTO && s.oversample == 0 && isnan(s.beta_px) &&
+                s.beta_ratio == 1.5);
+    assert_true(s.filter == SHEAR_FILTER_AUTO && isnan(s.core_px) && isnan(s.width_px) &&
+                s.zeros == SHEAR_ZEROS_SKIP);
+    assert_true(s.pedestal == 0.0 && s.psf_threshold == 1e-8 && s.power_tolerance == 1e-3 &&
+                s.noise_correction);
 }
 
 /* Format, set into something else, compare bits; and formatting again gives the same text. */
-static void check_round_trip(const shear_settings *s, const shear_setting_def *def)
-{
+static void check_round_trip(const shear_settings *s, const shear_setting_def *def) {
     char text[64];
     char again[64];
     shear_settings other;
@@ -78,8 +79,7 @@ static void check_round_trip(const shear_settings *s, const shear_setting_def *d
     assert_string_equal(shear_settings_format(&other, def, again, sizeof again), text);
 }
 
-static void test_round_trips(void **state)
-{
+static void test_round_trips(void **state) {
     (void)state;
     size_t n;
     uint64_t seed = 1;
@@ -105,15 +105,16 @@ static void test_round_trips(void **state)
                 *(int *)value = (int)(def->min + floor(uniform(&seed) * (span + 1.0)));
             } else {
                 const double power = pow(10.0, -20.0 * uniform(&seed) * uniform(&seed));
-                *(double *)value = k == 0 ? def->min : k == 1 ? def->max : def->min + span * uniform(&seed) * power;
+                *(double *)value = k == 0   ? def->min
+                                   : k == 1 ? def->max
+                                            : def->min + span * uniform(&seed) * power;
             }
             check_round_trip(&s, def);
         }
     }
 }
 
-static void check_refused(const char *name, const char *text)
-{
+static void check_refused(const char *name, const char *text) {
     shear_settings s;
     shear_settings before;
     shear_error err = {0};
@@ -128,12 +129,12 @@ static void check_refused(const char *name, const char *text)
     assert_int_equal(shear_settings_set(&s, name, text, NULL), SHEAR_E_SETTING);
 }
 
-static void test_refusals(void **state)
-{
+static void test_refusals(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
-    static const char *const nonsense[] = {"", "x", "1 2", "1x", "nan", "inf", "-inf", "1e999", "-1", "AUTO", "2e400", "tru"};
+    static const char *const nonsense[] = {"",     "x",     "1 2", "1x",   "nan",   "inf",
+                                           "-inf", "1e999", "-1",  "AUTO", "2e400", "tru"};
     for (size_t i = 0; i < n; i++) {
         char text[64];
         for (size_t k = 0; k < sizeof nonsense / sizeof nonsense[0]; k++) {
@@ -161,13 +162,13 @@ static void test_refusals(void **state)
     check_refused("filter", "2");
 }
 
-static void test_words(void **state)
-{
+static void test_words(void **state) {
     (void)state;
     static const struct {
         const char *text;
         bool value;
-    } words[] = {{"true", true}, {"false", false}, {"yes", true}, {"no", false}, {"on", true}, {"off", false}, {"1", true}, {"0", false}};
+    } words[] = {{"true", true}, {"false", false}, {"yes", true}, {"no", false},
+                 {"on", true},   {"off", false},   {"1", true},   {"0", false}};
     shear_settings s;
     shear_settings_init(&s);
     for (int i = 0; i < 8; i++) {
@@ -184,8 +185,7 @@ static void test_words(void **state)
     assert_true(isnan(s.beta_px));
 }
 
-static void test_names(void **state)
-{
+static void test_names(void **state) {
     (void)state;
     assert_string_equal(shear_interpolation_name(SHEAR_INTERP_LOG_BICUBIC), "log-bicubic");
     assert_string_equal(shear_interpolation_name(-1), "unknown");
@@ -193,12 +193,12 @@ static void test_names(void **state)
     assert_string_equal(shear_filter_name(SHEAR_FILTER_EDGE), "edge");
     assert_string_equal(shear_filter_name(4), "unknown");
     for (int i = -1; i < 9; i++) {
-        assert_int_equal(shear_interpolation_is_log(i), strncmp(shear_interpolation_name(i), "log-", 4) == 0);
+        assert_int_equal(shear_interpolation_is_log(i),
+                         strncmp(shear_interpolation_name(i), "log-", 4) == 0);
     }
 }
 
-static void check_contradiction(const char *const *settings, bool good, const char *word)
-{
+static void check_contradiction(const char *const *settings, bool good, const char *word) {
     shear_settings s;
     shear_error err = {0};
     shear_settings_init(&s);
@@ -209,11 +209,10 @@ static void check_contradiction(const char *const *settings, bool good, const ch
     assert_true(good || strstr(err.message, word) != NULL);
 }
 
-#define GOOD(...) check_contradiction((const char *const[]){__VA_ARGS__, NULL}, true, "")
+#define GOOD(...)      check_contradiction((const char *const[]){__VA_ARGS__, NULL}, true, "")
 #define BAD(word, ...) check_contradiction((const char *const[]){__VA_ARGS__, NULL}, false, word)
 
-static void test_contradictions(void **state)
-{
+static void test_contradictions(void **state) {
     (void)state;
     BAD("oversample", "oversample", "3");
     BAD("oversample", "oversample", "12", "interpolation", "spline");
@@ -236,8 +235,7 @@ static void test_contradictions(void **state)
 }
 
 /* Members that were not set through the table. */
-static void test_ranges(void **state)
-{
+static void test_ranges(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -265,11 +263,11 @@ static void test_ranges(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_table),    cmocka_unit_test(test_defaults), cmocka_unit_test(test_round_trips),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_words),    cmocka_unit_test(test_names),
+        cmocka_unit_test(test_table),          cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_round_trips),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_words),          cmocka_unit_test(test_names),
         cmocka_unit_test(test_contradictions), cmocka_unit_test(test_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many stamps through one plan: PSFs of their own, what does not depend on the neighbours, and errors that name the stamp. */
+/* Many stamps through one plan: PSFs of their own, what does not depend on the neighbours, and
+ * errors that name the stamp. */
 #include "batch.h"
 #include "gaussian.h"
 #include "pair.h"
@@ -8,18 +9,18 @@
 #include <math.h>
 #include <string.h>
 
-static const shear_geometry geometry = {.nx = 20, .ny = 21, .psf_nx = 13, .psf_ny = 12, .psf_oversample = 1};
+static const shear_geometry geometry = {
+    .nx = 20, .ny = 21, .psf_nx = 13, .psf_ny = 12, .psf_oversample = 1};
 enum { COUNT = 12, PIXELS = 20 * 21, SAMPLES = 13 * 12 };
 
-static void use(shear_settings *settings, int method)
-{
+static void use(shear_settings *settings, int method) {
     shear_settings_init(settings);
-    assert_int_equal(shear_settings_set(settings, "interpolation", pair_methods[method], NULL), SHEAR_OK);
+    assert_int_equal(shear_settings_set(settings, "interpolation", pair_methods[method], NULL),
+                     SHEAR_OK);
 }
 
 /* A PSF that comes with the stamps gives the same bits as one in the plan. */
-static void test_psf_of_plan_or_stamp(void **state)
-{
+static void test_psf_of_plan_or_stamp(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m++) {
         batch b;
@@ -46,8 +47,7 @@ static void test_psf_of_plan_or_stamp(void **state)
 }
 
 /* By index in any order, or stamp i with PSF i, each row is that of its own pair alone. */
-static void test_psf_by_index(void **state)
-{
+static void test_psf_by_index(void **state) {
     (void)state;
     batch b;
     shear_settings settings;
@@ -79,8 +79,7 @@ static void test_psf_by_index(void **state)
 }
 
 /* The same memory may hold other PSFs at the next call: nothing is remembered. */
-static void test_psf_memory_reused(void **state)
-{
+static void test_psf_memory_reused(void **state) {
     (void)state;
     batch b;
     shear_settings settings;
@@ -98,7 +97,14 @@ static void test_psf_memory_reused(void **state)
     assert_int_equal(shear_measure(plan, ws, &stamps, 0, &first, NULL), SHEAR_OK);
     memcpy(b.psf, b.psf + SAMPLES, SAMPLES * sizeof(double));
     assert_int_equal(shear_measure(plan, ws, &stamps, 0, &second, NULL), SHEAR_OK);
-    batch_measure(plan, &(shear_stamps){.count = 1, .nx = 20, .ny = 21, .galaxy = b.galaxy, .noise = b.noise, .n_psf = 1, .psf = b.psf},
+    batch_measure(plan,
+                  &(shear_stamps){.count = 1,
+                                  .nx = 20,
+                                  .ny = 21,
+                                  .galaxy = b.galaxy,
+                                  .noise = b.noise,
+                                  .n_psf = 1,
+                                  .psf = b.psf},
                   &again);
     assert_true(first.d != second.d);
     assert_same_rows(&second, &again, 1);
@@ -108,8 +114,7 @@ static void test_psf_memory_reused(void **state)
 }
 
 /* A plan for PSFs of the stamps' own, and stamps without any. */
-static void test_no_psf_at_all(void **state)
-{
+static void test_no_psf_at_all(void **state) {
     (void)state;
     batch b;
     shear_settings settings;
@@ -132,8 +137,7 @@ static void test_no_psf_at_all(void **state)
     batch_deinit(&b);
 }
 
-static void check_negative(const char *which, bool in_noise, bool correction, int code)
-{
+static void check_negative(const char *which, bool in_noise, bool correction, int code) {
     batch b;
     shear_settings settings;
     shear_row rows[COUNT];
@@ -162,16 +166,14 @@ static void check_negative(const char *which, bool in_noise, bool correction, in
     batch_deinit(&b);
 }
 
-static void test_negative_pixels(void **state)
-{
+static void test_negative_pixels(void **state) {
     (void)state;
     check_negative("galaxy", false, true, SHEAR_E_NEGATIVE);
     check_negative("noise", true, true, SHEAR_E_NEGATIVE);
     check_negative("noise", true, false, SHEAR_OK); /* never interpolated */
 }
 
-static void test_wrong_shape(void **state)
-{
+static void test_wrong_shape(void **state) {
     (void)state;
     batch b;
     shear_settings settings;
@@ -193,8 +195,7 @@ static void test_wrong_shape(void **state)
 }
 
 /* shear_inspect shows what was measured: sums over its target power are the row's moments. */
-static void check_inspection(int method, bool correction)
-{
+static void check_inspection(int method, bool correction) {
     batch b;
     shear_settings settings;
     shear_row row;
@@ -219,12 +220,14 @@ static void check_inspection(int method, bool correction)
         const double ky = 2.0 * M_PI / 21 * (i / in.spec_nx - in.spec_ny / 2);
         m20 += kx * kx * in.target_power[i];
         m11 += kx * ky * in.target_power[i];
-        assert_near(in.target_power[i], in.transfer[i] * in.power[i], 1e-15, in.target_power[i], "P = T |F|^2");
+        assert_near(in.target_power[i], in.transfer[i] * in.power[i], 1e-15, in.target_power[i],
+                    "P = T |F|^2");
     }
     assert_near(m20, row.m20, 1e-12, row.m20, "m20");
     assert_near(m11, row.m11, 1e-12, row.m20, "m11");
     const int s = in.fine_nx / 20;
-    assert_near(in.galaxy_fine[in.fine_nx * 5 * s + 7 * s], b.galaxy[5 * 20 + 7], 1e-14, 1.0, "a pixel");
+    assert_near(in.galaxy_fine[in.fine_nx * 5 * s + 7 * s], b.galaxy[5 * 20 + 7], 1e-14, 1.0,
+                "a pixel");
     const bool shown = correction || method < 4;
     assert_true(!shown || fabs(in.noise_fine[3 * s] - b.noise[3]) < 1e-14);
     assert_true(shown || isnan(in.noise_fine[0]));
@@ -238,8 +241,7 @@ static void check_inspection(int method, bool correction)
     batch_deinit(&b);
 }
 
-static void test_inspection(void **state)
-{
+static void test_inspection(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m++) {
         check_inspection(m, true);
@@ -248,8 +250,7 @@ static void test_inspection(void **state)
 }
 
 /* A bright sky does not spoil the signal to noise, nor a noise of known variance it. */
-static void test_snr(void **state)
-{
+static void test_snr(void **state) {
     (void)state;
     pair p;
     pair_init(&p, 16, 16, 11, 11, 1);
@@ -266,8 +267,7 @@ static void test_snr(void **state)
     pair_deinit(&p);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_psf_of_plan_or_stamp), cmocka_unit_test(test_psf_by_index),
         cmocka_unit_test(test_psf_memory_reused),    cmocka_unit_test(test_no_psf_at_all),

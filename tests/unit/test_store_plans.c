@@ -87,7 +87,9 @@ static int64_t steps_of(store *s)
 {
     int64_t steps = 0;
     for (int i = 0; i < SQL_N; i++) {
-        steps += sqlite3_stmt_status(s->statements[i], SQLITE_STMTSTATUS_VM_STEP, 1);
+        if (s->statements[i] != NULL) {
+            steps += sqlite3_stmt_status(s->statements[i], SQLITE_STMTSTATUS_VM_STEP, 1);
+        }
     }
     return steps;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From rows to a field: against the plain formulas in long double, in any order and any split, and as text. */
+/* From rows to a field: against the plain formulas in long double, in any order and any split, and
+ * as text. */
 #include "gaussian.h"
 #include "pair.h"
 #include "test.h"
@@ -14,8 +15,7 @@
 enum { N = 400 };
 
 /* Rows with a shear of about (0.02, -0.03), scatter, weights and some flags. */
-static void draw_rows(shear_row *rows, int n, uint64_t seed)
-{
+static void draw_rows(shear_row *rows, int n, uint64_t seed) {
     for (int i = 0; i < n; i++) {
         const double flux = exp(4.0 * uniform(&seed));
         const double e1 = 0.02 + 0.3 * (uniform(&seed) - 0.5);
@@ -36,15 +36,13 @@ static void draw_rows(shear_row *rows, int n, uint64_t seed)
     }
 }
 
-static shear_field_sums *new_sums(void)
-{
+static shear_field_sums *new_sums(void) {
     shear_field_sums *f = NULL;
     assert_int_equal(shear_field_sums_new(&f, NULL), SHEAR_OK);
     return f;
 }
 
-static shear_block_sums block_of(const shear_row *rows, int n)
-{
+static shear_block_sums block_of(const shear_row *rows, int n) {
     shear_block_sums b;
     shear_block_sums_init(&b);
     for (int i = 0; i < n; i++) {
@@ -53,19 +51,16 @@ static shear_block_sums block_of(const shear_row *rows, int n)
     return b;
 }
 
-static int blocks_in(int n)
-{
+static int blocks_in(int n) {
     return (n + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
 }
 
-static shear_block_sums block_number(const shear_row *rows, int n, int block)
-{
+static shear_block_sums block_number(const shear_row *rows, int n, int block) {
     const int from = block * SHEAR_BLOCK;
     return block_of(rows + from, n - from < SHEAR_BLOCK ? n - from : SHEAR_BLOCK);
 }
 
-static shear_result result_of(const shear_row *rows, int n)
-{
+static shear_result result_of(const shear_row *rows, int n) {
     shear_result r;
     shear_field_sums *f = new_sums();
     for (int b = 0; b < blocks_in(n); b++) {
@@ -78,8 +73,8 @@ static shear_result result_of(const shear_row *rows, int n)
 }
 
 /* Mean and error of the mean of one member over the unflagged rows. */
-static void mean_and_error(const shear_row *rows, int n, size_t member, long double *mean, long double *error)
-{
+static void mean_and_error(const shear_row *rows, int n, size_t member, long double *mean,
+                           long double *error) {
     long double sum = 0.0L;
     long double squares = 0.0L;
     int used = 0;
@@ -98,8 +93,7 @@ static void mean_and_error(const shear_row *rows, int n, size_t member, long dou
     *error = sqrtl(squares / used / (used - 1));
 }
 
-static void test_formulas(void **state)
-{
+static void test_formulas(void **state) {
     (void)state;
     shear_row rows[N];
     draw_rows(rows, N, 1);
@@ -128,15 +122,17 @@ static void test_formulas(void **state)
             v12 += r1 * r2;
         }
     }
-    /* Terms are rounded once, sums and results twice: a few 1e-16; the errors' squares cancel a little. */
+    /* Terms are rounded once, sums and results twice: a few 1e-16; the errors' squares cancel a
+     * little. (Where long double is no wider than double, as under valgrind, it is the sums here
+     * that round.) */
     assert_true(r.valid && r.jackknife == 0);
-    assert_near(r.g1, (double)(n1 / d), 1e-15, r.g1, "g1");
-    assert_near(r.g2, (double)(n2 / d), 1e-15, r.g2, "g2");
+    assert_near(r.g1, (double)(n1 / d), 1e-14, r.g1, "g1");
+    assert_near(r.g2, (double)(n2 / d), 1e-14, r.g2, "g2");
     assert_near(r.g1_err, (double)(sqrtl(v11) / d), 1e-14, r.g1_err, "g1_err");
     assert_near(r.g2_err, (double)(sqrtl(v22) / d), 1e-14, r.g2_err, "g2_err");
     assert_near(r.cov12, (double)(v12 / (d * d)), 1e-13, r.cov12, "cov12");
-    assert_near(r.sum_weight, (double)w, 1e-15, r.sum_weight, "sum_weight");
-    assert_near(r.sum_d, (double)d, 1e-15, r.sum_d, "sum_d");
+    assert_near(r.sum_weight, (double)w, 1e-14, r.sum_weight, "sum_weight");
+    assert_near(r.sum_d, (double)d, 1e-14, r.sum_d, "sum_d");
     assert_int_equal(r.n_stamps, N);
     assert_int_equal(r.n_flagged, 31);
     assert_int_equal(r.n_used, N - 31);
@@ -144,8 +140,7 @@ static void test_formulas(void **state)
     assert_int_equal(r.flagged[3], r.flagged[5]);
 }
 
-static void test_diagnostics(void **state)
-{
+static void test_diagnostics(void **state) {
     (void)state;
     shear_row rows[N];
     draw_rows(rows, N, 2);
@@ -154,7 +149,8 @@ static void test_diagnostics(void **state)
     long double error;
     mean_and_error(rows, N, offsetof(shear_row, border_mean), &mean, &error);
     assert_near(r.border_excess, (double)mean, 1e-14, 1.0, "border_excess");
-    assert_near(r.border_excess_err, (double)error, 1e-13, r.border_excess_err, "border_excess_err");
+    assert_near(r.border_excess_err, (double)error, 1e-13, r.border_excess_err,
+                "border_excess_err");
     mean_and_error(rows, N, offsetof(shear_row, border_var), &mean, &error);
     assert_near(r.border_rough, (double)mean, 1e-14, 1.0, "border_rough");
     assert_near(r.border_rough_err, (double)error, 1e-13, r.border_rough_err, "border_rough_err");
@@ -162,14 +158,14 @@ static void test_diagnostics(void **state)
     assert_near(r.border_noise_var, (double)mean, 1e-14, 1.0, "border_noise_var");
     mean_and_error(rows, N, offsetof(shear_row, flux_removed), &mean, &error);
     assert_near(r.filter_removed, (double)mean / r.mean_flux, 1e-14, 1.0, "filter_removed");
-    assert_near(r.filter_removed_err, (double)error / r.mean_flux, 1e-13, r.filter_removed_err, "filter_removed_err");
+    assert_near(r.filter_removed_err, (double)error / r.mean_flux, 1e-13, r.filter_removed_err,
+                "filter_removed_err");
     mean_and_error(rows, N, offsetof(shear_row, flux), &mean, &error);
     assert_near(r.mean_flux, (double)mean, 1e-14, r.mean_flux, "mean_flux");
 }
 
 /* Blocks in any order, over any number of shards, also by way of text: the same bits. */
-static void test_any_order(void **state)
-{
+static void test_any_order(void **state) {
     (void)state;
     shear_row rows[N];
     draw_rows(rows, N, 3);
@@ -194,24 +190,26 @@ static void test_any_order(void **state)
         shear_result r;
         shear_field_result(total, &r);
         assert_true(r.g1 == expected.g1 && r.g2 == expected.g2 && r.g1_err == expected.g1_err &&
-                    r.g2_err == expected.g2_err && r.cov12 == expected.cov12 && r.n_used == expected.n_used &&
-                    r.sum_d == expected.sum_d && r.filter_removed == expected.filter_removed);
+                    r.g2_err == expected.g2_err && r.cov12 == expected.cov12 &&
+                    r.n_used == expected.n_used && r.sum_d == expected.sum_d &&
+                    r.filter_removed == expected.filter_removed);
         shear_field_sums_free(total);
     }
 }
 
 /* Within a block Neumaier keeps what plain summation loses. */
-static void test_compensation(void **state)
-{
+static void test_compensation(void **state) {
     (void)state;
-    shear_row rows[4] = {{.d = 1.0, .weight = 1.0}, {.d = 1e100, .weight = 1.0}, {.d = 1.0, .weight = 1.0}, {.d = -1e100, .weight = 1.0}};
+    shear_row rows[4] = {{.d = 1.0, .weight = 1.0},
+                         {.d = 1e100, .weight = 1.0},
+                         {.d = 1.0, .weight = 1.0},
+                         {.d = -1e100, .weight = 1.0}};
     const shear_block_sums b = block_of(rows, 4);
     assert_true(b.hi[SHEAR_S_D] + b.lo[SHEAR_S_D] == 2.0);
     assert_true(result_of(rows, 4).sum_d == 2.0);
 }
 
-static void assert_invalid(const shear_row *rows, int n)
-{
+static void assert_invalid(const shear_row *rows, int n) {
     const shear_result r = result_of(rows, n);
     assert_false(r.valid);
     assert_true(isnan(r.g1) && isnan(r.g2) && isnan(r.g1_err) && isnan(r.g2_err) && isnan(r.cov12));
@@ -219,8 +217,7 @@ static void assert_invalid(const shear_row *rows, int n)
     assert_int_equal(r.n_used + r.n_flagged, n);
 }
 
-static void test_invalid(void **state)
-{
+static void test_invalid(void **state) {
     (void)state;
     shear_row rows[20] = {0};
     assert_invalid(rows, 0);
@@ -240,9 +237,9 @@ static void test_invalid(void **state)
     assert_invalid(rows, 20);
 }
 
-/* Units so large or small that squares leave the range of double: counted as overflow, or the errors are not known. */
-static void test_extreme_units(void **state)
-{
+/* Units so large or small that squares leave the range of double: counted as overflow, or the
+ * errors are not known. */
+static void test_extreme_units(void **state) {
     (void)state;
     shear_row rows[20];
     draw_rows(rows, 20, 5);
@@ -271,8 +268,7 @@ static void test_extreme_units(void **state)
     assert_int_equal(result_of(rows, 2).n_used, 0);
 }
 
-static void check_bad_text(const char *text)
-{
+static void check_bad_text(const char *text) {
     shear_field_sums *f = NULL;
     shear_error err = {0};
     if (shear_field_sums_parse(&f, text, &err) != SHEAR_E_FORMAT) {
@@ -283,8 +279,7 @@ static void check_bad_text(const char *text)
 }
 
 /* A good text with its word number `word` (0 and 1: the magic) replaced; NULL cuts there. */
-static void check_replaced(const char *good, int word, const char *by)
-{
+static void check_replaced(const char *good, int word, const char *by) {
     char text[16384] = "";
     char copy[16384];
     char *rest = copy;
@@ -297,8 +292,7 @@ static void check_replaced(const char *good, int word, const char *by)
     check_bad_text(text);
 }
 
-static void test_bad_text(void **state)
-{
+static void test_bad_text(void **state) {
     (void)state;
     shear_row rows[40];
     char *good = NULL;
@@ -308,7 +302,8 @@ static void test_bad_text(void **state)
     shear_field_sums_add(f, &block);
     assert_int_equal(shear_field_sums_format(f, &good, NULL), SHEAR_OK);
     assert_true(strlen(good) < 16384);
-    static const char *const bad[] = {"", "x", "-1", "1.0", "+1", "\t1", "99999999999999999999", "0x10"};
+    static const char *const bad[] = {"",    "x", "-1", "1.0", "+1", "\t1", "99999999999999999999",
+                                      "0x10"};
     const int counts = 2 + SHEAR_N_FLAGS;
     for (int word = 0; word < 2 + counts; word++) {
         for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -335,11 +330,11 @@ static void test_bad_text(void **state)
     shear_field_sums_free(NULL);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_formulas),     cmocka_unit_test(test_diagnostics),   cmocka_unit_test(test_any_order),
-        cmocka_unit_test(test_compensation), cmocka_unit_test(test_invalid),       cmocka_unit_test(test_extreme_units),
+        cmocka_unit_test(test_formulas),  cmocka_unit_test(test_diagnostics),
+        cmocka_unit_test(test_any_order), cmocka_unit_test(test_compensation),
+        cmocka_unit_test(test_invalid),   cmocka_unit_test(test_extreme_units),
         cmocka_unit_test(test_bad_text),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One answer for any number of threads, to the last bit; and plans made and used by many threads at once. */
+/* One answer for any number of threads, to the last bit; and plans made and used by many threads at
+ * once. */
 #include "batch.h"
 #include "gaussian.h"
 #include "pair.h"
@@ -10,26 +11,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const shear_geometry geometry = {.nx = 17, .ny = 16, .psf_nx = 13, .psf_ny = 12, .psf_oversample = 1};
+static const shear_geometry geometry = {
+    .nx = 17, .ny = 16, .psf_nx = 13, .psf_ny = 12, .psf_oversample = 1};
 enum { COUNT = 50, PIXELS = 17 * 16, MOST = 7 }; /* three blocks and a part */
 
-static void use(shear_settings *settings, const char *method)
-{
+static void use(shear_settings *settings, const char *method) {
     shear_settings_init(settings);
     assert_int_equal(shear_settings_set(settings, "interpolation", method, NULL), SHEAR_OK);
 }
 
 /* Every column, PSFs by index, a filter that follows R_GAL, some stamps flagged. */
-static void draw(batch *b)
-{
+static void draw(batch *b) {
     batch_init(b, COUNT, &geometry, 1.1, 3);
     b->galaxy[20 * PIXELS + 3] = NAN;
     b->mask[40] = 1;
     b->psf_index[41] = -1;
 }
 
-static void test_batch_is_the_same(void **state)
-{
+static void test_batch_is_the_same(void **state) {
     (void)state;
     static const char *const methods[] = {"none", "log-spline"};
     for (int m = 0; m < 2; m++) {
@@ -43,7 +42,8 @@ static void test_batch_is_the_same(void **state)
         batch_measure(plan, &stamps, expected);
         for (int threads = 1; threads <= MOST; threads = 2 * threads + (threads == 1 ? 0 : 3)) {
             shear_row rows[COUNT];
-            assert_int_equal(shear_measure_batch(plan, &stamps, threads, NULL, rows, NULL), SHEAR_OK);
+            assert_int_equal(shear_measure_batch(plan, &stamps, threads, NULL, rows, NULL),
+                             SHEAR_OK);
             assert_same_rows(rows, expected, COUNT);
         }
         shear_row rows[COUNT];
@@ -55,8 +55,7 @@ static void test_batch_is_the_same(void **state)
 }
 
 /* With the caller's workspaces, again and again. */
-static void test_own_workspaces(void **state)
-{
+static void test_own_workspaces(void **state) {
     (void)state;
     batch b;
     shear_settings settings;
@@ -83,8 +82,7 @@ static void test_own_workspaces(void **state)
 }
 
 /* Two stamps are bad: the error is always the first one's. */
-static void test_first_error(void **state)
-{
+static void test_first_error(void **state) {
     (void)state;
     batch b;
     shear_settings settings;
@@ -98,16 +96,17 @@ static void test_first_error(void **state)
     const shear_stamps stamps = batch_plain(&b);
     for (int threads = 1; threads <= MOST; threads++) {
         shear_error err = {0};
-        assert_int_equal(shear_measure_batch(plan, &stamps, threads, NULL, rows, &err), SHEAR_E_NEGATIVE);
+        assert_int_equal(shear_measure_batch(plan, &stamps, threads, NULL, rows, &err),
+                         SHEAR_E_NEGATIVE);
         assert_non_null(strstr(err.message, "galaxy stamp 37 "));
-        assert_int_equal(shear_measure_batch(plan, &stamps, threads, NULL, rows, NULL), SHEAR_E_NEGATIVE);
+        assert_int_equal(shear_measure_batch(plan, &stamps, threads, NULL, rows, NULL),
+                         SHEAR_E_NEGATIVE);
     }
     shear_plan_free(plan);
     batch_deinit(&b);
 }
 
-static void test_no_stamps(void **state)
-{
+static void test_no_stamps(void **state) {
     (void)state;
     batch b;
     shear_settings settings;
@@ -130,8 +129,7 @@ typedef struct task {
     shear_row rows[COUNT];
 } task;
 
-static void *measure_with_new_plans(void *argument)
-{
+static void *measure_with_new_plans(void *argument) {
     task *t = argument;
     const shear_stamps stamps = batch_plain(t->b);
     for (int round = 0; round < 3 && t->code == SHEAR_OK; round++) {
@@ -142,15 +140,15 @@ static void *measure_with_new_plans(void *argument)
         shear_settings_set(&settings, "interpolation", pair_methods[t->method], NULL);
         t->code = shear_plan_new(&plan, &settings, &t->b->geometry, t->b->psf, NAN, false, NULL);
         t->code = t->code == SHEAR_OK ? shear_workspace_new(&ws, plan, NULL) : t->code;
-        t->code = t->code == SHEAR_OK ? shear_measure_range(plan, ws, &stamps, 0, 10, t->rows, NULL) : t->code;
+        t->code = t->code == SHEAR_OK ? shear_measure_range(plan, ws, &stamps, 0, 10, t->rows, NULL)
+                                      : t->code;
         shear_workspace_free(ws);
         shear_plan_free(plan);
     }
     return NULL;
 }
 
-static void *measure_with_given_plan(void *argument)
-{
+static void *measure_with_given_plan(void *argument) {
     task *t = argument;
     const shear_stamps stamps = batch_full(t->b);
     shear_workspace *ws = NULL;
@@ -164,8 +162,7 @@ static void *measure_with_given_plan(void *argument)
 
 enum { THREADS = 4 };
 
-static void run(task *tasks, void *(*work)(void *))
-{
+static void run(task *tasks, void *(*work)(void *)) {
     pthread_t threads[THREADS];
     for (int i = 0; i < THREADS; i++) {
         assert_int_equal(pthread_create(&threads[i], NULL, work, &tasks[i]), 0);
@@ -176,8 +173,7 @@ static void run(task *tasks, void *(*work)(void *))
     }
 }
 
-static void test_plans_at_once(void **state)
-{
+static void test_plans_at_once(void **state) {
     (void)state;
     batch b;
     static task tasks[THREADS];
@@ -195,8 +191,7 @@ static void test_plans_at_once(void **state)
     batch_deinit(&b);
 }
 
-static void test_one_plan_at_once(void **state)
-{
+static void test_one_plan_at_once(void **state) {
     (void)state;
     batch b;
     static task tasks[THREADS];
@@ -218,8 +213,7 @@ static void test_one_plan_at_once(void **state)
     batch_deinit(&b);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_batch_is_the_same), cmocka_unit_test(test_own_workspaces),
         cmocka_unit_test(test_first_error),       cmocka_unit_test(test_no_stamps),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The transfer T(k): its values, the isotropic cut, and the smallest beta. Seen through shear_inspect. */
+/* The transfer T(k): its values, the isotropic cut, and the smallest beta. Seen through
+ * shear_inspect. */
 #include "gaussian.h"
 #include "pair.h"
 #include "test.h"
@@ -18,8 +19,7 @@ typedef struct view {
     shear_inspection in;
 } view;
 
-static void look(const pair *p, view *v)
-{
+static void look(const pair *p, view *v) {
     shear_plan *plan = NULL;
     shear_workspace *ws = NULL;
     shear_error err = {0};
@@ -38,30 +38,28 @@ static void look(const pair *p, view *v)
     shear_plan_free(plan);
 }
 
-/* k of column x and row y of the spectra; the products and the sum round as the library's may not. */
-static double k2_at(const view *v, int x, int y, double *kx, double *ky)
-{
+/* k of column x and row y of the spectra; the products and the sum round as the library's may not.
+ */
+static double k2_at(const view *v, int x, int y, double *kx, double *ky) {
     *kx = 2.0 * M_PI * (x - v->in.spec_nx / 2) / v->info.geometry.nx;
     *ky = 2.0 * M_PI * (y - v->in.spec_ny / 2) / v->info.geometry.ny;
     return *kx * *kx + *ky * *ky;
 }
 
-/* Strictly inside the cut, which is itself one of the modes' |k|: nothing lies within 1e-12 of it but those modes. */
-static bool inside(const view *v, double k2)
-{
+/* Strictly inside the cut, which is itself one of the modes' |k|: nothing lies within 1e-12 of it
+ * but those modes. */
+static bool inside(const view *v, double k2) {
     return k2 < v->info.k_cut * v->info.k_cut * (1.0 - 1e-12);
 }
 
 /* W of a top-hat of w samples, normalised. */
-static double top_hat(double k, int w)
-{
+static double top_hat(double k, int w) {
     return k == 0.0 ? 1.0 : sin(0.5 * k * w) / (w * sin(0.5 * k));
 }
 
-/* A square top-hat is zero first at k = 2 pi / w on the axes. There the cut must fall, wherever that mode is one of the stamp's,
- * and inside it T = exp(-beta^2 k^2) / |W|^2. */
-static void test_first_zero(void **state)
-{
+/* A square top-hat is zero first at k = 2 pi / w on the axes. There the cut must fall, wherever
+ * that mode is one of the stamp's, and inside it T = exp(-beta^2 k^2) / |W|^2. */
+static void test_first_zero(void **state) {
     (void)state;
     for (int w = 3; w <= 6; w++) {
         for (int times = 4; times <= 7; times++) {
@@ -71,7 +69,8 @@ static void test_first_zero(void **state)
             pair_init(&p, n, n, 17, 17, 1);
             pair_draw(&p, 1.0, 3);
             for (int i = 0; i < 17 * 17; i++) {
-                p.psf[i] = i % 17 >= 4 && i % 17 < 4 + w && i / 17 >= 5 && i / 17 < 5 + w ? 0.25 : 0.0;
+                p.psf[i] =
+                    i % 17 >= 4 && i % 17 < 4 + w && i / 17 >= 5 && i / 17 < 5 + w ? 0.25 : 0.0;
             }
             pair_set(&p, "interpolation", "none");
             p.settings.beta_px = w;
@@ -83,7 +82,8 @@ static void test_first_zero(void **state)
                 const double k2 = k2_at(&v, i % v.in.spec_nx, i / v.in.spec_nx, &kx, &ky);
                 const double amplitude = top_hat(kx, w) * top_hat(ky, w);
                 const double beta2 = p.settings.beta_px * p.settings.beta_px;
-                const double expected = inside(&v, k2) ? exp(-beta2 * k2) / (amplitude * amplitude) : 0.0;
+                const double expected =
+                    inside(&v, k2) ? exp(-beta2 * k2) / (amplitude * amplitude) : 0.0;
                 assert_near(v.in.transfer[i], expected, 1e-9, expected, "T");
             }
             shear_inspection_free(&v.in);
@@ -93,8 +93,7 @@ static void test_first_zero(void **state)
 }
 
 /* |W|^2 of a PSF at one mode, by its sum. */
-static double psf_power(const pair *p, double kx, double ky)
-{
+static double psf_power(const pair *p, double kx, double ky) {
     double re = 0.0;
     double im = 0.0;
     double sum = 0.0;
@@ -107,10 +106,9 @@ static double psf_power(const pair *p, double kx, double ky)
     return (re * re + im * im) / (sum * sum);
 }
 
-/* Random PSFs, most of whose first weak mode lies off the axes: it is cut itself, with all at its |k| and beyond, and none
- * before it; 1/T never exceeds what the threshold allows. */
-static void test_cut_is_isotropic(void **state)
-{
+/* Random PSFs, most of whose first weak mode lies off the axes: it is cut itself, with all at its
+ * |k| and beyond, and none before it; 1/T never exceeds what the threshold allows. */
+static void test_cut_is_isotropic(void **state) {
     (void)state;
     uint64_t seed = 31;
     for (int k = 0; k < 60; k++) {
@@ -119,7 +117,8 @@ static void test_cut_is_isotropic(void **state)
         pair_init(&p, 18 + k % 3, 20, 7, 7, 1);
         pair_draw(&p, 1.0, 5);
         for (int i = 0; i < 49; i++) {
-            p.psf[i] = exp(-0.1 * ((i % 7 - 3) * (i % 7 - 3) + (i / 7 - 3) * (i / 7 - 3))) * (0.2 + uniform(&seed));
+            p.psf[i] = exp(-0.1 * ((i % 7 - 3) * (i % 7 - 3) + (i / 7 - 3) * (i / 7 - 3))) *
+                       (0.2 + uniform(&seed));
         }
         pair_set(&p, "interpolation", "none");
         pair_set(&p, "psf-threshold", "0.01");
@@ -144,15 +143,13 @@ static void test_cut_is_isotropic(void **state)
     }
 }
 
-static double weight(double k, void *beta)
-{
+static double weight(double k, void *beta) {
     const double b = *(double *)beta;
     return pow(k, 5.0) * exp(-b * b * k * k);
 }
 
 /* The part of sum k^4 exp(-beta^2 k^2) beyond k_cut, by numerical integration over the plane. */
-static void test_power_beyond(void **state)
-{
+static void test_power_beyond(void **state) {
     (void)state;
     gsl_integration_workspace *w = gsl_integration_workspace_alloc(200);
     for (double beta = 0.4; beta < 5.0; beta *= 1.7) {
@@ -164,14 +161,14 @@ static void test_power_beyond(void **state)
             gsl_function f = {.function = weight, .params = &beta};
             gsl_integration_qagiu(&f, 0.0, 0.0, 1e-11, 200, w, &all, &error);
             gsl_integration_qagiu(&f, k_cut, 0.0, 1e-11, 200, w, &beyond, &error);
-            assert_near(transfer_power_beyond(beta, k_cut), beyond / all, 1e-9, beyond / all, "part beyond");
+            assert_near(transfer_power_beyond(beta, k_cut), beyond / all, 1e-9, beyond / all,
+                        "part beyond");
         }
     }
     gsl_integration_workspace_free(w);
 }
 
-static void test_smallest_beta(void **state)
-{
+static void test_smallest_beta(void **state) {
     (void)state;
     for (double k_cut = 0.1; k_cut < 60.0; k_cut *= 1.9) {
         for (double tolerance = 1e-6; tolerance < 0.9; tolerance *= 7.0) {
@@ -186,27 +183,28 @@ static void test_smallest_beta(void **state)
 }
 
 /* The error names the smallest beta; that works, and a little less does not. */
-static void check_advice(pair *p, double r_psf)
-{
+static void check_advice(pair *p, double r_psf) {
     shear_error err = {0};
     shear_plan *plan = NULL;
     const double *psf = r_psf > 0.0 ? NULL : p->psf;
     p->settings.beta_px = 0.05;
-    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err), SHEAR_E_BETA);
+    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err),
+                     SHEAR_E_BETA);
     assert_null(plan);
     assert_non_null(strstr(err.advice, "larger beta"));
     const char *number = strstr(err.message, "works is ");
     assert_non_null(number);
     p->settings.beta_px = strtod(number + strlen("works is "), NULL);
     assert_true(p->settings.beta_px > 0.05);
-    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err), SHEAR_OK);
+    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err),
+                     SHEAR_OK);
     shear_plan_free(plan);
     p->settings.beta_px -= 1.01e-4;
-    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err), SHEAR_E_BETA);
+    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err),
+                     SHEAR_E_BETA);
 }
 
-static void test_beta_too_small(void **state)
-{
+static void test_beta_too_small(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m++) {
         pair p;
@@ -220,8 +218,7 @@ static void test_beta_too_small(void **state)
 }
 
 /* A PSF that a log method cannot take. OVERSAMP 1 has to be interpolated, a fine one not. */
-static void test_negative_psf(void **state)
-{
+static void test_negative_psf(void **state) {
     (void)state;
     pair p;
     shear_row row;
@@ -242,8 +239,7 @@ static void test_negative_psf(void **state)
     pair_deinit(&p);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_first_zero),     cmocka_unit_test(test_cut_is_isotropic),
         cmocka_unit_test(test_power_beyond),   cmocka_unit_test(test_smallest_beta),

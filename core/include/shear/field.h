@@ -102,6 +102,8 @@ int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_e
 enum { SHEAR_CHECKSUM_SIZE = 33 }; /* with the NUL */
 int shear_file_checksum(const char *path, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
 int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
+/* The same of bytes in memory. */
+void shear_bytes_checksum(const void *bytes, size_t n, char out[SHEAR_CHECKSUM_SIZE]);
 
 /* ---- writing ---- */
 typedef struct shear_field_writer shear_field_writer;

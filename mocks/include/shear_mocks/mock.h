@@ -7,16 +7,22 @@
  * in galaxy pixels, axes and lensing signs are those of shear/stamp.h and docs/method.md.
  *
  * Notes
- *  1. Every random number is a function of (seed, what it is for, index of the galaxy or stamp,
- * number of the draw): Philox4x64-10, a counter-based generator. A galaxy's points depend only on
- * the seed and its index; a stamp's noise only on the seed, the stamp's index, and whether it is
- * the galaxy's or the noise stamp. None depends on the shear, the threads, the chunking, or on
- * which other noises are on: the same seed at another shear gives the same galaxies in the same
- * noise. (Photon counts follow their pixel's mean, each pixel from its own sequence.)
- *  2. Lensing conserves surface brightness. For collections of points under a constant shear this
- * is a common factor det A = 1 - g1^2 - g2^2 on all amplitudes, and it is applied.
- *  3. Every pixel where a point's PSF exceeds 1e-20 of its peak gets the point's contribution,
- * right to 1e-12 of itself plus 1e-20 of the peak; farther ones get nothing.
+ *
+ * 1. Every random number is a function of (seed, what it is for, index of the galaxy or
+ *    stamp, number of the draw): Philox4x64-10, a counter-based generator. A galaxy's points
+ *    depend only on the seed and its index; a stamp's noise only on the seed, the stamp's
+ *    index, and whether it is the galaxy's or the noise stamp. None depends on the shear, the
+ *    threads, the chunking, or on which other noises are on: the same seed at another shear
+ *    gives the same galaxies in the same noise. (Photon counts follow their pixel's mean,
+ *    each pixel from its own sequence.)
+ *
+ * 2. Lensing conserves surface brightness. For collections of points under a constant
+ *    shear this is a common factor det A = 1 - g1^2 - g2^2 on all amplitudes, and it is
+ *    applied.
+ *
+ * 3. Every pixel where a point's PSF exceeds 1e-20 of its peak gets the point's
+ *    contribution, right to 1e-12 of itself plus 1e-20 of the peak; fainter ones may be left
+ *    out.
  */
 #ifndef SHEAR_MOCKS_MOCK_H
 #define SHEAR_MOCKS_MOCK_H

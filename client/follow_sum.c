@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "follow_sum.h"
+
+#include <math.h>
+
+struct follow_sum follow_sum(const struct follow_entry *entries, size_t n) {
+    struct follow_sum sum = {.total = -1};
+    double known = 0.0;
+    size_t n_known = 0;
+    for (size_t i = 0; i < n; i++) {
+        const struct follow_entry *e = &entries[i];
+        const bool final = shear_job_state_is_final(e->state);
+        sum.finished += final;
+        if (e->progress.total >= 0) {
+            known += (double)e->progress.total;
+            n_known++;
+            sum.done += final ? e->progress.total : e->progress.done;
+        }
+        if (e->state == SHEAR_JOB_RUNNING && isfinite(e->progress.rate)) {
+            sum.rate += e->progress.rate;
+        }
+    }
+    if (n_known > 0) {
+        sum.total = (int64_t)(known / (double)n_known * (double)n + 0.5);
+    }
+    return sum;
+}
+
+static struct follow_entry *find(struct follow_entry *entries, size_t n, int64_t id) {
+    for (size_t i = 0; i < n; i++) {
+        if (entries[i].id == id) {
+            return &entries[i];
+        }
+    }
+    return NULL;
+}
+
+void follow_note_job(struct follow_entry *entries, size_t n, const shear_msg_job *job) {
+    struct follow_entry *e = find(entries, n, job->id);
+    if (e && !shear_job_state_is_final(e->state)) {
+        e->state = job->state;
+        e->progress = job->progress;
+    }
+}
+
+void follow_note_progress(struct follow_entry *entries, size_t n, int64_t id,
+                          const shear_msg_progress *progress) {
+    struct follow_entry *e = find(entries, n, id);
+    if (e && !shear_job_state_is_final(e->state)) {
+        e->state = SHEAR_JOB_RUNNING;
+        e->progress = *progress;
+    }
+}

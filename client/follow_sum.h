@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* follow_sum.h: the progress of several jobs as that of one. */
+#ifndef CLIENT_FOLLOW_SUM_H
+#define CLIENT_FOLLOW_SUM_H
+
+#include "sheard/messages.h"
+
+struct follow_entry {
+    int64_t id;
+    int state;
+    shear_msg_progress progress;
+};
+
+struct follow_sum {
+    size_t finished;
+    int64_t done, total; /* stamps; total -1: not known of any job */
+    double rate;
+};
+
+/* Jobs whose stamps are not counted yet are taken to have as many as the others have on average. */
+struct follow_sum follow_sum(const struct follow_entry *entries, size_t n);
+
+/* What a notification or an answer says of a job that is among entries[n]. A final state stays. */
+void follow_note_job(struct follow_entry *entries, size_t n, const shear_msg_job *job);
+void follow_note_progress(struct follow_entry *entries, size_t n, int64_t id,
+                          const shear_msg_progress *progress);
+
+#endif

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "input_path.h"
+
+#include "sheard/messages.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int no_memory(shear_error *err) {
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+}
+
+/* "DIRECTORY/LAST"; the root's slash is not doubled. */
+static int join(const char *directory, const char *last, char **path, shear_error *err) {
+    const char *slash = strcmp(directory, "/") == 0 ? "" : "/";
+    return asprintf(path, "%s%s%s", directory, slash, last) < 0 ? no_memory(err) : SHEAR_OK;
+}
+
+int input_path_absolute(const char *name, char **path, shear_error *err) {
+    *path = NULL;
+    if (name[0] == '/') {
+        *path = strdup(name);
+        return *path ? SHEAR_OK : no_memory(err);
+    }
+    const char *slash = strrchr(name, '/');
+    const char *last = slash ? slash + 1 : name;
+    if (!*last || strcmp(last, ".") == 0 || strcmp(last, "..") == 0) {
+        return shear_fail(err, SHEAR_E_IO, NULL, "%s is not the name of a file", name);
+    }
+    char *parent = slash ? strndup(name, (size_t)(slash - name)) : strdup(".");
+    if (!parent) {
+        return no_memory(err);
+    }
+    char *real = realpath(parent, NULL);
+    const int code = real ? join(real, last, path, err)
+                          : shear_fail(err, SHEAR_E_IO, "check the path",
+                                       "%s: its directory cannot be found: %s", name,
+                                       strerror(errno));
+    free(real);
+    free(parent);
+    return code;
+}
+
+int input_path_hdu(const char *name, int64_t *hdu, size_t *length, shear_error *err) {
+    const size_t n = strlen(name);
+    *hdu = -1;
+    *length = n;
+    const char *open = strrchr(name, '[');
+    if (!open || open == name || name[n - 1] != ']' || access(name, F_OK) == 0) {
+        return SHEAR_OK;
+    }
+    const size_t digits = strspn(open + 1, "0123456789");
+    if (digits == 0 || open + 1 + digits != name + n - 1) {
+        return SHEAR_OK;
+    }
+    const long value = digits < 6 ? strtol(open + 1, NULL, 10) : SHEAR_MSG_HDU_MAX + 1L;
+    if (value > SHEAR_MSG_HDU_MAX) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "%s: an HDU is a number from 0 to %d", name,
+                          SHEAR_MSG_HDU_MAX);
+    }
+    *hdu = value;
+    *length = (size_t)(open - name);
+    return SHEAR_OK;
+}

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "job_text.h"
+
+#include "bar.h"
+#include "human.h"
+#include "message.h"
+#include "shear_text.h"
+#include "sheard/report_summary.h"
+#include "style.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+static const char *or_dash(const char *text) {
+    return text && *text ? text : "-";
+}
+
+static void image_text(const shear_msg_image *image, char *buf, size_t size) {
+    if (image->hdu >= 0) {
+        snprintf(buf, size, "%s[%" PRId64 "]", or_dash(image->path), image->hdu);
+    } else {
+        snprintf(buf, size, "%s", or_dash(image->path));
+    }
+}
+
+char *job_source_text(const shear_msg_source *source, char *buf, size_t size) {
+    char galaxy[4200];
+    if (source->galaxy.path) {
+        image_text(&source->galaxy, galaxy, sizeof galaxy);
+        snprintf(buf, size, "%s + noise, psf", galaxy);
+    } else {
+        snprintf(buf, size, "%s", or_dash(source->path));
+    }
+    return buf;
+}
+
+/* ---- Tables ---- */
+
+struct text_table *job_table_new(void) {
+    static const struct text_column columns[] = {{"ID", 'r'},    {"STATE", 'l'}, {"FIELD", 'l'},
+                                                 {"DONE", 'r'},  {"PRIO", 'r'},  {"USER", 'l'},
+                                                 {"AGE", 'r'},   {"TOOK", 'r'},  {"SOURCE", 'l'}};
+    return text_table_new(columns, sizeof columns / sizeof *columns);
+}
+
+/* "42%"; "duplicate" and the code of a failure say more than 100 % and 0 %. */
+static void add_part(struct text_table *t, const shear_msg_job *job) {
+    if (job->outcome == SHEAR_OUTCOME_DUPLICATE) {
+        text_table_cell(t, STYLE_DIM, "duplicate");
+    } else if (job->state == SHEAR_JOB_FAILED || job->state == SHEAR_JOB_WAITING) {
+        text_table_cell(t, NULL, "%s", or_dash(job->code));
+    } else if (job->progress.total >= 0 && job->state != SHEAR_JOB_QUEUED) {
+        text_table_cell(t, NULL, "%d%%",
+                        (int)(100.0 * bar_part((double)job->progress.done,
+                                               (double)job->progress.total)));
+    } else {
+        text_table_cell(t, NULL, "%s", job->state == SHEAR_JOB_DONE ? "100%" : "-");
+    }
+}
+
+static double took(const shear_msg_job *job, int64_t now_ms) {
+    const int64_t end = job->finished_ms ? job->finished_ms : now_ms;
+    return job->started_ms ? (double)(end - job->started_ms) / 1000.0 : (double)NAN;
+}
+
+void job_table_add(struct text_table *t, const shear_msg_job *job, int64_t now_ms) {
+    char text[4200];
+    char duration[HUMAN_SIZE];
+    text_table_cell(t, NULL, "%" PRId64, job->id);
+    text_table_cell(t, style_of_state(job->state), "%s", shear_job_state_name(job->state));
+    text_table_cell(t, NULL, "%s", or_dash(job->field));
+    add_part(t, job);
+    text_table_cell(t, NULL, "%" PRId64, job->priority);
+    text_table_cell(t, NULL, "%s", or_dash(job->user));
+    text_table_cell(t, NULL, "%s", human_age(job->created_ms, now_ms, duration));
+    text_table_cell(t, NULL, "%s", human_duration(took(job, now_ms), duration));
+    text_table_cell(t, NULL, "%s", job_source_text(&job->source, text, sizeof text));
+}
+
+struct text_table *job_results_new(void) {
+    static const struct text_column columns[] = {
+        {"ID", 'r'}, {"STATE", 'l'}, {"FIELD", 'l'}, {"G1", 'l'},
+        {"G2", 'l'}, {"USED", 'r'},  {"OF", 'r'},    {"SOURCE", 'l'}};
+    return text_table_new(columns, sizeof columns / sizeof *columns);
+}
+
+void job_results_add(struct text_table *t, const shear_msg_job *job) {
+    char text[4200];
+    shear_report_summary s = {.g1 = NAN, .g2 = NAN};
+    shear_error err = {0};
+    const bool has = job->result && shear_report_summary_parse(&s, job->result, &err) == 0;
+    text_table_cell(t, NULL, "%" PRId64, job->id);
+    text_table_cell(t, style_of_state(job->state), "%s%s", shear_job_state_name(job->state),
+                    job->outcome == SHEAR_OUTCOME_DUPLICATE ? " (duplicate)" : "");
+    text_table_cell(t, NULL, "%s", or_dash(job->field));
+    text_table_cell(t, NULL, "%s",
+                    has ? shear_text_value(s.g1, s.g1_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s",
+                    has ? shear_text_value(s.g2, s.g2_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%" PRId64, s.n_used);
+    text_table_cell(t, NULL, "%" PRId64, s.n_stamps);
+    text_table_cell(t, NULL, "%s", job_source_text(&job->source, text, sizeof text));
+    if (has) {
+        shear_report_summary_deinit(&s);
+    }
+}
+
+/* ---- One job ---- */
+
+static void print_source(const shear_msg_source *s, FILE *out) {
+    const struct {
+        const char *name;
+        const shear_msg_image *image;
+    } images[] = {{"galaxy", &s->galaxy}, {"noise", &s->noise}, {"psf", &s->psf}};
+    if (s->path) {
+        shear_text_line(out, "file", "%s", s->path);
+    }
+    for (size_t i = 0; i < 3; i++) {
+        if (images[i].image->path) {
+            char text[4200];
+            image_text(images[i].image, text, sizeof text);
+            shear_text_line(out, images[i].name, "%s", text);
+        }
+    }
+}
+
+static void print_failure(const shear_msg_job *job, bool utc, FILE *out) {
+    char time[HUMAN_SIZE];
+    if (job->code) {
+        const char *class = shear_job_class_name(job->job_class);
+        shear_text_line(out, "failure", "%s%s%s%s: %s", job->code, *class ? " (" : "", class,
+                        *class ? ")" : "", or_dash(job->message));
+    }
+    if (job->code && job->advice && *job->advice) {
+        shear_text_line(out, "advice", "%s", job->advice);
+    }
+    if (job->not_before_ms && job->state == SHEAR_JOB_WAITING) {
+        shear_text_line(out, "retry", "not before %s", human_time(job->not_before_ms, utc, time));
+    }
+}
+
+static void print_times(const shear_msg_job *job, bool utc, FILE *out) {
+    char time[HUMAN_SIZE];
+    char duration[HUMAN_SIZE];
+    shear_text_line(out, "submitted", "%s by %s (%s)", human_time(job->created_ms, utc, time),
+                    or_dash(job->user), shear_job_origin_name(job->origin));
+    if (job->started_ms) {
+        shear_text_line(out, "started", "%s", human_time(job->started_ms, utc, time));
+    }
+    if (job->finished_ms) {
+        shear_text_line(out, "finished", "%s (took %s)", human_time(job->finished_ms, utc, time),
+                        human_duration(took(job, job->finished_ms), duration));
+    }
+}
+
+static void print_progress(const shear_msg_job *job, FILE *out) {
+    char bar[48];
+    char figures[96];
+    if (job->state == SHEAR_JOB_RUNNING && job->progress.total >= 0) {
+        const double part = bar_part((double)job->progress.done, (double)job->progress.total);
+        shear_text_line(out, "progress", "%s%s", bar_text(part, 32, bar, sizeof bar),
+                        bar_figures(part, job->progress.rate, job->progress.eta_s, figures,
+                                    sizeof figures));
+    }
+}
+
+/* Those that are not at their built-in defaults, as "NAME=VALUE NAME=VALUE". */
+static void print_settings(const char *settings, FILE *out) {
+    char text[SHEAR_MSG_SETTINGS_SIZE] = "";
+    size_t n = 0;
+    size_t used = 0;
+    shear_settings theirs;
+    shear_settings defaults;
+    const shear_setting_def *table = shear_settings_table(&n);
+    shear_settings_init(&theirs);
+    shear_settings_init(&defaults);
+    if (!settings || shear_settings_apply(&theirs, settings, NULL)) {
+        return;
+    }
+    for (size_t i = 0; i < n && used < sizeof text; i++) {
+        char a[64];
+        char b[64];
+        shear_settings_format(&theirs, &table[i], a, sizeof a);
+        if (strcmp(a, shear_settings_format(&defaults, &table[i], b, sizeof b)) != 0) {
+            const int more = snprintf(text + used, sizeof text - used, "%s%s=%s", used ? " " : "",
+                                      table[i].name, a);
+            used += more > 0 ? (size_t)more : 0;
+        }
+    }
+    shear_text_line(out, "settings", "%s", used ? text : "all at their defaults");
+}
+
+static void print_outcome(const shear_msg_job *job, FILE *out) {
+    if (job->outcome == SHEAR_OUTCOME_DUPLICATE) {
+        shear_text_line(out, "outcome",
+                        "duplicate of job %" PRId64 ": not counted again (--force counts it)",
+                        job->duplicate_of);
+    } else if (job->outcome == SHEAR_OUTCOME_COUNTED) {
+        shear_text_line(out, "outcome", "counted to the field");
+    }
+    if (job->catalogue) {
+        shear_text_line(out, "catalogue", "%s", job->catalogue);
+    }
+    shear_text_print(job->result, out);
+}
+
+static void print_history(const shear_msg_shown *shown, bool utc, FILE *out) {
+    for (size_t i = 0; i < shown->n_history; i++) {
+        const shear_msg_attempt *a = &shown->history[i];
+        char time[HUMAN_SIZE];
+        char duration[HUMAN_SIZE];
+        const double s = a->ended_ms ? (double)(a->ended_ms - a->started_ms) / 1000.0 : (double)NAN;
+        const char *ending = shear_job_ending_name(a->ending);
+        shear_text_line(out, "attempt", "%" PRId64 ": %s, %s%s%s%s%s", a->number,
+                        human_time(a->started_ms, utc, time), *ending ? ending : "running",
+                        a->ended_ms ? " after " : "",
+                        a->ended_ms ? human_duration(s, duration) : "", a->code ? ", " : "",
+                        a->code ? a->code : "");
+    }
+}
+
+void job_text_print(const shear_msg_shown *shown, bool utc, FILE *out) {
+    const shear_msg_job *job = &shown->job;
+    const char *style = style_on(out) ? style_of_state(job->state) : NULL;
+    fprintf(out, "job %" PRId64 "  %s%s%s%s\n", job->id, style ? style : "",
+            shear_job_state_name(job->state), style ? STYLE_END : "",
+            job->cancel_asked && !shear_job_state_is_final(job->state) ? " (being cancelled)" : "");
+    shear_text_line(out, "field", "%s", or_dash(job->field));
+    print_source(&job->source, out);
+    print_failure(job, utc, out);
+    print_progress(job, out);
+    print_outcome(job, out);
+    print_times(job, utc, out);
+    if (job->priority) {
+        shear_text_line(out, "priority", "%" PRId64, job->priority);
+    }
+    if (job->key) {
+        shear_text_line(out, "key", "%s", job->key);
+    }
+    print_settings(job->settings, out);
+    if (job->checksum) {
+        shear_text_line(out, "checksum", "%s", job->checksum);
+    }
+    print_history(shown, utc, out);
+}
+
+void job_complain(const shear_msg_job *job) {
+    if (job->state == SHEAR_JOB_FAILED) {
+        message_fail(job->advice && *job->advice ? job->advice : NULL,
+                     "job %" PRId64 " failed: %s [%s]", job->id, or_dash(job->message),
+                     or_dash(job->code));
+    } else if (job->state == SHEAR_JOB_CANCELLED) {
+        message_fail(NULL, "job %" PRId64 " was cancelled", job->id);
+    } else if (!shear_job_state_is_final(job->state)) {
+        message_fail(NULL, "job %" PRId64 " is not finished: %s", job->id,
+                     shear_job_state_name(job->state));
+    }
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* job_text.h: jobs for people: rows of a table, and everything about one. */
+#ifndef CLIENT_JOB_TEXT_H
+#define CLIENT_JOB_TEXT_H
+
+#include "sheard/messages.h"
+#include "text_table.h"
+
+#include <stdbool.h>
+
+/* The table of `shearctl jobs`. */
+struct text_table *job_table_new(void);
+void job_table_add(struct text_table *table, const shear_msg_job *job, int64_t now_ms);
+
+/* The table of finished jobs with their shear (submit --wait, wait). */
+struct text_table *job_results_new(void);
+void job_results_add(struct text_table *table, const shear_msg_job *job);
+
+/* `shearctl show`. */
+void job_text_print(const shear_msg_shown *shown, bool utc, FILE *out);
+
+/* "/data/a.fits", or "/data/gal.fits[2] + ..." of separate images. Returns buf. */
+char *job_source_text(const shear_msg_source *source, char *buf, size_t size);
+
+/* Why a job is not done, with its advice, on standard error; nothing for one that is. */
+void job_complain(const shear_msg_job *job);
+
+#endif

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "shear_text.h"
+
+#include "result_table.h"
+#include "sheard/report_summary.h"
+#include "style.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdarg.h>
+
+void shear_text_line(FILE *out, const char *name, const char *format, ...) {
+    char text[4200];
+    char clean[4200];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    fprintf(out, "  %-10s %s\n", name, style_clean(text, clean, sizeof clean));
+}
+
+char *shear_text_value(double value, double error, char *buf, size_t size) {
+    if (!isfinite(value)) {
+        snprintf(buf, size, "-");
+        return buf;
+    }
+    return result_table_value(value, error, buf, size);
+}
+
+/* "400 of 403 used (2 galaxy_not_finite, 1 masked)" */
+static void print_stamps(const shear_report_summary *s, FILE *out) {
+    char flags[400] = "";
+    size_t used = 0;
+    for (int bit = 0; bit < SHEAR_N_FLAGS && used < sizeof flags; bit++) {
+        if (s->flagged[bit] > 0) {
+            const int n = snprintf(flags + used, sizeof flags - used, "%s%" PRId64 " %s",
+                                   used ? ", " : "", s->flagged[bit], shear_flag_name(bit));
+            used += n > 0 ? (size_t)n : 0;
+        }
+    }
+    shear_text_line(out, "stamps", "%" PRId64 " of %" PRId64 " used%s%s%s", s->n_used, s->n_stamps,
+                    used ? " (" : "", flags, used ? ")" : "");
+}
+
+static void print_method(const shear_report_summary *s, FILE *out) {
+    char fine[40] = "";
+    char filter[80] = "";
+    if (!s->interpolation[0]) {
+        return;
+    }
+    if (s->oversample > 1) {
+        snprintf(fine, sizeof fine, " to %" PRId64 " x", s->oversample);
+    }
+    if (isfinite(s->core_px)) {
+        snprintf(filter, sizeof filter, " (core %.4g px, width %.4g px)", s->core_px, s->width_px);
+    }
+    shear_text_line(out, "method",
+                    "interpolation %s%s, R_PSF %.4g px, beta %.4g px, filter %s%s",
+                    s->interpolation, fine, s->r_psf_px, s->beta_px, s->filter, filter);
+}
+
+static void print_component(const char *name, double g, double error, double truth, double pull,
+                            FILE *out) {
+    char value[96];
+    shear_text_value(g, error, value, sizeof value);
+    if (!isfinite(g)) {
+        shear_text_line(out, name, "not measured");
+    } else if (isfinite(truth)) {
+        shear_text_line(out, name, "%s   truth %+.6g   pull %+.2f", value, truth, pull);
+    } else {
+        shear_text_line(out, name, "%s", value);
+    }
+}
+
+static void print_summary(const shear_report_summary *s, FILE *out) {
+    print_stamps(s, out);
+    print_method(s, out);
+    print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, out);
+    print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, out);
+    if (isfinite(s->cov12)) {
+        shear_text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
+                        s->cov12 / (s->g1_err * s->g2_err));
+    }
+    if (s->jackknife > 0) {
+        shear_text_line(out, "errors", "jackknife over %" PRId64 " groups of blocks", s->jackknife);
+    } else if (isfinite(s->g1)) {
+        shear_text_line(out, "errors", "delta method");
+    }
+    for (int64_t i = 0; i < s->n_warnings; i++) {
+        shear_text_line(out, "warning", "%s", s->warnings[i]);
+    }
+}
+
+void shear_text_print(const char *report, FILE *out) {
+    shear_report_summary summary;
+    shear_error err = {0};
+    if (!report) {
+        return;
+    }
+    if (shear_report_summary_parse(&summary, report, &err)) {
+        shear_text_line(out, "result", "cannot be shown: %s", err.message);
+        return;
+    }
+    print_summary(&summary, out);
+    shear_report_summary_deinit(&summary);
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shear_text.h: the numbers of a result (a JSON object as the service sends it) for people. */
+#ifndef CLIENT_SHEAR_TEXT_H
+#define CLIENT_SHEAR_TEXT_H
+
+#include <stddef.h>
+#include <stdio.h>
+
+/* The lines "  stamps ...", "  method ...", "  g1 ...", as shearctl measure prints them, of a
+ * report. NULL prints nothing. */
+void shear_text_print(const char *report, FILE *out);
+
+/* "+0.02852 +- 0.00080"; "-" where it was not measured. Returns buf. */
+char *shear_text_value(double value, double error, char *buf, size_t size);
+
+/* One line "  NAME       TEXT", unprintable bytes replaced. */
+void shear_text_line(FILE *out, const char *name, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+#endif

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "walk.h"
+
+#include "permission.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { WALK_TRIES = 8 }; /* names may change while we walk, by chance or malice */
+
+int walk_name(int fd, char **name) {
+    char path[32];
+    char text[PATH_MAX];
+    *name = NULL;
+    snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
+    const ssize_t n = readlink(path, text, sizeof text);
+    if (n < 0) {
+        return errno;
+    }
+    if (n == (ssize_t)sizeof text) {
+        return ENAMETOOLONG;
+    }
+    text[n] = '\0';
+    *name = strdup(text);
+    return *name == NULL ? ENOMEM : 0;
+}
+
+/* From *at one component on; *at is replaced. */
+static int step(int *at, const char *name) {
+    const int next = openat(*at, name, O_PATH | O_NOFOLLOW | O_CLOEXEC);
+    if (next < 0) {
+        return errno == EACCES ? EPERM : errno;
+    }
+    close(*at);
+    *at = next;
+    return 0;
+}
+
+/* Everything above the end of `way` (cut into components here) may be searched; *at is the end. */
+static int walk_along(char *way, const access_peer *peer, int *at) {
+    struct stat st;
+    char *rest = NULL;
+    int error = 0;
+    for (char *name = strtok_r(way, "/", &rest); name != NULL && error == 0;
+         name = strtok_r(NULL, "/", &rest)) {
+        error = permission_check(*at, peer, PERMIT_SEARCH, &st);
+        if (error == 0) {
+            error = step(at, name);
+        }
+    }
+    return error;
+}
+
+/* ESTALE where the way leads elsewhere by now. */
+static int walk_once(int target, const access_peer *peer, char *way) {
+    struct stat end;
+    struct stat wanted;
+    int at = open("/", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    if (at < 0) {
+        return errno;
+    }
+    int error = walk_along(way, peer, &at);
+    if (error == ENOENT || error == ENOTDIR) {
+        error = ESTALE;
+    }
+    if (error == 0 && (fstat(target, &wanted) != 0 || fstat(at, &end) != 0)) {
+        error = errno;
+    }
+    if (error == 0 && (wanted.st_dev != end.st_dev || wanted.st_ino != end.st_ino)) {
+        error = ESTALE;
+    }
+    if (error == 0) {
+        error = permission_check(target, peer,
+                                 S_ISDIR(wanted.st_mode) ? PERMIT_SEARCH : PERMIT_READ, &wanted);
+    }
+    close(at);
+    return error;
+}
+
+int walk_check(int target, const access_peer *peer, char **name) {
+    int error = ESTALE;
+    for (int i = 0; i < WALK_TRIES && error == ESTALE; i++) {
+        char *way = NULL;
+        error = walk_name(target, &way);
+        char *copy = way != NULL ? strdup(way) : NULL;
+        if (error == 0) {
+            error = copy == NULL ? ENOMEM : walk_once(target, peer, copy);
+        }
+        free(copy);
+        if (error == 0 && name != NULL) {
+            *name = way;
+        } else {
+            free(way);
+        }
+    }
+    if (error != ESTALE) {
+        return error;
+    }
+    struct stat st;
+    return fstat(target, &st) == 0 && st.st_nlink == 0 ? ENOENT : EAGAIN;
+}

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "log/log.h"
+
+#include "log/repeats.h"
+
+#include <errno.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MESSAGE_SIZE = 2048, LINE_SIZE = 4 * MESSAGE_SIZE + 64 };
+
+/* `lock` is held while `messages` is looked at and while a line is written, so that a count stands
+ * behind the lines that it is about. `options` and `journal` change only in log_open. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static repeats messages;
+static log_options options = {.fd = STDERR_FILENO, .burst = 5, .interval_ms = 30000};
+static bool journal;
+static atomic_int level_on = LOG_LEVEL_INFO;
+
+void log_options_init(log_options *o) {
+    *o = (log_options){
+        .level = LOG_LEVEL_INFO, .fd = STDERR_FILENO, .burst = 5, .interval_ms = 30000};
+}
+
+/* JOURNAL_STREAM is inherited by everybody; it counts only where the descriptor is still that one:
+ * "device:inode". */
+static bool is_journal(int fd) {
+    const char *text = getenv("JOURNAL_STREAM");
+    unsigned long long device;
+    unsigned long long inode;
+    char *end = NULL;
+    struct stat st;
+    if (!text) {
+        return false;
+    }
+    device = strtoull(text, &end, 10);
+    if (end == text || *end != ':') {
+        return false;
+    }
+    const char *second = end + 1;
+    inode = strtoull(second, &end, 10);
+    return end != second && *end == '\0' && fstat(fd, &st) == 0 && st.st_dev == device &&
+           st.st_ino == inode;
+}
+
+void log_open(const log_options *o) {
+    pthread_mutex_lock(&lock);
+    options = *o;
+    journal = o->style == LOG_JOURNAL || (o->style == LOG_AUTO && is_journal(o->fd));
+    messages = (repeats){0};
+    pthread_mutex_unlock(&lock);
+    log_set_level(o->level);
+}
+
+void log_set_level(int level) {
+    atomic_store(&level_on, level);
+}
+
+bool log_is_on(int level) {
+    return level <= atomic_load(&level_on);
+}
+
+static int64_t now_ms(void) {
+    struct timespec now;
+    if (options.now_ms) {
+        return options.now_ms();
+    }
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+/* ---- a line ---- */
+
+/* Bytes of the UTF-8 character at p that may be written as it is; 0: it must be escaped. */
+static size_t printable(const unsigned char *p) {
+    if (p[0] < 0x80) {
+        return p[0] >= 0x20 && p[0] != 0x7f;
+    }
+    const size_t n = p[0] >= 0xf0 ? 4 : p[0] >= 0xe0 ? 3 : 2;
+    uint32_t value = p[0] & (0xffu >> (n + 1));
+    if (p[0] < 0xc2 || p[0] > 0xf4) {
+        return 0;
+    }
+    for (size_t i = 1; i < n; i++) {
+        if ((p[i] & 0xc0) != 0x80) {
+            return 0;
+        }
+        value = value << 6 | (p[i] & 0x3fu);
+    }
+    static const uint32_t least[] = {0, 0, 0xa0, 0x800, 0x10000}; /* below U+00A0: controls */
+    const bool bidi = (value >= 0x2028 && value <= 0x202e) || (value >= 0x2066 && value <= 0x2069);
+    return value < least[n] || value > 0x10ffff || (value >= 0xd800 && value < 0xe000) || bidi ? 0
+                                                                                               : n;
+}
+
+static size_t escape(char *out, const char *text) {
+    char *o = out;
+    for (const unsigned char *p = (const unsigned char *)text; *p != '\0';) {
+        const size_t n = printable(p);
+        if (n > 0) {
+            memcpy(o, p, n);
+            o += n;
+            p += n;
+        } else {
+            o += *p == '\n'   ? sprintf(o, "\\n")
+                 : *p == '\t' ? sprintf(o, "\\t")
+                              : sprintf(o, "\\x%02x", *p);
+            p++;
+        }
+    }
+    return (size_t)(o - out);
+}
+
+static size_t begin_line(char *line, size_t size, int level, int64_t ms) {
+    static const int priorities[] = {3, 4, 5, 6, 7};
+    static const char *const names[] = {"error", "warning", "notice", "info", "debug"};
+    if (journal) {
+        return (size_t)snprintf(line, size, "<%d>", priorities[level]);
+    }
+    const time_t seconds = (time_t)(ms / 1000);
+    struct tm tm = {0};
+    char date[32];
+    gmtime_r(&seconds, &tm);
+    strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &tm);
+    return (size_t)snprintf(line, size, "%s.%03dZ %s: ", date, (int)(ms % 1000), names[level]);
+}
+
+/* A line that the system takes only a part of is not split among others: the lock is held. */
+static void write_all(const char *bytes, size_t n) {
+    while (n > 0) {
+        const ssize_t written = write(options.fd, bytes, n);
+        if (written < 0 && errno != EINTR) {
+            return;
+        }
+        bytes += written > 0 ? written : 0;
+        n -= written > 0 ? (size_t)written : 0;
+    }
+}
+
+static void write_message(int level, const char *text, int64_t ms) {
+    char line[LINE_SIZE];
+    size_t n = begin_line(line, 64, level, ms);
+    n += escape(line + n, text);
+    line[n++] = '\n';
+    write_all(line, n);
+}
+
+static void write_counts(int64_t interval_ms, int64_t ms) {
+    repeated m;
+    while (repeats_next_ended(&messages, interval_ms, ms, &m)) {
+        char text[REPEATS_TEXT + 64];
+        snprintf(text, sizeof text, "%u times more: %s", m.left_out, m.text);
+        write_message(m.level, text, ms);
+    }
+}
+
+static void log_text(int level, const char *text) {
+    pthread_mutex_lock(&lock);
+    const int64_t ms = now_ms();
+    write_counts(options.interval_ms, ms);
+    if (options.burst <= 0 ||
+        repeats_admit(&messages, level, text, (unsigned)options.burst, options.interval_ms, ms)) {
+        write_message(level, text, ms);
+    }
+    pthread_mutex_unlock(&lock);
+}
+
+void log_flush(void) {
+    pthread_mutex_lock(&lock);
+    write_counts(0, now_ms());
+    pthread_mutex_unlock(&lock);
+}
+
+/* errno is the caller's: it may log before it looks. */
+#define LOG_AT(name, level)                                                                        \
+    void name(const char *format, ...) {                                                           \
+        const int saved = errno;                                                                   \
+        if (log_is_on(level)) {                                                                    \
+            char text[MESSAGE_SIZE];                                                               \
+            va_list args;                                                                          \
+            va_start(args, format);                                                                \
+            vsnprintf(text, sizeof text, format, args);                                            \
+            va_end(args);                                                                          \
+            log_text((level), text);                                                               \
+        }                                                                                          \
+        errno = saved;                                                                             \
+    }
+
+LOG_AT(log_error, LOG_LEVEL_ERROR)
+LOG_AT(log_warning, LOG_LEVEL_WARNING)
+LOG_AT(log_notice, LOG_LEVEL_NOTICE)
+LOG_AT(log_info, LOG_LEVEL_INFO)
+LOG_AT(log_debug, LOG_LEVEL_DEBUG)

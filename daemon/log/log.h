@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* log/log.h: the daemon's log, a line a message on standard error.
+ *
+ * Under systemd (JOURNAL_STREAM names the descriptor) a line begins with its priority, "<6>", which
+ * the journal takes off; elsewhere with an RFC 3339 time in UTC and the level's name. Control
+ * characters and bytes that are not UTF-8 are written as \n, \t or \xNN: a message is one line,
+ * whatever a client named its file. A message that comes again and again is written a few times and
+ * then counted; the count follows at last.
+ *
+ * Any thread may log. A line is one write(2). Errors of writing are not reported: there is nowhere
+ * to.
+ */
+#ifndef SHEARD_LOG_H
+#define SHEARD_LOG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* The numbers are those of enum sheard_log_level. */
+enum log_level {
+    LOG_LEVEL_ERROR,
+    LOG_LEVEL_WARNING,
+    LOG_LEVEL_NOTICE,
+    LOG_LEVEL_INFO,
+    LOG_LEVEL_DEBUG
+};
+
+enum log_style { LOG_AUTO, LOG_JOURNAL, LOG_TIMED };
+
+typedef struct log_options {
+    int level; /* the least important that is written */
+    int fd;    /* stays the caller's */
+    int style; /* enum log_style */
+    int burst; /* so many equal messages in interval_ms; 0: no limit */
+    int64_t interval_ms;
+    int64_t (*now_ms)(void); /* milliseconds since 1970; NULL: the clock */
+} log_options;
+/* info, standard error, auto, 5 in 30 s */
+void log_options_init(log_options *options);
+
+/* Without it the log is as of log_options_init. Not while other threads log. */
+void log_open(const log_options *options);
+void log_set_level(int level);
+bool log_is_on(int level);
+/* Write the counts of messages that were left out. Now and then, and at the end. */
+void log_flush(void);
+
+void log_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void log_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void log_notice(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void log_info(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void log_debug(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+#endif

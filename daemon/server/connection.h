@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One client: bytes in, bytes out, and when it ends. intake.c makes requests of its lines. */
+#ifndef SERVER_CONNECTION_H
+#define SERVER_CONNECTION_H
+
+#include "server/open_requests.h"
+#include "server/out.h"
+#include "server/server.h"
+#include "server/watched.h"
+#include "sheard/frame.h"
+
+#include <sys/queue.h>
+
+typedef struct connection connection;
+typedef TAILQ_HEAD(connection_list, connection) connection_list;
+
+struct connection {
+    uv_pipe_t pipe;
+    uv_write_t write;
+    server *server;
+    uint64_t id;
+    access_peer peer;
+
+    shear_frame frame;
+    const char *input; /* [n_input] read and not yet taken: in `kept`, or in the server's scratch */
+    size_t n_input;
+    char *kept;
+    size_t lines; /* taken in this turn of the loop */
+
+    open_requests open;
+    watched watched;
+    out_queue out;
+    size_t writing;   /* lines of `out` that libuv has */
+    uint64_t lost;    /* notifications left out */
+    size_t unwritten; /* bytes that libuv had at the last tick */
+
+    uint64_t active_ms;   /* the last line, or reply */
+    uint64_t partial_ms;  /* when a line began that has not ended; 0: there is none */
+    uint64_t progress_ms; /* the last time that the client took something of what is queued */
+
+    bool reading;
+    bool ended;     /* the client sends no more */
+    bool finishing; /* nothing is taken any more; closed when all is written */
+    bool doomed;    /* to be closed in the next turn, whatever is queued */
+    bool closed;
+    bool scheduled, subscribed; /* in the server's lists */
+    TAILQ_ENTRY(connection) work_link, subscriber_link;
+};
+
+/* Accept a client that waits. False: out of memory, the client still waits. */
+bool connection_accept(server *s, uv_stream_t *listener);
+/* What there is to do in a turn of the loop. May close it. */
+void connection_turn(connection *c);
+/* Is it silent, stalled or gone? May close it. */
+void connection_tick(connection *c, uint64_t now);
+void connection_close(connection *c);
+/* Take no more, and close when everything is written. */
+void connection_finish(connection *c);
+
+/* Queue a line (NULL: there was no memory for it; the connection is given up). Takes the caller's
+ * reference over. */
+void connection_send(connection *c, out_text *text);
+/* Queue a notification, or count it as lost. The reference stays the caller's. */
+void connection_notify(connection *c, out_text *text);
+void connection_send_error(connection *c, const shear_rpc_id *id, const shear_rpc_error *error);
+
+/* Take lines of the input while the limits allow it. */
+void connection_take_lines(connection *c);
+/* Do the limits allow it? `lines` aside. */
+bool connection_may_take(const connection *c);
+
+#endif

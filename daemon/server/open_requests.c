@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/open_requests.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void open_requests_deinit(open_requests *o) {
+    for (size_t i = 0; i < o->n; i++) {
+        free(o->items[i]);
+    }
+    free(o->items);
+    *o = (open_requests){0};
+}
+
+bool open_request_is_long(const shear_request *request) {
+    return request->method == SHEAR_METHOD_WAIT ||
+           (request->method == SHEAR_METHOD_SUBMIT && request->params.submit.wait);
+}
+
+static bool make_room(open_requests *o) {
+    if (o->n < o->size) {
+        return true;
+    }
+    const size_t size = o->size ? 2 * o->size : 4;
+    open_request **larger = realloc(o->items, size * sizeof(open_request *));
+    if (!larger) {
+        return false;
+    }
+    o->items = larger;
+    o->size = size;
+    return true;
+}
+
+uint64_t open_requests_add(open_requests *o, const shear_request *request) {
+    open_request *r = make_room(o) ? malloc(sizeof *r) : NULL;
+    if (!r) {
+        return 0;
+    }
+    *r = (open_request){.number = ++o->last,
+                        .method = request->method,
+                        .is_long = open_request_is_long(request),
+                        .id = request->id};
+    o->n_long += r->is_long;
+    o->items[o->n++] = r;
+    return r->number;
+}
+
+/* Index of the first whose number is not below. */
+static size_t search(const open_requests *o, uint64_t number) {
+    size_t low = 0;
+    size_t high = o->n;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (o->items[middle]->number < number) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+const open_request *open_requests_find(const open_requests *o, uint64_t number) {
+    const size_t i = search(o, number);
+    return i < o->n && o->items[i]->number == number ? o->items[i] : NULL;
+}
+
+void open_requests_remove(open_requests *o, uint64_t number) {
+    const size_t i = search(o, number);
+    if (i == o->n || o->items[i]->number != number) {
+        return;
+    }
+    o->n_long -= o->items[i]->is_long;
+    free(o->items[i]);
+    o->n--;
+    memmove(&o->items[i], &o->items[i + 1], (o->n - i) * sizeof(open_request *));
+}

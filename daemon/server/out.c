@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/out.h"
+
+#include <stdlib.h>
+
+/* A queue that is empty keeps no more than this. */
+enum { SMALL = 16 };
+
+out_text *out_text_new(char *bytes, size_t n) {
+    out_text *text = bytes ? malloc(sizeof *text) : NULL;
+    if (!text) {
+        free(bytes);
+        return NULL;
+    }
+    *text = (out_text){.references = 1, .n = n, .bytes = bytes};
+    return text;
+}
+
+void out_text_drop(out_text *text) {
+    if (text && --text->references == 0) {
+        free(text->bytes);
+        free(text);
+    }
+}
+
+void out_queue_deinit(out_queue *q) {
+    out_queue_pop(q, q->n);
+    free(q->items);
+    *q = (out_queue){0};
+}
+
+out_text *out_queue_at(const out_queue *q, size_t i) {
+    return q->items[(q->first + i) % q->size];
+}
+
+static bool grow(out_queue *q) {
+    const size_t size = q->size ? 2 * q->size : SMALL;
+    out_text **items = malloc(size * sizeof(out_text *));
+    if (!items) {
+        return false;
+    }
+    for (size_t i = 0; i < q->n; i++) {
+        items[i] = out_queue_at(q, i);
+    }
+    free(q->items);
+    q->items = items;
+    q->size = size;
+    q->first = 0;
+    return true;
+}
+
+bool out_queue_push(out_queue *q, out_text *text) {
+    if (q->n == q->size && !grow(q)) {
+        return false;
+    }
+    text->references++;
+    q->items[(q->first + q->n++) % q->size] = text;
+    q->bytes += text->n;
+    return true;
+}
+
+void out_queue_pop(out_queue *q, size_t n) {
+    for (; n > 0; n--) {
+        out_text *text = q->items[q->first];
+        q->first = (q->first + 1) % q->size;
+        q->n--;
+        q->bytes -= text->n;
+        out_text_drop(text);
+    }
+    if (q->n == 0 && q->size > SMALL) {
+        free(q->items);
+        q->items = NULL;
+        q->size = q->first = 0;
+    }
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lines on their way to a client. */
+#ifndef SERVER_OUT_H
+#define SERVER_OUT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* A line. A notification is one text, however many clients it goes to. */
+typedef struct out_text {
+    size_t references;
+    size_t n;
+    char *bytes; /* [n] */
+} out_text;
+
+/* Takes `bytes` (malloc'd) over, also on failure. NULL: out of memory, or bytes is NULL. The caller
+ * has one reference. */
+out_text *out_text_new(char *bytes, size_t n);
+void out_text_drop(out_text *text); /* NULL is fine */
+
+/* A ring of texts, the oldest first. */
+typedef struct out_queue {
+    out_text **items; /* [size] */
+    size_t first, n, size;
+    size_t bytes; /* of all of them */
+} out_queue;
+
+void out_queue_deinit(out_queue *q); /* zeroed: fine */
+/* Takes a reference of its own. False: out of memory. */
+bool out_queue_push(out_queue *q, out_text *text);
+out_text *out_queue_at(const out_queue *q, size_t i); /* i < n */
+void out_queue_pop(out_queue *q, size_t n);           /* the n oldest */
+
+#endif

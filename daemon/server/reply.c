@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the owner sends: replies to one, notifications to many. */
+#include "server/inner.h"
+
+#include <stdlib.h>
+
+/* The open request of a handle, and its connection; NULL: there is nobody to answer. */
+static const open_request *find(const server *s, server_handle handle, connection **c) {
+    *c = server_find(s, handle.connection);
+    return *c ? open_requests_find(&(*c)->open, handle.request) : NULL;
+}
+
+bool server_is_open(const server *s, server_handle handle) {
+    connection *c;
+    return find(s, handle, &c) != NULL;
+}
+
+static void answered(connection *c, uint64_t number) {
+    open_requests_remove(&c->open, number);
+    c->active_ms = uv_now(c->server->loop);
+    server_schedule(c->server, c); /* it may take the next request now */
+}
+
+void server_reply(server *s, server_handle to, const shear_reply *reply) {
+    connection *c;
+    const open_request *r = find(s, to, &c);
+    shear_rpc_error error;
+    char *line;
+    size_t n;
+    if (!r) {
+        return;
+    }
+    if (shear_reply_line(&line, &n, &r->id, r->method, reply, &error) == SHEAR_RPC_OK) {
+        connection_send(c, out_text_new(line, n));
+    } else {
+        connection_send_error(c, &r->id, &error);
+    }
+    answered(c, to.request);
+}
+
+void server_reply_error(server *s, server_handle to, const shear_rpc_error *error) {
+    connection *c;
+    const open_request *r = find(s, to, &c);
+    if (r) {
+        connection_send_error(c, &r->id, error);
+        answered(c, to.request);
+    }
+}
+
+void server_reply_line(server *s, server_handle to, char *line, size_t n) {
+    connection *c;
+    const open_request *r = find(s, to, &c);
+    if (!r) {
+        free(line);
+        return;
+    }
+    if (line) {
+        connection_send(c, out_text_new(line, n));
+    } else {
+        shear_rpc_error error;
+        shear_rpc_fail(&error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
+        connection_send_error(c, &r->id, &error);
+    }
+    answered(c, to.request);
+}
+
+/* ---- subscriptions ---- */
+
+/* Keep the list of subscribers and `*now` in step with what c watches. */
+static void note_change(connection *c, shear_msg_subscribed *now) {
+    server *s = c->server;
+    const bool any = watched_anything(&c->watched);
+    if (any && !c->subscribed) {
+        TAILQ_INSERT_TAIL(&s->subscribers, c, subscriber_link);
+        s->statistics.subscribers++;
+    } else if (!any && c->subscribed) {
+        TAILQ_REMOVE(&s->subscribers, c, subscriber_link);
+        s->statistics.subscribers--;
+    }
+    c->subscribed = any;
+    server_schedule(s, c); /* without subscriptions it may be over */
+    if (now) {
+        *now = (shear_msg_subscribed){.jobs = (int64_t)c->watched.n_jobs,
+                                      .fields = (int64_t)c->watched.n_fields,
+                                      .all = c->watched.all};
+    }
+}
+
+static int is_gone(shear_rpc_error *error) {
+    return shear_rpc_fail(error, SHEAR_RPC_STOPPING, NULL, "the connection is gone");
+}
+
+int server_subscribe(server *s, uint64_t connection_id, const shear_msg_subscribe *what,
+                     shear_msg_subscribed *now, shear_rpc_error *error) {
+    connection *c = server_find(s, connection_id);
+    if (!c) {
+        return is_gone(error);
+    }
+    const int rc = watched_add(&c->watched, what, s->limits.subscriptions, error);
+    if (rc == SHEAR_RPC_OK) {
+        note_change(c, now);
+    }
+    return rc;
+}
+
+int server_unsubscribe(server *s, uint64_t connection_id, const shear_msg_subscribe *what,
+                       shear_msg_subscribed *now, shear_rpc_error *error) {
+    connection *c = server_find(s, connection_id);
+    if (!c) {
+        return is_gone(error);
+    }
+    watched_remove(&c->watched, what);
+    note_change(c, now);
+    return SHEAR_RPC_OK;
+}
+
+bool server_is_watched(const server *s, int notice, int64_t job, const char *field) {
+    const connection *c;
+    TAILQ_FOREACH(c, &s->subscribers, subscriber_link) {
+        if (watched_matches(&c->watched, notice, job, field)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void server_publish(server *s, int notice, int64_t job, const char *field,
+                    const shear_notice_params *params) {
+    out_text *text = NULL;
+    bool made = false;
+    connection *c;
+    TAILQ_FOREACH(c, &s->subscribers, subscriber_link) {
+        if (!watched_matches(&c->watched, notice, job, field)) {
+            continue;
+        }
+        if (!made) {
+            shear_rpc_error error;
+            char *line;
+            size_t n;
+            shear_notice_line(&line, &n, notice, params, &error);
+            text = out_text_new(line, n);
+            made = true;
+        }
+        connection_notify(c, text);
+    }
+    out_text_drop(text);
+}

@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/server.h"
+
+#include "server/inner.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* A connection's number: its serial number and, in the low bits, its slot. */
+enum { SLOT_BITS = 20, MAX_SLOTS = 1 << SLOT_BITS, BACKLOG = 4096, MAX_TICK_MS = 1000 };
+
+void server_limits_init(server_limits *limits) {
+    *limits = (server_limits){.line_bytes = shear_rpc_request_limits.line,
+                              .connections = 2048,
+                              .in_flight = 64,
+                              .subscriptions = 1024,
+                              .queue_bytes = (size_t)32 << 20,
+                              .lines_per_turn = 16,
+                              .idle_timeout_ms = 600000,
+                              .stall_timeout_ms = 60000};
+}
+
+/* ---- connections ---- */
+
+connection *server_find(const server *s, uint64_t id) {
+    const size_t slot = id % MAX_SLOTS;
+    connection *c = slot < s->n_slots ? s->slots[slot] : NULL;
+    return c && c->id == id ? c : NULL;
+}
+
+static bool add_slots(server *s) {
+    const size_t n = s->n_slots ? 2 * s->n_slots : 16;
+    connection **slots = n <= MAX_SLOTS ? realloc(s->slots, n * sizeof(connection *)) : NULL;
+    s->slots = slots ? slots : s->slots;
+    size_t *free_slots = slots ? realloc(s->free_slots, n * sizeof *free_slots) : NULL;
+    s->free_slots = free_slots ? free_slots : s->free_slots;
+    if (!free_slots) {
+        return false;
+    }
+    for (size_t i = n; i-- > s->n_slots;) {
+        s->slots[i] = NULL;
+        s->free_slots[s->n_free++] = i;
+    }
+    s->n_slots = n;
+    return true;
+}
+
+bool server_enter(server *s, connection *c) {
+    if (s->n_free == 0 && !add_slots(s)) {
+        return false;
+    }
+    const size_t slot = s->free_slots[--s->n_free];
+    s->slots[slot] = c;
+    c->id = ++s->serial * MAX_SLOTS + slot;
+    s->statistics.connections++;
+    return true;
+}
+
+static void unschedule(server *s, connection *c) {
+    if (c->scheduled) {
+        TAILQ_REMOVE(&s->work, c, work_link);
+        c->scheduled = false;
+        s->n_work--;
+    }
+}
+
+void server_leave(server *s, connection *c) {
+    const size_t slot = c->id % MAX_SLOTS;
+    s->slots[slot] = NULL;
+    s->free_slots[s->n_free++] = slot;
+    s->statistics.connections--;
+    unschedule(s, c);
+    if (c->subscribed) {
+        TAILQ_REMOVE(&s->subscribers, c, subscriber_link);
+        c->subscribed = false;
+        s->statistics.subscribers--;
+    }
+    if (s->handlers.closed) {
+        s->handlers.closed(s->handlers.context, c->id);
+    }
+}
+
+/* ---- turns ---- */
+
+/* Those that are scheduled meanwhile have their turn in the next one. */
+static void on_turn(uv_idle_t *idle) {
+    server *s = idle->data;
+    for (size_t n = s->n_work; n > 0 && !TAILQ_EMPTY(&s->work); n--) {
+        connection *c = TAILQ_FIRST(&s->work);
+        unschedule(s, c);
+        connection_turn(c);
+    }
+    if (TAILQ_EMPTY(&s->work)) {
+        uv_idle_stop(&s->turn);
+    }
+}
+
+void server_schedule(server *s, connection *c) {
+    if (!c->scheduled && !c->closed) {
+        c->scheduled = true;
+        TAILQ_INSERT_TAIL(&s->work, c, work_link);
+        s->n_work++;
+        uv_idle_start(&s->turn, on_turn);
+    }
+}
+
+static void accept_starved(server *s);
+
+static void on_tick(uv_timer_t *timer) {
+    server *s = timer->data;
+    const uint64_t now = uv_now(s->loop);
+    for (size_t i = 0; i < s->n_slots; i++) {
+        if (s->slots[i]) {
+            connection_tick(s->slots[i], now);
+        }
+    }
+    accept_starved(s);
+}
+
+/* Often enough for the shorter of the two times, at least once a second. */
+static void start_tick(server *s) {
+    int64_t ms = MAX_TICK_MS;
+    const int64_t times[] = {s->limits.idle_timeout_ms, s->limits.stall_timeout_ms};
+    for (size_t i = 0; i < 2; i++) {
+        if (times[i] > 0 && times[i] / 4 < ms) {
+            ms = times[i] / 4 + 1;
+        }
+    }
+    uv_timer_start(&s->tick, on_tick, (uint64_t)ms, (uint64_t)ms);
+}
+
+/* ---- limits ---- */
+
+static size_t or_default(size_t given, size_t initial) {
+    return given ? given : initial;
+}
+
+static void fill_limits(server *s, const server_limits *given) {
+    server_limits d;
+    server_limits_init(&d);
+    s->limits = (server_limits){
+        .line_bytes = or_default(given->line_bytes, d.line_bytes),
+        .connections = or_default(given->connections, d.connections),
+        .in_flight = or_default(given->in_flight, d.in_flight),
+        .subscriptions = or_default(given->subscriptions, d.subscriptions),
+        .queue_bytes = or_default(given->queue_bytes, d.queue_bytes),
+        .lines_per_turn = or_default(given->lines_per_turn, d.lines_per_turn),
+        .idle_timeout_ms = given->idle_timeout_ms,
+        .stall_timeout_ms = given->stall_timeout_ms,
+    };
+    if (s->limits.line_bytes > d.line_bytes) {
+        s->limits.line_bytes = d.line_bytes;
+    }
+    if (s->limits.connections > MAX_SLOTS) {
+        s->limits.connections = MAX_SLOTS;
+    }
+}
+
+void server_set_limits(server *s, const server_limits *limits) {
+    fill_limits(s, limits);
+    if (!s->closing) {
+        start_tick(s);
+    }
+    for (size_t i = 0; i < s->n_slots; i++) {
+        if (s->slots[i]) {
+            server_schedule(s, s->slots[i]); /* it may be allowed more now */
+        }
+    }
+}
+
+void server_set_defaults(server *s, const shear_settings *defaults) {
+    s->has_defaults = defaults != NULL;
+    if (defaults) {
+        s->defaults = *defaults;
+    }
+}
+
+void server_get_statistics(const server *s, server_statistics *statistics) {
+    *statistics = s->statistics;
+}
+
+/* ---- listening ---- */
+
+static void on_connection(uv_stream_t *listener, int status) {
+    server *s = listener->data;
+    /* An error (too many descriptors, say) ends the accept of one client; the next is another. */
+    if (status == 0 && !connection_accept(s, listener)) {
+        s->starved = true;
+    }
+}
+
+/* libuv has the client that was not accepted, and asks for no other before that. */
+static void accept_starved(server *s) {
+    if (s->starved && s->accepting) {
+        s->starved = false;
+        for (size_t i = 0; i < s->n_listeners; i++) {
+            on_connection((uv_stream_t *)&s->listeners[i], 0);
+        }
+    }
+}
+
+static int listen_on(server *s, int fd, shear_error *err) {
+    uv_pipe_t *listener = &s->listeners[s->n_listeners];
+    uv_pipe_init(s->loop, listener, 0);
+    listener->data = s;
+    s->n_listeners++;
+    s->handles++;
+    int rc = uv_pipe_open(listener, fd);
+    if (rc != 0) {
+        close(fd);
+    }
+    rc = rc ? rc : uv_listen((uv_stream_t *)listener, BACKLOG, on_connection);
+    return rc == 0 ? SHEAR_OK
+                   : shear_fail(err, SHEAR_E_IO, NULL, "descriptor %d: cannot listen: %s", fd,
+                                uv_strerror(rc));
+}
+
+static void close_fds(const int *fds, size_t n) {
+    for (size_t i = 0; i < n; i++) {
+        close(fds[i]);
+    }
+}
+
+static int listen_on_all(server *s, const int *fds, size_t n, shear_error *err) {
+    if (n > SERVER_MAX_LISTENERS) {
+        close_fds(fds, n);
+        return shear_fail(err, SHEAR_E_SETTING, "give fewer ListenStream= in sheard.socket",
+                          "%zu sockets to listen on; at most %d are possible", n,
+                          (int)SERVER_MAX_LISTENERS);
+    }
+    for (size_t i = 0; i < n; i++) {
+        const int code = listen_on(s, fds[i], err);
+        if (code != SHEAR_OK) {
+            close_fds(fds + i + 1, n - i - 1);
+            return code;
+        }
+    }
+    s->accepting = true;
+    return SHEAR_OK;
+}
+
+static int start_listening(server *s, const server_options *o, shear_error *err) {
+    if (o->n_fds > 0) {
+        return listen_on_all(s, o->fds, o->n_fds, err);
+    }
+    int fd = -1;
+    const int code = socket_file_make(&s->file, &fd, o->path, o->mode, o->group, err);
+    return code ? code : listen_on_all(s, &fd, 1, err);
+}
+
+/* ---- the beginning ---- */
+
+static void start_handles(server *s) {
+    uv_idle_init(s->loop, &s->turn);
+    uv_timer_init(s->loop, &s->tick);
+    uv_timer_init(s->loop, &s->deadline);
+    s->turn.data = s->tick.data = s->deadline.data = s;
+    s->handles += 3;
+    start_tick(s);
+}
+
+static bool make_refusal(server *s) {
+    const shear_rpc_id none = {.type = SHEAR_ID_NULL};
+    shear_rpc_error error;
+    shear_rpc_fail(&error, SHEAR_RPC_TOO_MANY_CONNECTIONS, NULL,
+                   "the service has as many connections as it may have");
+    return shear_error_line(&s->refusal, &s->refusal_bytes, &none, &error) == SHEAR_RPC_OK;
+}
+
+int server_open(server **out, uv_loop_t *loop, const server_options *options, shear_error *err) {
+    server *s = calloc(1, sizeof *s);
+    *out = NULL;
+    if (!s || !make_refusal(s)) {
+        free(s);
+        close_fds(options->fds, options->n_fds);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the server");
+    }
+    /* libuv writes with write(2): a client that has gone would kill the daemon. */
+    signal(SIGPIPE, SIG_IGN);
+    s->loop = loop;
+    s->handlers = options->handlers;
+    s->file.lock = -1;
+    TAILQ_INIT(&s->work);
+    TAILQ_INIT(&s->subscribers);
+    fill_limits(s, &options->limits);
+    server_set_defaults(s, options->defaults);
+    start_handles(s);
+    const int code = start_listening(s, options, err);
+    if (code != SHEAR_OK) {
+        server_close(s, 0, NULL, NULL); /* freed when the loop has closed its handles */
+        return code;
+    }
+    *out = s;
+    return SHEAR_OK;
+}
+
+/* ---- the end ---- */
+
+static void free_server(server *s) {
+    void (*done)(void *) = s->done;
+    void *context = s->done_context;
+    free(s->slots);
+    free(s->free_slots);
+    free(s->refusal);
+    free(s);
+    if (done) {
+        done(context);
+    }
+}
+
+static void on_handle_closed(uv_handle_t *handle) {
+    server_handle_gone(handle->data);
+}
+
+static void close_handle(void *handle) {
+    uv_handle_t *h = handle;
+    if (!uv_is_closing(h)) {
+        uv_close(h, on_handle_closed);
+    }
+}
+
+static void end_if_empty(server *s) {
+    if (s->closing && s->statistics.connections == 0) {
+        close_handle(&s->turn);
+        close_handle(&s->tick);
+        close_handle(&s->deadline);
+    }
+}
+
+void server_handle_gone(server *s) {
+    if (--s->handles == 0) {
+        free_server(s);
+    } else {
+        end_if_empty(s);
+    }
+}
+
+void server_stop_accepting(server *s) {
+    s->accepting = false;
+    socket_file_remove(&s->file);
+    for (size_t i = 0; i < s->n_listeners; i++) {
+        close_handle(&s->listeners[i]);
+    }
+}
+
+static void on_deadline(uv_timer_t *timer) {
+    server *s = timer->data;
+    for (size_t i = 0; i < s->n_slots; i++) {
+        if (s->slots[i]) {
+            connection_close(s->slots[i]);
+        }
+    }
+    end_if_empty(s);
+}
+
+static void say_stopping(server *s, connection *c) {
+    shear_rpc_error error;
+    shear_rpc_fail(&error, SHEAR_RPC_STOPPING, NULL, "the service stops");
+    while (c->open.n > 0) {
+        server_reply_error(s, (server_handle){c->id, c->open.items[0]->number}, &error);
+    }
+    connection_finish(c);
+}
+
+void server_close(server *s, int64_t flush_ms, void (*done)(void *context), void *context) {
+    const uint64_t ms = flush_ms > 0 ? (uint64_t)flush_ms : 0;
+    if (s->closing) {
+        if (ms < uv_timer_get_due_in(&s->deadline)) {
+            uv_timer_start(&s->deadline, on_deadline, ms, 0);
+        }
+        return;
+    }
+    s->closing = true;
+    s->done = done;
+    s->done_context = context;
+    server_stop_accepting(s);
+    for (size_t i = 0; i < s->n_slots; i++) {
+        if (s->slots[i]) {
+            say_stopping(s, s->slots[i]);
+        }
+    }
+    /* Without connections there is nothing to wait for. */
+    uv_timer_start(&s->deadline, on_deadline, s->statistics.connections > 0 ? ms : 0, 0);
+}

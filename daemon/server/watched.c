@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/watched.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Place of the job, or where it would be. */
+static size_t find_job(const watched *w, int64_t job, bool *found) {
+    size_t low = 0;
+    size_t high = w->n_jobs;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        if (w->jobs[middle] < job) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    *found = low < w->n_jobs && w->jobs[low] == job;
+    return low;
+}
+
+static size_t find_field(const watched *w, const char *field, bool *found) {
+    size_t low = 0;
+    size_t high = w->n_fields;
+    *found = false;
+    while (low < high) {
+        const size_t middle = (low + high) / 2;
+        const int order = strcmp(w->fields[middle], field);
+        if (order == 0) {
+            *found = true;
+            return middle;
+        }
+        if (order < 0) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+static void insert_job(watched *w, int64_t job) {
+    bool found;
+    const size_t i = find_job(w, job, &found);
+    if (!found) {
+        memmove(&w->jobs[i + 1], &w->jobs[i], (w->n_jobs - i) * sizeof *w->jobs);
+        w->jobs[i] = job;
+        w->n_jobs++;
+    }
+}
+
+/* Takes `field` over. */
+static void insert_field(watched *w, char *field) {
+    bool found;
+    const size_t i = find_field(w, field, &found);
+    if (found) {
+        free(field);
+        return;
+    }
+    memmove(&w->fields[i + 1], &w->fields[i], (w->n_fields - i) * sizeof(*w->fields));
+    w->fields[i] = field;
+    w->n_fields++;
+}
+
+/* How many there would be, a name given twice counted twice. */
+static size_t count_new(const watched *w, const shear_msg_subscribe *what) {
+    size_t n = 0;
+    bool found;
+    for (size_t i = 0; i < what->n_jobs; i++) {
+        find_job(w, what->jobs[i], &found);
+        n += !found;
+    }
+    for (size_t i = 0; i < what->n_fields; i++) {
+        find_field(w, what->fields[i], &found);
+        n += !found;
+    }
+    return n;
+}
+
+static bool make_room(watched *w, const shear_msg_subscribe *what) {
+    int64_t *jobs = realloc(w->jobs, (w->n_jobs + what->n_jobs + 1) * sizeof *jobs);
+    w->jobs = jobs ? jobs : w->jobs;
+    char **fields = realloc(w->fields, (w->n_fields + what->n_fields + 1) * sizeof(*fields));
+    w->fields = fields ? fields : w->fields;
+    return jobs && fields;
+}
+
+static char **copy_names(const shear_msg_subscribe *what) {
+    char **names = calloc(what->n_fields + 1, sizeof(*names));
+    for (size_t i = 0; names && i < what->n_fields; i++) {
+        names[i] = strdup(what->fields[i]);
+        if (!names[i]) {
+            while (i > 0) {
+                free(names[--i]);
+            }
+            free(names);
+            return NULL;
+        }
+    }
+    return names;
+}
+
+int watched_add(watched *w, const shear_msg_subscribe *what, size_t limit, shear_rpc_error *error) {
+    if (w->n_jobs + w->n_fields + count_new(w, what) > limit) {
+        return shear_rpc_fail(error, SHEAR_RPC_TOO_MANY_SUBSCRIPTIONS, NULL,
+                              "a connection may watch %zu jobs and fields", limit);
+    }
+    char **names = make_room(w, what) ? copy_names(what) : NULL;
+    if (!names) {
+        return shear_rpc_fail(error, SHEAR_RPC_OUT_OF_MEMORY, NULL,
+                              "out of memory for a subscription");
+    }
+    for (size_t i = 0; i < what->n_jobs; i++) {
+        insert_job(w, what->jobs[i]);
+    }
+    for (size_t i = 0; i < what->n_fields; i++) {
+        insert_field(w, names[i]);
+    }
+    free(names);
+    w->all |= what->all;
+    w->progress |= what->progress;
+    return SHEAR_RPC_OK;
+}
+
+static void remove_job(watched *w, int64_t job) {
+    bool found;
+    const size_t i = find_job(w, job, &found);
+    if (found) {
+        w->n_jobs--;
+        memmove(&w->jobs[i], &w->jobs[i + 1], (w->n_jobs - i) * sizeof *w->jobs);
+    }
+}
+
+static void remove_field(watched *w, const char *field) {
+    bool found;
+    const size_t i = find_field(w, field, &found);
+    if (found) {
+        free(w->fields[i]);
+        w->n_fields--;
+        memmove(&w->fields[i], &w->fields[i + 1], (w->n_fields - i) * sizeof(*w->fields));
+    }
+}
+
+void watched_remove(watched *w, const shear_msg_subscribe *what) {
+    for (size_t i = 0; i < what->n_jobs; i++) {
+        remove_job(w, what->jobs[i]);
+    }
+    for (size_t i = 0; i < what->n_fields; i++) {
+        remove_field(w, what->fields[i]);
+    }
+    w->all = w->all && !what->all;
+    if (!watched_anything(w) || (what->n_jobs == 0 && what->n_fields == 0 && !what->all)) {
+        watched_deinit(w);
+    }
+}
+
+void watched_deinit(watched *w) {
+    for (size_t i = 0; i < w->n_fields; i++) {
+        free(w->fields[i]);
+    }
+    free(w->fields);
+    free(w->jobs);
+    *w = (watched){0};
+}
+
+bool watched_anything(const watched *w) {
+    return w->all || w->n_jobs > 0 || w->n_fields > 0;
+}
+
+bool watched_matches(const watched *w, int notice, int64_t job, const char *field) {
+    bool found = false;
+    if (notice == SHEAR_NOTICE_JOB_PROGRESS && !w->progress) {
+        return false;
+    }
+    if (w->all || notice == SHEAR_NOTICE_SERVER_STATE) {
+        return watched_anything(w);
+    }
+    if (job != 0) {
+        find_job(w, job, &found);
+    }
+    if (!found && field) {
+        find_field(w, field, &found);
+    }
+    return found;
+}

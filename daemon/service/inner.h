@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/inner.h: what the files of this room share. */
+#ifndef SHEARD_SERVICE_INNER_H
+#define SHEARD_SERVICE_INNER_H
+
+#include "access/access.h"
+#include "engine/engine.h"
+#include "log/log.h"
+#include "notify/notify.h"
+#include "server/server.h"
+#include "service/service.h"
+#include "shear/version.h"
+#include "sheard/messages.h"
+#include "sheard/rpc.h"
+#include "spool/spool.h"
+#include "store/store.h"
+
+#include <uv.h>
+
+/* ---- group.c ---- */
+
+/* What is to happen once the group is on disk (code SHEAR_OK) or has failed. Freed after its run.
+ */
+typedef struct after after;
+struct after {
+    after *next;
+    void (*run)(service *s, after *a, int code, const shear_error *err);
+    server_handle to; /* whom to reply to; {0}: nobody */
+    int64_t job;
+    int method;
+    char *name; /* active name of a file of the watch folder; owned */
+    bool flag;
+};
+
+/* ---- jobs.c ---- */
+
+/* A job that this process works on. */
+typedef struct active_job {
+    struct active_job *next;
+    int64_t id;
+    int origin;
+    int64_t failures; /* so far, for the back-off */
+    int64_t started_ms;
+    char *active_name; /* of the watch folder, or NULL */
+    char *path;        /* for messages */
+    char *field;       /* asked for, or learned */
+    char *digest;
+    shear_settings settings;
+    char checksum[SHEAR_CHECKSUM_SIZE];
+    shear_field_info info;
+    shear_plan_info plan;
+    bool ended; /* the engine's last event of it needs no more attention */
+} active_job;
+
+/* A client that waits for jobs to end (wait, submit with wait). */
+typedef struct waiter {
+    struct waiter *next;
+    server_handle to;
+    int method;
+    bool known;       /* of submit: the key had been seen */
+    int64_t until_ms; /* loop time; INT64_MAX: for ever */
+    size_t n_ids;
+    int64_t *ids;
+} waiter;
+
+enum { RATE_SLOTS = 61 };
+
+struct service {
+    uv_loop_t loop;
+    sheard_config config;
+    char *config_path;
+    sheard_list assignments;
+
+    store *store;
+    engine *engine;
+    server *server;
+    spool *spool; /* NULL: no watch folder */
+    access_list *admins, *submitters;
+    access_roots *roots;
+    notify notify;
+
+    uv_async_t engine_wake;
+    uv_check_t commit_check;
+    uv_idle_t commit_now; /* active while a group is open: the loop must not sleep on it */
+    uv_signal_t signals[3];
+    uv_timer_t tick; /* once a second */
+    uv_timer_t drain_end;
+
+    bool group_open;
+    int64_t commits;
+    after *first_after, **last_after;
+
+    active_job *active;
+    int n_active;
+    void *spooled; /* tsearch tree: key -> active name, of files that are jobs */
+    waiter *waiters;
+
+    int state; /* enum shear_server_state */
+    int exit_code;
+    bool closing;
+    int64_t started_ms;                                 /* wall clock */
+    int64_t stamps_at[RATE_SLOTS], jobs_at[RATE_SLOTS]; /* a ring of the last minute */
+    int64_t ticks, jobs_ended;
+    int64_t store_trouble_ms; /* loop time of the last failed commit; 0: none lately */
+    char trouble[200];
+};
+
+int64_t wall_ms(void);
+
+/* The group: call before every change of the store. */
+int group_begin(service *s, shear_error *err);
+/* Queue `run` for after the commit; NULL when memory is out. */
+after *group_after(service *s, void (*run)(service *, after *, int, const shear_error *));
+void group_start(service *s);
+
+/* jobs.c */
+void jobs_fill(service *s);
+void jobs_take_events(service *s);
+void jobs_stop_all(service *s);
+active_job *jobs_find(service *s, int64_t id);
+
+/* spooled.c: files of the watch folder */
+int spooled_open(service *s, shear_error *err);
+const char *spooled_name(service *s, const char *key);
+void spooled_end(service *s, const char *active_name, const store_job *job);
+void spooled_free(service *s);
+
+/* submit.c */
+typedef struct submission {
+    const shear_msg_submit *submit;
+    access_peer peer; /* groups borrowed */
+    int origin;
+    const char *key;
+    const char *source; /* path to store, for the watch folder's own files; NULL: a client's */
+} submission;
+/* Into the store, within the group. SHEAR_RPC_OK and *id, or an error. */
+int submit_job(service *s, const submission *sub, int64_t *id, bool *known, shear_rpc_error *error);
+/* From the store's or the library's error to the protocol's. */
+int rpc_from_store(shear_rpc_error *error, int code, const shear_error *err);
+int rpc_from_access(shear_rpc_error *error, int code, const shear_error *err);
+
+/* present.c: records of the store as messages. Texts are borrowed from the record. */
+void present_job(service *s, const store_job *job, shear_msg_job *out);
+void present_job_free(shear_msg_job *out);
+int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err);
+void present_field_free(shear_msg_field_row *out);
+void present_summary(const store_field *f, shear_msg_summary *out);
+void publish_job(service *s, const store_job *job);
+
+/* methods.c */
+void methods_request(void *context, const server_request *request);
+bool peer_is_admin(const service *s, const access_peer *peer);
+
+/* status.c */
+#define SHEARD_VERSION SHEAR_VERSION_STRING
+shear_msg_limits status_limits(const service *s);
+void status_reply(service *s, server_handle to);
+void metrics_reply(service *s, server_handle to);
+void status_tick(service *s);
+
+/* waits.c */
+void waits_add(service *s, server_handle to, int method, bool known, const int64_t *ids, size_t n,
+               double timeout_s);
+void waits_job_ended(service *s, int64_t id);
+void waits_forget(service *s, uint64_t connection);
+void waits_expire(service *s);
+void waits_free(service *s);
+
+/* life.c */
+void life_drain(service *s, double timeout_s);
+void life_stop_now(service *s);
+void life_check(service *s); /* has the last job ended while draining? */
+int life_reload(service *s, shear_msg_reloaded *reply, shear_rpc_error *error);
+
+#endif

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Records of the store as messages. */
+#include "service/inner.h"
+
+#include "sheard/report.h"
+
+#include <math.h>
+#include <pwd.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void present_progress(service *s, const store_job *job, shear_msg_progress *p) {
+    *p = (shear_msg_progress){.total = job->n_stamps, .rate = NAN, .eta_s = NAN};
+    if (job->state == STORE_DONE) {
+        p->done = job->n_stamps;
+        p->rate = job->elapsed_us > 0 ? 1e6 * (double)job->n_stamps / (double)job->elapsed_us : NAN;
+    } else if (job->state == STORE_RUNNING &&
+               engine_progress(s->engine, job->id, &p->done, &p->total)) {
+        const double seconds = 1e-3 * (double)(wall_ms() - job->started_ms);
+        p->rate = seconds > 0.0 ? (double)p->done / seconds : NAN;
+        p->eta_s = p->rate > 0.0 ? (double)(p->total - p->done) / p->rate : NAN;
+    }
+}
+
+void present_job(service *s, const store_job *job, shear_msg_job *out) {
+    shear_rpc_error ignored;
+    const struct passwd *user = getpwuid(job->owner);
+    *out = (shear_msg_job){.id = job->id,
+                           .state = job->state,
+                           .job_class = job->failure_class,
+                           .code = job->code,
+                           .message = job->message,
+                           .advice = job->advice,
+                           .field = job->field,
+                           .owner = job->owner,
+                           .user = user != NULL ? strdup(user->pw_name) : NULL,
+                           .origin = job->origin,
+                           .priority = job->priority,
+                           .force = job->force,
+                           .key = job->key,
+                           .cancel_asked = job->cancel_asked,
+                           .created_ms = job->created_ms,
+                           .started_ms = job->started_ms,
+                           .finished_ms = job->finished_ms,
+                           .not_before_ms = job->not_before_ms,
+                           .attempts = job->attempts,
+                           .outcome = job->outcome,
+                           .duplicate_of = job->duplicate_of,
+                           .settings = job->settings,
+                           .digest = job->settings_digest,
+                           .checksum = job->content,
+                           .result = job->result,
+                           .catalogue = job->catalogue};
+    if (shear_source_parse(&out->source, job->source, &ignored) != SHEAR_RPC_OK) {
+        out->source = (shear_msg_source){0};
+    }
+    present_progress(s, job, &out->progress);
+}
+
+void present_job_free(shear_msg_job *out) {
+    shear_source_deinit(&out->source);
+    free((char *)out->user);
+    *out = (shear_msg_job){0};
+}
+
+void publish_job(service *s, const store_job *job) {
+    if (server_is_watched(s->server, SHEAR_NOTICE_JOB_CHANGED, job->id, job->field)) {
+        shear_notice_params params = {0};
+        present_job(s, job, &params.job_changed.job);
+        params.job_changed.job.result = NULL;
+        server_publish(s->server, SHEAR_NOTICE_JOB_CHANGED, job->id, job->field, &params);
+        present_job_free(&params.job_changed.job);
+    }
+}
+
+/* The counted sums, and those of the jobs that run now, joined: exact, so that the result does not
+ * depend on the order. */
+static int sums_now(service *s, const store_field *f, shear_field_sums **sums, int64_t *running,
+                    size_t room, size_t *n, shear_error *err) {
+    int code = f->sums != NULL && f->sums[0] != '\0' ? shear_field_sums_parse(sums, f->sums, err)
+                                                     : shear_field_sums_new(sums, err);
+    *n = 0;
+    for (const active_job *j = s->active; code == SHEAR_OK && j != NULL; j = j->next) {
+        const bool same = j->field != NULL && strcmp(j->field, f->name) == 0 &&
+                          strcmp(j->digest, f->settings_digest) == 0;
+        if (same && !j->ended && *n < room) {
+            running[(*n)++] = j->id;
+            engine_partial(s->engine, j->id, *sums);
+        }
+    }
+    return code;
+}
+
+int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err) {
+    shear_field_sums *sums = NULL;
+    shear_result result;
+    shear_settings settings;
+    char *report_text = NULL;
+    int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
+    size_t n = 0;
+    int code = running != NULL ? sums_now(s, f, &sums, running, SHEAR_MSG_LIST_MAX, &n, err)
+                               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    shear_settings_init(&settings);
+    if (code == SHEAR_OK) {
+        code = shear_settings_apply(&settings, f->settings, err);
+    }
+    if (code == SHEAR_OK) {
+        shear_field_result(sums, &result);
+        const shear_report report = {.field = f->name, .result = &result, .settings = &settings};
+        code = shear_report_json(&report_text, &report, err);
+    }
+    shear_field_sums_free(sums);
+    if (code != SHEAR_OK) {
+        free(running);
+        return code;
+    }
+    *out = (shear_msg_field_row){.report = report_text,
+                                 .digest = f->settings_digest,
+                                 .jobs = f->jobs,
+                                 .unfinished = f->unfinished,
+                                 .partial = f->unfinished > 0,
+                                 .running = running,
+                                 .n_running = n,
+                                 .updated_ms = f->updated_ms};
+    return SHEAR_OK;
+}
+
+void present_field_free(shear_msg_field_row *out) {
+    free((char *)out->report);
+    free((int64_t *)out->running);
+    *out = (shear_msg_field_row){0};
+}
+
+void present_summary(const store_field *f, shear_msg_summary *out) {
+    shear_field_sums *sums = NULL;
+    shear_result r = {.g1 = NAN, .g2 = NAN, .g1_err = NAN, .g2_err = NAN};
+    if (f->sums != NULL && shear_field_sums_parse(&sums, f->sums, NULL) == SHEAR_OK) {
+        shear_field_result(sums, &r);
+    }
+    shear_field_sums_free(sums);
+    *out = (shear_msg_summary){.field = f->name,
+                               .digest = f->settings_digest,
+                               .g1 = r.g1,
+                               .g1_err = r.g1_err,
+                               .g2 = r.g2,
+                               .g2_err = r.g2_err,
+                               .n_stamps = f->n_stamps,
+                               .n_used = f->n_used,
+                               .jobs = f->jobs,
+                               .unfinished = f->unfinished,
+                               .partial = f->unfinished > 0,
+                               .updated_ms = f->updated_ms};
+}

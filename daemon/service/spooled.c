@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Files of the watch folder: taken as jobs with their key, ended when their jobs are. */
+#include "service/inner.h"
+
+#include <errno.h>
+#include <search.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct spooled {
+    char *key, *active_name;
+} spooled;
+
+static int by_key(const void *a, const void *b) {
+    return strcmp(((const spooled *)a)->key, ((const spooled *)b)->key);
+}
+
+static void spooled_free_one(void *p) {
+    spooled *one = p;
+    free(one->key);
+    free(one->active_name);
+    free(one);
+}
+
+static bool remember(service *s, const char *key, const char *active_name) {
+    spooled *one = malloc(sizeof *one);
+    if (one == NULL) {
+        return false;
+    }
+    *one = (spooled){.key = strdup(key), .active_name = strdup(active_name)};
+    spooled **found =
+        one->key != NULL && one->active_name != NULL ? tsearch(one, &s->spooled, by_key) : NULL;
+    if (found == NULL || *found != one) {
+        spooled_free_one(one);
+    }
+    return found != NULL;
+}
+
+const char *spooled_name(service *s, const char *key) {
+    const spooled wanted = {.key = (char *)key};
+    spooled **found = key != NULL ? tfind(&wanted, &s->spooled, by_key) : NULL;
+    return found != NULL ? (*found)->active_name : NULL;
+}
+
+static void forget(service *s, const char *key) {
+    const spooled wanted = {.key = (char *)key};
+    spooled **found = tfind(&wanted, &s->spooled, by_key);
+    if (found != NULL) {
+        spooled *one = *found;
+        tdelete(one, &s->spooled, by_key);
+        spooled_free_one(one);
+    }
+}
+
+void spooled_free(service *s) {
+    tdestroy(s->spooled, spooled_free_one);
+    s->spooled = NULL;
+}
+
+/* The report beside the file, and the file to done/ or failed/. A report that cannot be written now
+ * is tried again: the file stays in active/ and is told again. */
+static void move(service *s, const char *active_name, bool good, const shear_msg_side *side) {
+    shear_rpc_error error;
+    shear_error err = {0};
+    char *text = NULL;
+    int code = shear_side_text(&text, side, &error) == SHEAR_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
+    if (code == SHEAR_OK) {
+        code = spool_end(s->spool, active_name, good, text, &err);
+    }
+    free(text);
+    if (code != SHEAR_OK) {
+        log_warning("the file %s cannot be moved out of active/ yet: %s", active_name, err.message);
+        spool_refuse(s->spool, active_name, &err);
+    }
+}
+
+void spooled_end(service *s, const char *active_name, const store_job *job) {
+    const char *dash = strchr(active_name, '-');
+    shear_msg_side side = {.file = dash != NULL ? dash + 1 : active_name,
+                           .state = job->state,
+                           .code = job->state == STORE_DONE ? NULL : job->code,
+                           .message = job->message,
+                           .advice = job->advice,
+                           .written_ms = wall_ms(),
+                           .version = SHEARD_VERSION};
+    present_job(s, job, &side.job);
+    move(s, active_name, job->state == STORE_DONE, &side);
+    present_job_free(&side.job);
+    if (job->key != NULL) {
+        forget(s, job->key);
+    }
+}
+
+/* A file that never becomes a job. */
+static void reject(service *s, const spool_file *file, const shear_rpc_error *why) {
+    const shear_msg_side side = {.file = file->name,
+                                 .state = SHEAR_JOB_FAILED,
+                                 .code = why->name,
+                                 .message = why->message,
+                                 .advice = why->advice,
+                                 .written_ms = wall_ms(),
+                                 .version = SHEARD_VERSION,
+                                 .job = {.state = SHEAR_JOB_FAILED,
+                                         .code = why->name,
+                                         .message = why->message,
+                                         .advice = why->advice,
+                                         .source = {.path = file->name}}};
+    log_notice("%s is no job: %s", file->name, why->message);
+    move(s, file->active_name, false, &side);
+}
+
+static bool ends_with(const char *text, const char *end) {
+    const size_t n = strlen(text);
+    const size_t m = strlen(end);
+    return n >= m && strcmp(text + n - m, end) == 0;
+}
+
+/* The job that a file stands for is on disk (or not): if it has ended already (a restart between
+ * the commit and the move), the file follows now. */
+static void submitted(service *s, after *a, int code, const shear_error *err) {
+    shear_error ignored;
+    if (code != SHEAR_OK) {
+        log_warning("%s stays in active/: %s", a->name, err->message);
+        spool_refuse(s->spool, a->name, &ignored);
+        return;
+    }
+    store_job job = {0};
+    if (store_job_get(s->store, a->job, &job, &ignored) == SHEAR_OK) {
+        if (shear_job_state_is_final(job.state)) {
+            spooled_end(s, a->name, &job);
+        } else {
+            publish_job(s, &job);
+        }
+    }
+    store_job_deinit(&job);
+}
+
+static void submit_file(service *s, const spool_file *file, const submission *sub) {
+    shear_rpc_error error;
+    shear_error ignored;
+    int64_t id = 0;
+    bool known = false;
+    const int code = submit_job(s, sub, &id, &known, &error);
+    after *a = code == SHEAR_RPC_OK ? group_after(s, submitted) : NULL;
+    if (a != NULL) {
+        a->job = id;
+        a->name = strdup(file->active_name);
+    }
+    if (code == SHEAR_RPC_OK &&
+        (a == NULL || a->name == NULL || !remember(s, file->key, file->active_name))) {
+        log_error("out of memory: %s waits in active/ for the next start", file->active_name);
+    } else if (error.retry && code != SHEAR_RPC_OK) {
+        spool_refuse(s->spool, file->active_name, &ignored);
+    } else if (code != SHEAR_RPC_OK) {
+        reject(s, file, &error);
+    }
+}
+
+/* A job file: read whole, bounded, then as a submit of the file's owner. */
+static void submit_job_file(service *s, const spool_file *file, submission *sub) {
+    char *text = malloc(SHEAR_MSG_JOB_FILE_MAX + 1);
+    shear_error err = {0};
+    shear_rpc_error error = {0};
+    shear_msg_submit submit = {0};
+    int fd = -1;
+    if (text == NULL || spool_open_file(s->spool, file->active_name, &fd, &err) != SHEAR_OK) {
+        shear_rpc_fail(&error, SHEAR_RPC_IO, NULL, "%s",
+                       text == NULL ? "out of memory" : err.message);
+        reject(s, file, &error);
+        free(text);
+        return;
+    }
+    size_t n = 0;
+    ssize_t got = 1;
+    while (got > 0 && n <= SHEAR_MSG_JOB_FILE_MAX) {
+        got = read(fd, text + n, SHEAR_MSG_JOB_FILE_MAX + 1 - n);
+        n += got > 0 ? (size_t)got : 0;
+    }
+    close(fd);
+    if (n > SHEAR_MSG_JOB_FILE_MAX) {
+        shear_rpc_fail(&error, SHEAR_RPC_BAD_FILE, NULL, "the job file is larger than %d bytes",
+                       SHEAR_MSG_JOB_FILE_MAX);
+    } else if (shear_job_file_parse(&submit, text, n, &s->config.measure, &error) == SHEAR_RPC_OK) {
+        sub->submit = &submit;
+        submit_file(s, file, sub);
+        shear_submit_deinit(&submit);
+        free(text);
+        return;
+    }
+    reject(s, file, &error);
+    free(text);
+}
+
+static void found(void *context, const spool_file *file) {
+    service *s = context;
+    char path[4400];
+    static const shear_msg_submit plain = {0};
+    shear_error err = {0};
+    submission sub = {.submit = &plain, .origin = STORE_SPOOL, .key = file->key};
+    snprintf(path, sizeof path, "%s/active/%s", s->config.spool.directory, file->active_name);
+    if (ends_with(file->name, ".json")) {
+        if (access_peer_from_user(file->owner, (gid_t)-1, &sub.peer, &err) == SHEAR_OK) {
+            submit_job_file(s, file, &sub);
+            access_peer_deinit(&sub.peer);
+        } else {
+            spool_refuse(s->spool, file->active_name, &err);
+        }
+        return;
+    }
+    sub.peer.uid = file->owner;
+    sub.source = path;
+    submit_file(s, file, &sub);
+}
+
+static int64_t room(void *context) {
+    service *s = context;
+    store_counts counts;
+    shear_error ignored;
+    if (s->state != SHEAR_SERVER_RUNNING || s->store_trouble_ms != 0 ||
+        store_count(s->store, &counts, &ignored) != SHEAR_OK) {
+        return 0;
+    }
+    const int64_t left = s->config.limits.queue - counts.unfinished;
+    return left > 0 ? left : 0;
+}
+
+static void spool_log(void *context, int level, const char *text) {
+    (void)context;
+    if (level == SPOOL_ERROR) {
+        log_error("%s", text);
+    } else if (level == SPOOL_WARNING) {
+        log_warning("%s", text);
+    } else {
+        log_notice("%s", text);
+    }
+}
+
+int spooled_open(service *s, shear_error *err) {
+    const sheard_config *c = &s->config;
+    const spool_tuning tuning = {
+        .settle_ms = c->spool.settle_time_ms,
+        .scan_ms = c->spool.scan_interval_ms,
+        .done = {c->spool.done.max_age_ms, c->spool.done.max_count, c->spool.done.max_bytes},
+        .failed = {c->spool.failed.max_age_ms, c->spool.failed.max_count,
+                   c->spool.failed.max_bytes}};
+    const spool_callbacks callbacks = {
+        .room = room, .found = found, .log = spool_log, .context = s};
+    return c->spool.enabled
+               ? spool_open(&s->spool, &s->loop, c->spool.directory, &tuning, &callbacks, err)
+               : SHEAR_OK;
+}

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the service says of itself. */
+#include "service/inner.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+shear_msg_limits status_limits(const service *s) {
+    const sheard_config *c = &s->config;
+    return (shear_msg_limits){.line_bytes = (int64_t)shear_rpc_request_limits.line,
+                              .depth = shear_rpc_request_limits.depth,
+                              .values = (int64_t)shear_rpc_request_limits.values,
+                              .list = SHEAR_MSG_LIST_MAX,
+                              .jobs_page = SHEAR_MSG_JOBS_PAGE,
+                              .fields_page = SHEAR_MSG_FIELDS_PAGE,
+                              .connections = c->limits.connections,
+                              .in_flight = c->limits.requests_in_flight,
+                              .idle_s = c->limits.idle_timeout_ms / 1000,
+                              .queue = c->limits.queue};
+}
+
+static int64_t free_bytes(const char *path) {
+    struct statvfs v;
+    return statvfs(path, &v) == 0 ? (int64_t)v.f_bavail * (int64_t)v.f_frsize : -1;
+}
+
+static int64_t file_size(const char *path) {
+    struct stat st;
+    return stat(path, &st) == 0 ? (int64_t)st.st_size : -1;
+}
+
+/* Over the last minute, or since the start where that is shorter. */
+static shear_msg_rates rates(const service *s) {
+    const int64_t span = s->ticks < RATE_SLOTS - 1 ? s->ticks : RATE_SLOTS - 1;
+    if (span <= 0) {
+        return (shear_msg_rates){0};
+    }
+    const int64_t now = s->ticks % RATE_SLOTS;
+    const int64_t then = (s->ticks - span) % RATE_SLOTS;
+    return (shear_msg_rates){
+        .stamps_per_s = (double)(s->stamps_at[now] - s->stamps_at[then]) / (double)span,
+        .jobs_per_s = (double)(s->jobs_at[now] - s->jobs_at[then]) / (double)span};
+}
+
+static void fill_spool(const service *s, shear_msg_spool *out) {
+    if (s->spool != NULL) {
+        const spool_stats st = spool_get_stats(s->spool);
+        *out = (shear_msg_spool){.path = s->config.spool.directory,
+                                 .watching = st.watching,
+                                 .incoming = st.waiting,
+                                 .active = st.active,
+                                 .done = st.done,
+                                 .failed = st.failed,
+                                 .free_bytes = free_bytes(s->config.spool.directory)};
+    }
+}
+
+static int fill(service *s, shear_msg_status *out, char *store_path, size_t size,
+                shear_error *err) {
+    store_counts counts;
+    store_totals totals;
+    server_statistics net;
+    const engine_load load = engine_get_load(s->engine);
+    int code = store_count(s->store, &counts, err);
+    if (code == SHEAR_OK) {
+        code = store_total(s->store, &totals, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    server_get_statistics(s->server, &net);
+    snprintf(store_path, size, "%s/sheard.db", s->config.daemon.state_dir);
+    *out = (shear_msg_status){
+        .version = SHEARD_VERSION,
+        .protocol = SHEAR_PROTOCOL_VERSION,
+        .pid = getpid(),
+        .state = s->state,
+        .started_ms = s->started_ms,
+        .uptime_s = 1e-3 * (double)(wall_ms() - s->started_ms),
+        .connections = (int64_t)net.connections,
+        .subscribers = (int64_t)net.subscribers,
+        .workers = {.total = load.workers, .busy = load.busy, .readers = load.jobs},
+        .queue = {.length = counts.unfinished, .capacity = s->config.limits.queue},
+        .states = {.queued = counts.jobs[STORE_QUEUED],
+                   .running = counts.jobs[STORE_RUNNING],
+                   .waiting = counts.jobs[STORE_WAITING],
+                   .done = counts.jobs[STORE_DONE],
+                   .failed = counts.jobs[STORE_FAILED],
+                   .cancelled = counts.jobs[STORE_CANCELLED]},
+        .totals = {.submitted = totals.submitted,
+                   .counted = totals.counted,
+                   .duplicates = totals.duplicates,
+                   .failed = totals.failed,
+                   .cancelled = totals.cancelled,
+                   .stamps = totals.n_stamps,
+                   .fields = totals.fields},
+        .rates = rates(s),
+        .store = {.path = store_path,
+                  .schema = 1,
+                  .bytes = file_size(store_path),
+                  .free_bytes = free_bytes(s->config.daemon.state_dir),
+                  .commits = s->commits},
+        .limits = status_limits(s)};
+    fill_spool(s, &out->spool);
+    return SHEAR_OK;
+}
+
+void status_reply(service *s, server_handle to) {
+    char path[4200];
+    const char *problem = s->trouble;
+    shear_reply reply = {0};
+    shear_error err = {0};
+    const int code = fill(s, &reply.status, path, sizeof path, &err);
+    if (code != SHEAR_OK) {
+        shear_rpc_error error;
+        rpc_from_store(&error, code, &err);
+        server_reply_error(s->server, to, &error);
+        return;
+    }
+    if (s->store_trouble_ms != 0) {
+        reply.status.problems = &problem;
+        reply.status.n_problems = 1;
+    }
+    server_reply(s->server, to, &reply);
+}
+
+/* ---- Prometheus text ---- */
+
+static void metric(FILE *out, const char *name, const char *type, const char *help, double value) {
+    fprintf(out, "# HELP sheard_%s %s\n# TYPE sheard_%s %s\nsheard_%s %.17g\n", name, help, name,
+            type, name, value);
+}
+
+static void write_metrics(const shear_msg_status *st, const server_statistics *net, FILE *out) {
+    static const char *const names[] = {"queued", "running", "waiting",
+                                        "done",   "failed",  "cancelled"};
+    const int64_t states[] = {st->states.queued, st->states.running, st->states.waiting,
+                              st->states.done,   st->states.failed,  st->states.cancelled};
+    fprintf(out, "# HELP sheard_jobs Kept jobs by state.\n# TYPE sheard_jobs gauge\n");
+    for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
+        fprintf(out, "sheard_jobs{state=\"%s\"} %" PRId64 "\n", names[i], states[i]);
+    }
+    metric(out, "uptime_seconds", "gauge", "Time since the start.", st->uptime_s);
+    metric(out, "workers", "gauge", "Worker threads.", (double)st->workers.total);
+    metric(out, "workers_busy", "gauge", "Worker threads at work.", (double)st->workers.busy);
+    metric(out, "queue_capacity", "gauge", "Unfinished jobs that are taken at most.",
+           (double)st->queue.capacity);
+    metric(out, "jobs_submitted_total", "counter", "Jobs taken.", (double)st->totals.submitted);
+    metric(out, "jobs_counted_total", "counter", "Jobs whose stamps count in a field.",
+           (double)st->totals.counted);
+    metric(out, "jobs_duplicate_total", "counter", "Jobs that were counted before.",
+           (double)st->totals.duplicates);
+    metric(out, "jobs_failed_total", "counter", "Jobs that failed for good.",
+           (double)st->totals.failed);
+    metric(out, "stamps_total", "counter", "Stamps in counted jobs.", (double)st->totals.stamps);
+    metric(out, "fields", "gauge", "Fields, each set of settings by itself.",
+           (double)st->totals.fields);
+    metric(out, "stamps_per_second", "gauge", "Stamps measured, mean of the last minute.",
+           st->rates.stamps_per_s);
+    metric(out, "connections", "gauge", "Clients connected.", (double)net->connections);
+    metric(out, "connections_accepted_total", "counter", "Clients since the start.",
+           (double)net->accepted);
+    metric(out, "bytes_in_total", "counter", "Bytes from clients.", (double)net->bytes_in);
+    metric(out, "bytes_out_total", "counter", "Bytes to clients.", (double)net->bytes_out);
+    metric(out, "store_commits_total", "counter", "Commits since the start.",
+           (double)st->store.commits);
+    metric(out, "store_bytes", "gauge", "Size of the database.", (double)st->store.bytes);
+    metric(out, "store_free_bytes", "gauge", "Free space beside it.", (double)st->store.free_bytes);
+}
+
+void metrics_reply(service *s, server_handle to) {
+    char path[4200];
+    char *text = NULL;
+    size_t size = 0;
+    shear_msg_status st;
+    server_statistics net;
+    shear_error err = {0};
+    shear_rpc_error error;
+    int code = fill(s, &st, path, sizeof path, &err);
+    FILE *out = code == SHEAR_OK ? open_memstream(&text, &size) : NULL;
+    if (out != NULL) {
+        server_get_statistics(s->server, &net);
+        write_metrics(&st, &net, out);
+        code = fclose(out) == 0 ? SHEAR_OK : SHEAR_E_NOMEM;
+    } else if (code == SHEAR_OK) {
+        code = shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory for the metrics");
+    }
+    if (code != SHEAR_OK) {
+        rpc_from_store(&error, code, &err);
+        server_reply_error(s->server, to, &error);
+    } else {
+        const shear_reply reply = {
+            .metrics = {.content_type = "text/plain; version=0.0.4", .text = text}};
+        server_reply(s->server, to, &reply);
+    }
+    free(text);
+}
+
+/* Once a second: rates, and progress to those who asked for it. */
+void status_tick(service *s) {
+    s->ticks++;
+    s->stamps_at[s->ticks % RATE_SLOTS] = engine_get_load(s->engine).stamps_total;
+    s->jobs_at[s->ticks % RATE_SLOTS] = s->jobs_ended;
+    for (const active_job *j = s->active; j != NULL; j = j->next) {
+        shear_notice_params params = {.job_progress = {.id = j->id}};
+        shear_msg_progress *p = &params.job_progress.progress;
+        if (server_is_watched(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field) &&
+            engine_progress(s->engine, j->id, &p->done, &p->total)) {
+            const double seconds = 1e-3 * (double)(wall_ms() - j->started_ms);
+            p->rate = seconds > 0.0 ? (double)p->done / seconds : 0.0;
+            p->eta_s = p->rate > 0.0 ? (double)(p->total - p->done) / p->rate : 0.0;
+            server_publish(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field, &params);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/inner.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int rpc_from_store(shear_rpc_error *error, int code, const shear_error *err) {
+    static const struct {
+        int store, rpc;
+    } table[] = {
+        {STORE_QUEUE_FULL, SHEAR_RPC_QUEUE_FULL},  {STORE_KEY_REUSED, SHEAR_RPC_KEY_REUSED},
+        {STORE_NOT_FOUND, SHEAR_RPC_NO_SUCH_JOB},  {STORE_WRONG_STATE, SHEAR_RPC_WRONG_STATE},
+        {STORE_BAD_TEXT, SHEAR_RPC_BAD_PARAMETER}, {SHEAR_E_IO, SHEAR_RPC_STORE_FAILED},
+        {SHEAR_E_NOMEM, SHEAR_RPC_OUT_OF_MEMORY}};
+    for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
+        if (table[i].store == code) {
+            return shear_rpc_fail(error, table[i].rpc, NULL, "%s", err->message);
+        }
+    }
+    return shear_rpc_fail(error, SHEAR_RPC_INTERNAL, NULL, "%s", err->message);
+}
+
+int rpc_from_access(shear_rpc_error *error, int code, const shear_error *err) {
+    int rpc = SHEAR_RPC_IO;
+    switch (code) {
+    case ACCESS_E_PATH:
+        rpc = SHEAR_RPC_BAD_PARAMETER;
+        break;
+    case ACCESS_E_OUTSIDE:
+        rpc = SHEAR_RPC_OUTSIDE_ROOTS;
+        break;
+    case ACCESS_E_NOT_FOUND:
+        rpc = SHEAR_RPC_NO_SUCH_FILE;
+        break;
+    case ACCESS_E_DENIED:
+    case ACCESS_E_SERVICE:
+        rpc = SHEAR_RPC_NOT_READABLE;
+        break;
+    case ACCESS_E_NOT_REGULAR:
+        rpc = SHEAR_RPC_NOT_REGULAR;
+        break;
+    default:
+        break;
+    }
+    return shear_rpc_fail(error, rpc, err->advice[0] != '\0' ? err->advice : NULL, "%s",
+                          err->message);
+}
+
+static void digest(const void *bytes, size_t n, char *hex, size_t size) {
+    char sum[SHEAR_CHECKSUM_SIZE];
+    shear_bytes_checksum(bytes, n, sum);
+    snprintf(hex, size, "%s", sum);
+}
+
+/* May the peer have this file measured? *canonical: its path without links, malloc'd. */
+static int check_file(service *s, const submission *sub, char **canonical, shear_rpc_error *error) {
+    const shear_msg_source *source = &sub->submit->source;
+    shear_error err = {0};
+    int fd = -1;
+    if (source->path == NULL) {
+        return shear_rpc_fail(error, SHEAR_RPC_BAD_PARAMETER,
+                              "join them into one field file (docs/field-files.md)",
+                              "this version measures field files only, not separate images");
+    }
+    const int code = access_open(s->roots, &sub->peer, source->path, &fd, canonical, &err);
+    if (code != SHEAR_OK) {
+        return rpc_from_access(error, code, &err);
+    }
+    close(fd);
+    return SHEAR_RPC_OK;
+}
+
+static int into_store(service *s, const submission *sub, const char *path,
+                      const shear_settings *settings, int64_t *id, bool *known,
+                      shear_rpc_error *error) {
+    char text[SHEAR_MSG_SETTINGS_SIZE];
+    char hex[33];
+    char *source = NULL;
+    shear_error err = {0};
+    const shear_msg_source named = {.path = path};
+    int code = shear_settings_write(settings, text, sizeof text, &err);
+    if (code == SHEAR_OK) {
+        code = shear_settings_digest(settings, digest, hex, sizeof hex, &err);
+    }
+    if (code != SHEAR_OK) {
+        return shear_rpc_fail(error, SHEAR_RPC_BAD_SETTING, NULL, "%s", err.message);
+    }
+    if (shear_source_text(&source, &named, error) != SHEAR_RPC_OK) {
+        return error->code;
+    }
+    const store_spec spec = {.field = sub->submit->field,
+                             .source = source,
+                             .settings = text,
+                             .settings_digest = hex,
+                             .key = sub->key,
+                             .origin = sub->origin,
+                             .priority = (int)sub->submit->priority,
+                             .force = sub->submit->force,
+                             .owner = sub->peer.uid,
+                             .created_ms = wall_ms()};
+    code = group_begin(s, &err);
+    if (code == SHEAR_OK) {
+        code = store_submit(s->store, &spec, s->config.limits.queue, id, known, &err);
+    }
+    free(source);
+    return code == SHEAR_OK ? SHEAR_RPC_OK : rpc_from_store(error, code, &err);
+}
+
+int submit_job(service *s, const submission *sub, int64_t *id, bool *known,
+               shear_rpc_error *error) {
+    shear_settings settings = s->config.measure;
+    shear_error err = {0};
+    char *canonical = NULL;
+    if (shear_settings_apply(&settings, sub->submit->settings, &err) != SHEAR_OK) {
+        return shear_rpc_fail(error, SHEAR_RPC_BAD_SETTING, err.advice, "%s", err.message);
+    }
+    int code = sub->source == NULL ? check_file(s, sub, &canonical, error) : SHEAR_RPC_OK;
+    if (code == SHEAR_RPC_OK) {
+        code = into_store(s, sub, sub->source != NULL ? sub->source : canonical, &settings, id,
+                          known, error);
+    }
+    free(canonical);
+    return code;
+}

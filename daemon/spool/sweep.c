@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sweep.h"
+
+#include "inner.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const int64_t ns_per_s = 1000000000;
+static const int64_t ns_per_ms = 1000000;
+
+static void forget_items(sweep *w) {
+    for (size_t i = 0; i < w->n; i++) {
+        free(w->items[i].name);
+    }
+    free(w->items);
+    w->items = NULL;
+    w->n = w->room = w->next = 0;
+    w->bytes = 0;
+    if (w->dir != NULL) {
+        closedir(w->dir);
+    }
+    w->dir = NULL;
+}
+
+void sweep_init(sweep *w) {
+    *w = (sweep){.folder = N_FOLDERS};
+}
+
+void sweep_deinit(sweep *w) {
+    forget_items(w);
+    w->folder = N_FOLDERS;
+}
+
+bool sweep_idle(const sweep *w) {
+    return w->folder == N_FOLDERS;
+}
+
+void sweep_begin(sweep *w) {
+    if (sweep_idle(w)) {
+        w->folder = DONE;
+    }
+}
+
+static const spool_keep *limits(const spool *s) {
+    return s->sweep.folder == DONE ? &s->tuning.done : &s->tuning.failed;
+}
+
+/* ---- reading ---- */
+
+static int64_t to_ns(struct timespec t) {
+    return (int64_t)t.tv_sec * ns_per_s + t.tv_nsec;
+}
+
+static bool append(sweep *w, const char *name, const struct stat *st) {
+    if (w->n == w->room) {
+        const size_t room = w->room == 0 ? 64 : 2 * w->room;
+        sweep_item *items = reallocarray(w->items, room, sizeof *items);
+        if (items == NULL) {
+            return false;
+        }
+        w->items = items;
+        w->room = room;
+    }
+    char *copy = strdup(name);
+    if (copy == NULL) {
+        return false;
+    }
+    /* The last modification of the file is older than its end; the last change is its move here.
+     * Better is the time when the report was written, if there is one. */
+    w->items[w->n++] = (sweep_item){.name = copy,
+                                    .inode = st->st_ino,
+                                    .modified_ns = to_ns(st->st_mtim),
+                                    .ended_ns = to_ns(st->st_ctim),
+                                    .bytes = st->st_size};
+    return true;
+}
+
+static int by_name(const void *a, const void *b) {
+    return strcmp(((const sweep_item *)a)->name, ((const sweep_item *)b)->name);
+}
+
+static int by_time(const void *a, const void *b) {
+    const sweep_item *x = a;
+    const sweep_item *y = b;
+    return x->ended_ns != y->ended_ns ? (x->ended_ns > y->ended_ns) - (x->ended_ns < y->ended_ns)
+                                      : by_name(a, b);
+}
+
+/* A name sorts before the name of its report; so a report is known as one before it could be taken
+ * for a job with a report of its own. */
+static void pair_with_reports(sweep *w) {
+    for (size_t i = 0; i < w->n; i++) {
+        char name[NAME_SIZE + 8];
+        sweep_item *item = &w->items[i];
+        snprintf(name, sizeof name, "%s.json", item->name);
+        const sweep_item key = {.name = name};
+        sweep_item *report =
+            item->is_report ? NULL : bsearch(&key, w->items, w->n, sizeof key, by_name);
+        if (report != NULL) {
+            report->is_report = true;
+            item->has_report = true;
+            item->bytes += report->bytes;
+            item->ended_ns = report->modified_ns;
+        }
+    }
+}
+
+static void sort_out(sweep *w) {
+    size_t kept = 0;
+    if (w->n == 0) {
+        return;
+    }
+    qsort(w->items, w->n, sizeof *w->items, by_name);
+    pair_with_reports(w);
+    for (size_t i = 0; i < w->n; i++) {
+        if (w->items[i].is_report) {
+            free(w->items[i].name);
+        } else {
+            w->bytes += w->items[i].bytes;
+            w->items[kept++] = w->items[i];
+        }
+    }
+    w->n = kept;
+    qsort(w->items, w->n, sizeof *w->items, by_time);
+}
+
+static void end_folder(sweep *w) {
+    forget_items(w);
+    w->folder++;
+}
+
+/* Only what this service put there, or could have put there, is counted and removed. */
+static bool read_some(spool *s) {
+    sweep *w = &s->sweep;
+    for (int i = 0; i < SPOOL_STEP_NAMES; i++) {
+        struct stat st;
+        const struct dirent *entry = readdir(w->dir);
+        if (entry == NULL) {
+            closedir(w->dir);
+            w->dir = NULL;
+            sort_out(w);
+            return true;
+        }
+        const int verdict = name_judge(entry->d_name);
+        if ((verdict == NAME_GOOD || verdict == NAME_LONG) &&
+            folder_stat(&s->folders, w->folder, entry->d_name, &st) == 0 && S_ISREG(st.st_mode) &&
+            !append(w, entry->d_name, &st)) {
+            spool_log(s, SPOOL_WARNING, "%s/%s: out of memory while looking for old files",
+                      s->folders.path, folder_name(w->folder));
+            end_folder(w);
+            return true;
+        }
+    }
+    return true;
+}
+
+/* ---- removing ---- */
+
+static bool too_much(const sweep *w, const spool_keep *keep, int64_t now_ns) {
+    if (w->next == w->n) {
+        return false;
+    }
+    const int64_t age_ms = (now_ns - w->items[w->next].ended_ns) / ns_per_ms;
+    return (keep->max_age_ms > 0 && age_ms > keep->max_age_ms) ||
+           (keep->max_count > 0 && (int64_t)(w->n - w->next) > keep->max_count) ||
+           (keep->max_bytes > 0 && w->bytes > keep->max_bytes);
+}
+
+/* The file first: no file is ever without its report. */
+static void remove_item(spool *s, const sweep_item *item) {
+    const int folder = s->sweep.folder;
+    const int fd = s->folders.fd[folder];
+    struct stat st;
+    if (folder_stat(&s->folders, folder, item->name, &st) != 0 || st.st_ino != item->inode) {
+        return; /* somebody has been faster, and the name may stand for a younger file by now */
+    }
+    if (unlinkat(fd, item->name, 0) != 0) {
+        spool_log(s, SPOOL_WARNING, "%s/%s/%s: is to be removed, but cannot: %s", s->folders.path,
+                  folder_name(folder), item->name, strerror(errno));
+        return;
+    }
+    s->stats.removed++;
+    if (item->has_report) {
+        char report[NAME_SIZE + 8];
+        snprintf(report, sizeof report, "%s.json", item->name);
+        unlinkat(fd, report, 0);
+    }
+}
+
+static bool remove_some(spool *s) {
+    sweep *w = &s->sweep;
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    for (int i = 0; i < SPOOL_STEP_FILES && too_much(w, limits(s), to_ns(now)); i++) {
+        remove_item(s, &w->items[w->next]);
+        w->bytes -= w->items[w->next].bytes;
+        w->next++;
+    }
+    if (!too_much(w, limits(s), to_ns(now))) {
+        end_folder(w);
+    }
+    return !sweep_idle(w);
+}
+
+bool sweep_step(spool *s) {
+    sweep *w = &s->sweep;
+    if (sweep_idle(w)) {
+        return false;
+    }
+    if (w->dir != NULL) {
+        return read_some(s);
+    }
+    if (w->items != NULL) {
+        return remove_some(s);
+    }
+    const spool_keep *keep = limits(s);
+    const bool limited = keep->max_age_ms > 0 || keep->max_count > 0 || keep->max_bytes > 0;
+    w->dir = limited ? folder_list(&s->folders, w->folder) : NULL;
+    if (w->dir == NULL) {
+        end_folder(w);
+    }
+    return !sweep_idle(w);
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sheard/finding.h: what a look at an installation found (shearctl doctor), as JSON. */
+#ifndef SHEARD_FINDING_H
+#define SHEARD_FINDING_H
+
+#include "shear/error.h"
+
+enum shear_finding_level { SHEAR_FINDING_OK = 0, SHEAR_FINDING_WARN, SHEAR_FINDING_FAIL };
+/* "ok", "warn", "fail" */
+const char *shear_finding_level_name(int level);
+
+typedef struct shear_finding {
+    const char *subject; /* "socket" */
+    int level;
+    const char *message;
+    const char *remedy; /* "" where there is nothing to do */
+} shear_finding;
+
+/* {"subject", "level", "message", "remedy"} on one line; *text is malloc'd and the caller's to
+ * free. SHEAR_E_NOMEM. */
+int shear_finding_json(char **text, const shear_finding *finding, shear_error *err);
+
+#endif

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sheard/report_summary.h: what shear_report_json wrote, read back for people: the numbers of a
+ * field's or a job's result. */
+#ifndef SHEARD_REPORT_SUMMARY_H
+#define SHEARD_REPORT_SUMMARY_H
+
+#include "shear/error.h"
+#include "shear/stamp.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Numbers that are null, or not there, are NaN, counts 0, texts "". */
+typedef struct shear_report_summary {
+    double g1, g1_err, g2, g2_err, cov12;
+    int64_t n_stamps, n_used, n_flagged;
+    int64_t flagged[SHEAR_N_FLAGS];
+    int64_t jackknife; /* groups; 0: the delta method */
+    double true_g1, true_g2, pull_g1, pull_g2;
+    int64_t n_files;
+    char interpolation[24], filter[24]; /* as resolved */
+    int64_t oversample;
+    double beta_px, r_psf_px, core_px, width_px;
+    char **warnings; /* [n_warnings], owned */
+    int64_t n_warnings;
+    double seconds;
+} shear_report_summary;
+
+/* `text` is a JSON object; members that are not known are passed over. SHEAR_E_FORMAT,
+ * SHEAR_E_NOMEM. *summary must be deinited after success only. */
+int shear_report_summary_parse(shear_report_summary *summary, const char *text, shear_error *err);
+void shear_report_summary_deinit(shear_report_summary *summary); /* zeroed: fine */
+
+#endif

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sheard/report_summary.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double number(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+static int64_t count(const json_t *object, const char *key) {
+    return json_integer_value(json_object_get(object, key));
+}
+
+static void text_of(const json_t *object, const char *key, char *buf, size_t size) {
+    const char *text = json_string_value(json_object_get(object, key));
+    snprintf(buf, size, "%s", text ? text : "");
+}
+
+static void read_shear(shear_report_summary *s, const json_t *o) {
+    s->g1 = number(o, "g1");
+    s->g1_err = number(o, "g1_err");
+    s->g2 = number(o, "g2");
+    s->g2_err = number(o, "g2_err");
+    s->cov12 = number(o, "cov12");
+    s->n_stamps = count(o, "n_stamps");
+    s->n_used = count(o, "n_used");
+    s->n_flagged = count(o, "n_flagged");
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+        s->flagged[bit] = count(json_object_get(o, "flags"), shear_flag_name(bit));
+    }
+    s->jackknife = count(o, "jackknife");
+    s->true_g1 = number(json_object_get(o, "truth"), "g1");
+    s->true_g2 = number(json_object_get(o, "truth"), "g2");
+    s->pull_g1 = number(json_object_get(o, "pull"), "g1");
+    s->pull_g2 = number(json_object_get(o, "pull"), "g2");
+    s->n_files = (int64_t)json_array_size(json_object_get(o, "files"));
+    s->seconds = number(o, "seconds");
+}
+
+static void read_plan(shear_report_summary *s, const json_t *plan) {
+    text_of(plan, "interpolation", s->interpolation, sizeof s->interpolation);
+    text_of(plan, "filter", s->filter, sizeof s->filter);
+    s->oversample = count(plan, "oversample");
+    s->beta_px = number(plan, "beta_px");
+    s->r_psf_px = number(plan, "r_psf_px");
+    s->core_px = number(plan, "core_px");
+    s->width_px = number(plan, "width_px");
+}
+
+static bool read_warnings(shear_report_summary *s, const json_t *list) {
+    const size_t n = json_array_size(list);
+    s->warnings = n ? calloc(n, sizeof *s->warnings) : NULL;
+    if (n && !s->warnings) {
+        return false;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const char *text = json_string_value(json_array_get(list, i));
+        char *copy = text ? strdup(text) : NULL;
+        if (text && !copy) {
+            return false;
+        }
+        if (copy) {
+            s->warnings[s->n_warnings++] = copy;
+        }
+    }
+    return true;
+}
+
+void shear_report_summary_deinit(shear_report_summary *s) {
+    for (int64_t i = 0; i < s->n_warnings; i++) {
+        free(s->warnings[i]);
+    }
+    free((void *)s->warnings);
+    *s = (shear_report_summary){0};
+}
+
+int shear_report_summary_parse(shear_report_summary *s, const char *text, shear_error *err) {
+    json_error_t why;
+    *s = (shear_report_summary){0};
+    json_t *o = json_loads(text, 0, &why);
+    if (!json_is_object(o)) {
+        const bool out_of_memory = !o && json_error_code(&why) == json_error_out_of_memory;
+        json_decref(o);
+        return out_of_memory ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a result")
+                             : shear_fail(err, SHEAR_E_FORMAT, NULL, "a result is no JSON object");
+    }
+    read_shear(s, o);
+    read_plan(s, json_object_get(o, "resolved"));
+    const bool good = read_warnings(s, json_object_get(o, "warnings"));
+    json_decref(o);
+    if (!good) {
+        shear_report_summary_deinit(s);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a result");
+    }
+    return SHEAR_OK;
+}

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* protocol_probe: what the code knows of the protocol, for tests/system/test_protocol_docs.py.
+ *   protocol_probe tables   all codes, methods, notifications and messages, as JSON
+ *   protocol_probe check    lines "KIND[ METHOD]<tab>TEXT" from standard input, each answered by
+ * "ok" or "CODE: MESSAGE"; KIND is request, reply, error, notification, job-file or side-file */
+#include "rpc_methods.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- tables ---- */
+
+static void print_table(const msg_table *table);
+
+static void print_names(const char *const *names) {
+    printf(",\"names\":[");
+    for (int i = 0; names[i]; i++) {
+        printf("%s\"%s\"", i > 0 ? "," : "", names[i]);
+    }
+    printf("]");
+}
+
+static void print_member(const msg_member *m) {
+    static const char *const types[] = {
+        [MSG_BOOL] = "bool",       [MSG_INT] = "int",           [MSG_REAL] = "real",
+        [MSG_TEXT] = "text",       [MSG_NAME] = "name",         [MSG_TIME] = "time",
+        [MSG_RAW] = "raw",         [MSG_SETTINGS] = "settings", [MSG_STATES] = "states",
+        [MSG_INTS] = "ints",       [MSG_TEXTS] = "texts",       [MSG_OBJECT] = "object",
+        [MSG_OBJECTS] = "objects", [MSG_MERGED] = "merged",
+    };
+    printf("{\"name\":\"%s\",\"type\":\"%s\",\"required\":%s,\"nullable\":%s,\"plain\":%s,"
+           "\"absolute\":%s,\"min\":%" PRId64 ",\"max\":%" PRId64 ",\"item_max\":%" PRId64
+           ",\"fallback\":%" PRId64,
+           m->name, types[m->type], m->flags & MSG_REQUIRED ? "true" : "false",
+           m->flags & MSG_NULLABLE ? "true" : "false", m->flags & MSG_PLAIN ? "true" : "false",
+           m->flags & MSG_ABSOLUTE ? "true" : "false", m->min, m->max, m->item_max, m->fallback);
+    if (m->names) {
+        print_names(m->names);
+    }
+    if (m->table) {
+        printf(",\"members\":");
+        print_table(m->table);
+    }
+    printf("}");
+}
+
+static void print_table(const msg_table *table) {
+    printf("[");
+    for (size_t i = 0; i < table->n; i++) {
+        printf("%s", i > 0 ? "," : "");
+        print_member(&table->members[i]);
+    }
+    printf("]");
+}
+
+static void print_codes(void) {
+    printf("{\"codes\":[");
+    for (int i = 1; i < SHEAR_N_RPC_CODES; i++) {
+        const shear_rpc_code_info *c = shear_rpc_code_get(i);
+        printf("%s{\"name\":\"%s\",\"number\":%d,\"retry\":%s,\"class\":\"%s\"}", i > 1 ? "," : "",
+               c->name, c->number, c->retry ? "true" : "false", shear_job_class_name(c->job_class));
+    }
+    printf("]");
+}
+
+static void print_methods(void) {
+    printf(",\"methods\":[");
+    for (int i = 0; i < SHEAR_N_METHODS; i++) {
+        printf("%s{\"name\":\"%s\",\"admin\":%s,\"params\":", i > 0 ? "," : "", rpc_methods[i].name,
+               rpc_methods[i].admin ? "true" : "false");
+        print_table(rpc_methods[i].params);
+        printf(",\"reply\":");
+        print_table(rpc_methods[i].reply);
+        printf("}");
+    }
+    printf("],\"notifications\":[");
+    for (int i = 0; i < SHEAR_N_NOTICES; i++) {
+        printf("%s{\"name\":\"%s\",\"params\":", i > 0 ? "," : "", rpc_notices[i].name);
+        print_table(rpc_notices[i].params);
+        printf("}");
+    }
+    printf("],\"side\":");
+    print_table(&msg_side);
+}
+
+static void print_settings(void) {
+    static const char *const types[] = {[SHEAR_T_CHOICE] = "choice",
+                                        [SHEAR_T_INT] = "int",
+                                        [SHEAR_T_DOUBLE] = "double",
+                                        [SHEAR_T_BOOL] = "bool"};
+    size_t n = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    printf(",\"settings\":[");
+    for (size_t i = 0; i < n; i++) {
+        printf("%s{\"name\":\"%s\",\"type\":\"%s\",\"auto\":%s,\"min\":%.17g,\"max\":%.17g",
+               i > 0 ? "," : "", table[i].name, types[table[i].type],
+               table[i].has_auto ? "true" : "false", table[i].min, table[i].max);
+        if (table[i].choices) {
+            print_names(table[i].choices);
+        }
+        printf("}");
+    }
+    printf("]");
+}
+
+static int tables(void) {
+    print_codes();
+    print_methods();
+    print_settings();
+    const shear_rpc_limits *l = &shear_rpc_request_limits;
+    printf(",\"limits\":{\"line\":%zu,\"depth\":%d,\"values\":%zu,\"text\":%zu,\"id\":%d,"
+           "\"job_file\":%d,\"reply_line\":%zu}}\n",
+           l->line, l->depth, l->values, l->text, SHEAR_RPC_ID_MAX, SHEAR_MSG_JOB_FILE_MAX,
+           shear_rpc_reply_limits.line);
+    return 0;
+}
+
+/* ---- check ---- */
+
+static int check_request(const char *text, int method, shear_rpc_error *error) {
+    shear_request request;
+    const int rc = shear_request_parse(&request, text, strlen(text), NULL, error);
+    const bool other = rc == SHEAR_RPC_OK && request.method != method;
+    shear_request_deinit(&request);
+    return other ? shear_rpc_fail(error, SHEAR_RPC_UNKNOWN_METHOD, NULL, "another method") : rc;
+}
+
+static int check_message(const char *text, int kind, int method, shear_rpc_error *error) {
+    shear_message message;
+    int rc = shear_message_parse(&message, text, strlen(text), error);
+    if (rc == SHEAR_RPC_OK && message.kind != kind) {
+        rc = shear_rpc_fail(error, SHEAR_RPC_BAD_REPLY, NULL, "another kind of message");
+    }
+    if (rc == SHEAR_RPC_OK && kind == SHEAR_MESSAGE_REPLY) {
+        shear_reply reply;
+        rc = shear_message_reply(&message, method, &reply, error);
+        shear_reply_deinit(&reply, method);
+    }
+    const bool unknown = (kind == SHEAR_MESSAGE_NOTICE && message.notice < 0) ||
+                         (kind == SHEAR_MESSAGE_ERROR && message.error.code == SHEAR_RPC_UNKNOWN);
+    if (rc == SHEAR_RPC_OK && unknown) {
+        rc = shear_rpc_fail(error, SHEAR_RPC_UNKNOWN, NULL, "an unknown notification or code");
+    }
+    shear_message_deinit(&message);
+    return rc;
+}
+
+static int check_job_file(const char *text, shear_rpc_error *error) {
+    shear_msg_submit submit;
+    const int rc = shear_job_file_parse(&submit, text, strlen(text), NULL, error);
+    shear_submit_deinit(&submit);
+    return rc;
+}
+
+static int check_side_file(const char *text, shear_rpc_error *error) {
+    shear_msg_side side;
+    const int rc = shear_side_parse(&side, text, strlen(text), error);
+    shear_side_deinit(&side);
+    return rc;
+}
+
+static int check(const char *kind, int method, const char *text, shear_rpc_error *error) {
+    if (strcmp(kind, "request") == 0) {
+        return check_request(text, method, error);
+    }
+    if (strcmp(kind, "reply") == 0) {
+        return check_message(text, SHEAR_MESSAGE_REPLY, method, error);
+    }
+    if (strcmp(kind, "error") == 0) {
+        return check_message(text, SHEAR_MESSAGE_ERROR, method, error);
+    }
+    if (strcmp(kind, "notification") == 0) {
+        return check_message(text, SHEAR_MESSAGE_NOTICE, method, error);
+    }
+    return strcmp(kind, "job-file") == 0 ? check_job_file(text, error)
+                                         : check_side_file(text, error);
+}
+
+static int check_lines(void) {
+    char *line = NULL;
+    size_t size = 0;
+    while (getline(&line, &size, stdin) > 0) {
+        line[strcspn(line, "\n")] = '\0';
+        char *text = strchr(line, '\t');
+        if (!text) {
+            free(line);
+            return 2;
+        }
+        *text++ = '\0';
+        char *method = strchr(line, ' ');
+        if (method) {
+            *method++ = '\0';
+        }
+        shear_rpc_error error = {0};
+        if (check(line, method ? shear_method_find(method) : -1, text, &error) == SHEAR_RPC_OK) {
+            printf("ok\n");
+        } else {
+            printf("%s: %s\n", error.name, error.message);
+        }
+    }
+    free(line);
+    return 0;
+}
+
+int main(int argc, char **argv) {
+    const char *what = argc == 2 ? argv[1] : "";
+    if (strcmp(what, "tables") == 0) {
+        return tables();
+    }
+    if (strcmp(what, "check") == 0) {
+        return check_lines();
+    }
+    fprintf(stderr, "usage: protocol_probe tables | check\n");
+    return 2;
+}
