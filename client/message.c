@@ -48,3 +48,12 @@ void message_warning(const char *format, ...) {
     va_end(args);
     say("warning", text);
 }
+
+void message_note(const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    say("note", text);
+}

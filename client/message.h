@@ -17,6 +17,9 @@ void message_error(const shear_error *err);
 void message_fail(const char *hint, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void message_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* What is neither: "shearctl: note: ...". */
+void message_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* `text` with its control characters replaced, in buf, cut to `size`. Returns buf. */
 char *message_clean(const char *text, char *buf, size_t size);
 

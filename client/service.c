@@ -167,6 +167,25 @@ int service_answer(struct service *s, int method, const shear_params *params, sh
     return service_say(status, &error);
 }
 
+void service_count(struct service_tally *tally, int code) {
+    tally->n++;
+    tally->last_code = code;
+    if (code && tally->n_failed++ == 0) {
+        tally->first_code = code;
+    }
+}
+
+bool service_goes_on(const struct service_tally *tally) {
+    return tally->last_code != EXIT_CODE_UNREACHABLE;
+}
+
+int service_tally_code(const struct service_tally *tally) {
+    return tally->n_failed == 0          ? EXIT_CODE_DONE
+           : !service_goes_on(tally)     ? EXIT_CODE_UNREACHABLE
+           : tally->n_failed < tally->n ? EXIT_CODE_PARTLY
+                                         : tally->first_code;
+}
+
 int service_job_id(const char *text, int64_t *id) {
     char *end = NULL;
     errno = 0;

@@ -65,6 +65,16 @@ int service_answer(struct service *s, int method, const shear_params *params, sh
 int service_exit_code(int status, const shear_rpc_error *error);
 int service_say(int status, const shear_rpc_error *error);
 
+/* The exit code of a command with several operands: each is tried, and where only some succeed it is
+ * EXIT_CODE_PARTLY, else the first failure's. Begin as {0}. */
+struct service_tally {
+    int n, n_failed, first_code, last_code;
+};
+void service_count(struct service_tally *tally, int code);
+/* False when the service is gone: no sense in asking on. */
+bool service_goes_on(const struct service_tally *tally);
+int service_tally_code(const struct service_tally *tally);
+
 /* A job's number. Returns an exit code, with an error printed. */
 int service_job_id(const char *text, int64_t *id);
 

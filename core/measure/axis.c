@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/axis.h"
+#include "base/simd.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -78,7 +79,7 @@ axis_weights axis_at(const axis *ax, int fine, int *left, int *right) {
 }
 
 /* Label dAdxdy: central differences, one-sided at the two ends. */
-static void cubic_slopes(int n, const double *f, double *e, size_t stride, int lanes) {
+SHEAR_SIMD static void cubic_slopes(int n, const double *f, double *e, size_t stride, int lanes) {
     for (int i = 0; i < n; i++) {
         const double *before = f + (size_t)(i > 0 ? i - 1 : i) * stride;
         const double *after = f + (size_t)(i < n - 1 ? i + 1 : i) * stride;
@@ -91,8 +92,8 @@ static void cubic_slopes(int n, const double *f, double *e, size_t stride, int l
     }
 }
 
-static void spline_slopes(const double *pivot, int n, const double *f, double *e, size_t stride,
-                          int lanes) {
+SHEAR_SIMD static void spline_slopes(const double *pivot, int n, const double *f, double *e,
+                                     size_t stride, int lanes) {
     for (int l = 0; l < lanes; l++) {
         e[l] = 0.0;
     }

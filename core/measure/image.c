@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/image.h"
 
+#include "base/simd.h"
 #include "fft/fft.h"
 
 #include <math.h>
@@ -73,7 +74,7 @@ void image_deinit(image *im) {
     *im = (image){0};
 }
 
-static void extremes(const double *pixels, size_t n, double *low, double *high) {
+SHEAR_SIMD static void extremes(const double *pixels, size_t n, double *low, double *high) {
     double least = INFINITY;
     double most = -INFINITY;
 #pragma omp simd reduction(min : least) reduction(max : most)
@@ -87,7 +88,8 @@ static void extremes(const double *pixels, size_t n, double *low, double *high) 
 
 /* ln of a row of pixels. Zeros become marks (ln 0) or, under zeros=floor, the logarithm of `tiny`.
  */
-static void take_log(const double *pixels, size_t n, double pedestal, double tiny, double *out) {
+SHEAR_SIMD static void take_log(const double *pixels, size_t n, double pedestal, double tiny,
+                                double *out) {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         const double value = pixels[i] + pedestal;
@@ -184,6 +186,22 @@ bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x
     return true;
 }
 
+SHEAR_SIMD static void mix_two(axis_weights w, const double *fj, const double *fk, int n,
+                               double *out) {
+#pragma omp simd
+    for (int i = 0; i < n; i++) {
+        out[i] = w.a * fj[i] + w.b * fk[i];
+    }
+}
+
+SHEAR_SIMD static void mix_four(axis_weights w, const double *fj, const double *fk,
+                                const double *ej, const double *ek, int n, double *out) {
+#pragma omp simd
+    for (int i = 0; i < n; i++) {
+        out[i] = w.a * fj[i] + w.b * fk[i] + w.c * ej[i] + w.d * ek[i];
+    }
+}
+
 static void combine(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
     int j;
     int k;
@@ -203,15 +221,16 @@ static void combine(const image *im, const image_grid *g, int fine_y, int x0, in
             }
         }
     } else if (g->y.kind == AXIS_LINEAR) {
-#pragma omp simd
-        for (int i = 0; i < n; i++) {
-            out[i] = w.a * fj[i] + w.b * fk[i];
-        }
+        mix_two(w, fj, fk, n, out);
     } else {
+        mix_four(w, fj, fk, ej, ek, n, out);
+    }
+}
+
+SHEAR_SIMD static void undo_log(double *values, int n, double pedestal) {
 #pragma omp simd
-        for (int i = 0; i < n; i++) {
-            out[i] = w.a * fj[i] + w.b * fk[i] + w.c * ej[i] + w.d * ek[i];
-        }
+    for (int i = 0; i < n; i++) {
+        values[i] = exp(values[i]) - pedestal;
     }
 }
 
@@ -223,10 +242,6 @@ void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1,
     }
     combine(im, g, fine_y, x0, x1, out);
     if (g->log) {
-        const double pedestal = g->pedestal;
-#pragma omp simd
-        for (int i = 0; i < x1 - x0; i++) {
-            out[i] = exp(out[i]) - pedestal;
-        }
+        undo_log(out, x1 - x0, g->pedestal);
     }
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/simd.h"
 #include "measure/block_sums.h"
 #include "measure/moments.h"
 #include "measure/plan_impl.h"
@@ -12,7 +13,7 @@ typedef struct pixel_scan {
     bool finite;
 } pixel_scan;
 
-static pixel_scan scan_pixels(const double *pixels, size_t n) {
+SHEAR_SIMD static pixel_scan scan_pixels(const double *pixels, size_t n) {
     /* Squares are taken about one of the pixels: about zero, a bright sky would swallow its own
      * noise. */
     const double origin = pixels[0];
@@ -97,7 +98,8 @@ static void fill_photometry(shear_row *row, const shear_stamps *st, const double
     row->border_var_noise = of_noise.var;
 }
 
-static double removed_flux(const filter_map *coarse, const double *galaxy, const double *noise) {
+SHEAR_SIMD static double removed_flux(const filter_map *coarse, const double *galaxy,
+                                      const double *noise) {
     const size_t n = (size_t)coarse->nx * (size_t)coarse->ny;
     const double *value = coarse->value;
     double removed = 0.0;

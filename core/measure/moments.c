@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/moments.h"
+#include "base/simd.h"
 
 #include <math.h>
 
@@ -23,8 +24,8 @@ typedef struct row_sums {
 
 /* here: modes (0 .. jx, jy); there: the row of -jy, whose mode -jx lies at [nx - jx]. Interleaved
  * re, im. */
-static row_sums sum_row(const double *here, const double *there, const double *t, int nx,
-                        int last) {
+SHEAR_SIMD static row_sums sum_row(const double *here, const double *there, const double *t, int nx,
+                                   int last) {
     const double power0 = here[0] * there[0] - here[1] * there[1];
     double s0 = t[0] * power0;
     double s1 = 0.0;

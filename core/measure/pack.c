@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From a stamp pair to its transform: galaxy + i noise on the fine grid, filtered, one complex FFT
  * for both. */
+#include "base/simd.h"
 #include "measure/plan_impl.h"
 
 #include <string.h>
 
-static void pack_row(double complex *out, const double *galaxy, const double *noise,
-                     const double *filter, int n) {
+SHEAR_SIMD static void pack_row(double complex *out, const double *galaxy, const double *noise,
+                                const double *filter, int n) {
     double *pairs = (double *)out;
     if (filter != NULL) {
 #pragma omp simd

@@ -30,6 +30,9 @@ static sqlite3_file *real(sqlite3_file *f)
 /* Does this call fail? Counted in any case. */
 static bool fails(bool is_write)
 {
+    if (plan.fault == VFS_READ_ERROR) {
+        return false;
+    }
     plan.calls++;
     if (plan.fault == VFS_SOUND || plan.calls < plan.at) {
         return false;
@@ -78,6 +81,10 @@ static int f_close(sqlite3_file *f)
 
 static int f_read(sqlite3_file *f, void *to, int n, sqlite3_int64 at)
 {
+    if (plan.fault == VFS_READ_ERROR && ++plan.calls == plan.at) {
+        plan.fired = true;
+        return SQLITE_IOERR_READ;
+    }
     return is_dead() ? SQLITE_IOERR_READ : real(f)->pMethods->xRead(real(f), to, n, at);
 }
 

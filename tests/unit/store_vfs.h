@@ -11,6 +11,7 @@ enum store_vfs_fault {
     VFS_SOUND,
     VFS_IO_ERROR, /* one call fails; half of a write is done */
     VFS_FULL,     /* from that call on writes fail: the disk is full */
+    VFS_READ_ERROR, /* one read fails; only reads count */
     VFS_POWER_CUT /* from that call on everything fails, and what was not synced is lost (store_vfs_restart) */
 };
 

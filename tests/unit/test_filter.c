@@ -60,6 +60,8 @@ static void test_chosen_points(void **state) {
     assert_near(centre[8 * 21 + 6], exp(-0.5 * 6.25), 1e-15, 1.0, "r = 10");
     filter_map_fill(&m, 9.0, 2.0); /* refilled where it differs */
     assert_true(centre[9] == 1.0);
+    filter_map_fill(&m, 9.0, 0.5);
+    assert_near(centre[10], exp(-2.0), 1e-15, 1.0, "another width");
     filter_map_deinit(&m);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Groups: many operations, one commit, all or nothing. Failures of the disk in them: test_store_faults.c. */
+#include "database.h"
 #include "store_test.h"
 
 #include "store_vfs.h"
@@ -66,6 +67,32 @@ static void a_failed_operation_leaves_the_group(void **state)
     assert_int_equal(count_submitted(f), 2);
 }
 
+/* Its attempt is closed already when the job's row refuses to change: that must be undone, too, alone and in a group. */
+static void an_operation_is_undone_from_the_middle(void **state)
+{
+    fixture *f = *state;
+    shear_error err = {0};
+    int end = 0;
+    const int64_t id = fx_running(f, "a", "c");
+    const store_failure failure = fx_failure(f, STORE_DATA, STORE_NEVER);
+    assert_int_equal(sqlite3_exec(f->s->db,
+                                  "CREATE TEMP TRIGGER refuse BEFORE UPDATE OF state ON jobs"
+                                  " WHEN NEW.state = 4 BEGIN SELECT raise(ABORT, 'refused'); END",
+                                  NULL, NULL, NULL),
+                     SQLITE_OK);
+    FX_CODE(SHEAR_E_INTERNAL, store_fail(f->s, id, &failure, &end, &err));
+    FX_OK(store_audit(f->s, &err));
+    FX_OK(store_begin(f->s, &err));
+    fx_submit(f, "b");
+    FX_CODE(SHEAR_E_INTERNAL, store_fail(f->s, id, &failure, &end, &err));
+    assert_int_equal(end, 0);
+    fx_submit(f, "b");
+    FX_OK(store_commit(f->s, &err));
+    FX_OK(store_audit(f->s, &err));
+    assert_int_equal(fx_state(f, id), STORE_RUNNING);
+    assert_int_equal(count_submitted(f), 3);
+}
+
 static void groups_do_not_nest(void **state)
 {
     fixture *f = *state;
@@ -108,6 +135,7 @@ int main(void)
         STORE_TEST(a_group_is_kept_as_a_whole),
         STORE_TEST(a_group_given_up_leaves_nothing),
         STORE_TEST(a_failed_operation_leaves_the_group),
+        STORE_TEST(an_operation_is_undone_from_the_middle),
         STORE_TEST(groups_do_not_nest),
         STORE_TEST(a_group_takes_one_sync),
     };

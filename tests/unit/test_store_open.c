@@ -116,6 +116,46 @@ static void has_one_owner(void **state)
     fx_open(f);
 }
 
+/* Services that all start at once where no database is yet: one gets it, and it is good. */
+static void one_of_many_gets_it(void **state)
+{
+    enum { MANY = 6, ROUNDS = 5 };
+    fixture *f = *state;
+    for (int round = 0; round < ROUNDS; round++) {
+        int go[2];
+        int answers[2];
+        int owners = 0;
+        assert_true(pipe(go) == 0 && pipe(answers) == 0);
+        for (int i = 0; i < MANY; i++) {
+            if (fork() == 0) {
+                char byte = 0;
+                close(go[1]);
+                (void)!read(go[0], &byte, 1); /* till its end is closed: all at once */
+                byte = store_open(&f->s, f->path, NULL, 1, NULL) == SHEAR_OK ? 'y' : 'n';
+                (void)!write(answers[1], &byte, 1);
+                usleep(byte == 'y' ? 100000 : 0);
+                _exit(0);
+            }
+        }
+        close(go[0]);
+        close(go[1]);
+        for (int i = 0; i < MANY; i++) {
+            char byte = 0;
+            assert_int_equal(read(answers[0], &byte, 1), 1);
+            owners += byte == 'y';
+        }
+        close(answers[0]);
+        close(answers[1]);
+        assert_int_equal(owners, 1);
+        while (wait(NULL) > 0) {
+        }
+        fx_open(f);
+        fx_submit(f, "a");
+        fx_close(f);
+        assert_int_equal(unlink(f->path), 0);
+    }
+}
+
 static void waits_for_the_owner_to_leave(void **state)
 {
     fixture *f = *state;
@@ -342,6 +382,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(makes_a_private_database, setup, teardown),
         cmocka_unit_test_setup_teardown(is_durable, setup, teardown),
         cmocka_unit_test_setup_teardown(has_one_owner, setup, teardown),
+        cmocka_unit_test_setup_teardown(one_of_many_gets_it, setup, teardown),
         cmocka_unit_test_setup_teardown(waits_for_the_owner_to_leave, setup, teardown),
         cmocka_unit_test_setup_teardown(refuses_a_newer_one, setup, teardown),
         cmocka_unit_test_setup_teardown(refuses_a_foreign_one, setup, teardown),

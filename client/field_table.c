@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "field_table.h"
+
+#include "human.h"
+#include "shear_text.h"
+#include "style.h"
+
+#include <inttypes.h>
+
+struct text_table *field_table_new(void) {
+    static const struct text_column columns[] = {
+        {"FIELD", 'l'}, {"G1", 'l'},   {"G2", 'l'},      {"USED", 'r'},
+        {"OF", 'r'},    {"JOBS", 'r'}, {"TO COME", 'r'}, {"UPDATED", 'r'}, {"NOTE", 'l'}};
+    return text_table_new(columns, sizeof columns / sizeof *columns);
+}
+
+void field_table_add(struct text_table *t, const shear_msg_summary *f, int64_t now_ms) {
+    char text[96];
+    char age[HUMAN_SIZE];
+    text_table_cell(t, NULL, "%s", f->field);
+    text_table_cell(t, NULL, "%s", shear_text_value(f->g1, f->g1_err, text, sizeof text));
+    text_table_cell(t, NULL, "%s", shear_text_value(f->g2, f->g2_err, text, sizeof text));
+    text_table_cell(t, NULL, "%" PRId64, f->n_used);
+    text_table_cell(t, NULL, "%" PRId64, f->n_stamps);
+    text_table_cell(t, NULL, "%" PRId64, f->jobs);
+    text_table_cell(t, f->unfinished ? STYLE_ACTIVE : NULL, "%" PRId64, f->unfinished);
+    text_table_cell(t, NULL, "%s", human_age(f->updated_ms, now_ms, age));
+    text_table_cell(t, STYLE_DOUBT, "%s%s%.12s", f->partial ? "partial " : "",
+                    f->mixed ? "settings " : "", f->mixed ? f->digest : "");
+}

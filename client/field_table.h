@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* field_table.h: fields for people, a row each. */
+#ifndef CLIENT_FIELD_TABLE_H
+#define CLIENT_FIELD_TABLE_H
+
+#include "sheard/messages.h"
+#include "text_table.h"
+
+struct text_table *field_table_new(void);
+void field_table_add(struct text_table *table, const shear_msg_summary *field, int64_t now_ms);
+
+#endif

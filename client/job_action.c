@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "job_action.h"
+
+#include <inttypes.h>
+#include <limits.h>
+
+static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
+
+static int act(struct service *s, int method, const char *name) {
+    shear_params p;
+    shear_reply reply = {0};
+    shear_params_init(&p, method);
+    int code = service_job_id(name, &p.id.id);
+    if (code) {
+        return code;
+    }
+    code = service_answer(s, method, &p, &reply);
+    if (!code && !s->json) {
+        const shear_msg_job *job = method == SHEAR_METHOD_CANCEL ? &reply.cancel : &reply.retry;
+        printf("job %" PRId64 " %s%s\n", job->id, shear_job_state_name(job->state),
+               job->cancel_asked && !shear_job_state_is_final(job->state) ? ", being cancelled"
+                                                                          : "");
+    }
+    shear_reply_deinit(&reply, method);
+    return code;
+}
+
+int job_action_run(const struct command *command, int method, int argc, char **argv) {
+    struct service s;
+    int code =
+        service_parse_operands(command, argc, argv, options, NULL, NULL, &s, "jobs", 1, INT_MAX);
+    code = code ? code : service_open(&s);
+    if (code) {
+        return code;
+    }
+    struct service_tally tally = {0};
+    for (int i = optind; i < argc && service_goes_on(&tally); i++) {
+        service_count(&tally, act(&s, method, argv[i]));
+    }
+    service_close(&s);
+    return service_tally_code(&tally);
+}

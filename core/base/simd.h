@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* base/simd.h: SHEAR_SIMD before a function with a hot loop compiles it for plain x86-64, AVX2 and
+ * AVX-512; the loader chooses (ifunc), so that a package for the baseline uses what the machine
+ * has. Elsewhere, and under sanitizers, it is nothing. */
+#ifndef SHEAR_SIMD_H
+#define SHEAR_SIMD_H
+
+#include <math.h>
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) &&    \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define SHEAR_SIMD                                                                                 \
+    __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"),                   \
+                   optimize("fp-contract=off")))
+#else
+#define SHEAR_SIMD
+#endif
+
+/* glibc has vector versions of exp and log (libmvec, within 4 units in the last place), but
+ * declares them to the compiler only under -ffast-math. Declared here, `omp simd` loops use them in
+ * IEEE arithmetic, too. */
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(_OPENMP) && !defined(__clang__)
+#pragma omp declare simd notinbranch
+extern double exp(double x);
+#pragma omp declare simd notinbranch
+extern double log(double x);
+#endif
+
+#endif

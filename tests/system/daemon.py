@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A private sheard for a test: its own directories, socket and configuration below one temporary
+directory. SHEARD and SHEARCTL in the environment are the paths of the programs (sheard-reader lies
+beside sheard).
+
+Nothing here sleeps for a fixed time and hopes: what is waited for is polled, with a limit that only
+a broken service reaches."""
+import contextlib
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+from fitsfile import card
+from tool import SANITIZERS, SHEARCTL
+
+SHEARD = os.path.abspath(os.environ["SHEARD"])
+LIMIT = float(os.environ.get("SHEARD_TEST_LIMIT", "120"))  # seconds that a wait may take at most
+
+# What a field's row must have in common with `shearctl measure --json` on the same files.
+NUMBERS = ("g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "n_flagged", "flags")
+FINAL = ("done", "failed", "cancelled")
+SMALL = {"daemon.workers": 2, "daemon.max_active_jobs": 4, "daemon.drain_timeout": "60s",
+         "spool.settle_time": "200ms", "spool.scan_interval": "1s", "catalogues.enabled": "false",
+         "retry.first_delay": "50ms", "retry.max_delay": "200ms", "limits.queue": 100000}
+
+
+class RpcError(Exception):
+    """An error reply; `code` is the stable name."""
+
+    def __init__(self, error):
+        super().__init__(f"{error['data']['code']}: {error['message']}")
+        self.code, self.error = error["data"]["code"], error
+
+
+def until(true, what, limit=None, step=0.01):
+    """Poll until true() is; its value."""
+    limit = LIMIT if limit is None else limit
+    end = time.monotonic() + limit
+    while True:
+        value = true()
+        if value:
+            return value
+        if time.monotonic() > end:
+            raise AssertionError(f"{limit:.0f} s went by, and still not: {what}")
+        time.sleep(step)
+
+
+class Client:
+    """One connection. Notifications that come between replies are kept in `notices`."""
+
+    def __init__(self, path, timeout=None):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.settimeout(LIMIT if timeout is None else timeout)
+        try:
+            self.socket.connect(path)
+        except BaseException:
+            self.socket.close()
+            raise
+        self.buffer, self.last, self.notices, self.replies = b"", 0, [], {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        self.socket.close()
+
+    def send(self, data):
+        self.socket.sendall(data)
+
+    def receive(self):
+        """The next object of the service; EOFError where it hung up."""
+        while b"\n" not in self.buffer:
+            data = self.socket.recv(1 << 16)
+            if not data:
+                raise EOFError("the service closed the connection")
+            self.buffer += data
+        line, _, self.buffer = self.buffer.partition(b"\n")
+        return json.loads(line)
+
+    def ask(self, method, params=None):
+        """Send a request; its id."""
+        self.last += 1
+        request = {"jsonrpc": "2.0", "id": self.last, "method": method, "params": params or {}}
+        self.send(json.dumps(request).encode() + b"\n")
+        return self.last
+
+    def answer(self, number):
+        """The reply to that request, whatever comes before it."""
+        while number not in self.replies:
+            message = self.receive()
+            if "method" in message:
+                self.notices.append(message)
+            else:
+                self.replies[message["id"]] = message
+        reply = self.replies.pop(number)
+        if "error" in reply:
+            raise RpcError(reply["error"])
+        return reply["result"]
+
+    def call(self, method, **params):
+        return self.answer(self.ask(method, params))
+
+
+class Daemon:
+    def __init__(self, directory, settings=None, preload=None, env=None, state=None, spool=None):
+        self.directory = directory
+        self.state = state or self.path("state")
+        self.spool = spool or self.path("spool")
+        self.data, self.socket, self.log = self.path("data"), self.path("s.sock"), self.path("log")
+        self.config = self.path("sheard.conf")
+        self.settings = {**SMALL, "daemon.state_dir": self.state, "daemon.socket": self.socket,
+                         "spool.directory": self.spool, "access.data_roots": self.data,
+                         "catalogues.directory": self.path("catalogues"), **(settings or {})}
+        self.env = {**os.environ, **SANITIZERS, **(env or {})}
+        if preload is not None:
+            self.env["LD_PRELOAD"] = preload
+        self.process, self.starts = None, 0
+        os.makedirs(self.data, exist_ok=True)
+        self.write_config()
+
+    def path(self, *names):
+        return os.path.join(self.directory, *names)
+
+    def folder(self, name, *more):
+        return os.path.join(self.spool, name, *more)
+
+    def write_config(self):
+        sections = {}
+        for key, value in self.settings.items():
+            section, _, name = key.partition(".")
+            sections.setdefault(section, []).append(f"{name} = {value}\n")
+        with open(self.config, "w", encoding="utf-8") as f:
+            f.write("".join(f"[{s}]\n{''.join(lines)}\n" for s, lines in sections.items()))
+
+    # ---- life ----
+
+    def spawn(self):
+        """Start it, and do not wait. A kill leaves the old socket file, which says nothing."""
+        assert not self.alive()
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(self.socket)
+        self.starts += 1
+        with open(self.log, "ab") as log:
+            self.process = subprocess.Popen([SHEARD, "--config", self.config], env=self.env,
+                                            stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        return self
+
+    def start(self):
+        self.spawn()
+        until(self.ready, "the service answers")
+        return self
+
+    def ready(self):
+        if not self.alive():
+            raise AssertionError(f"sheard ended with {self.process.returncode}:\n{self.log_text()}")
+        try:
+            with Client(self.socket, 5) as client:
+                return client.call("status")
+        except (OSError, EOFError):
+            return None
+
+    def alive(self):
+        return self.process is not None and self.process.poll() is None
+
+    def kill(self):
+        self.process.kill()
+        return self.process.wait()
+
+    def signal(self, number):
+        self.process.send_signal(number)
+
+    def ended(self, limit=None):
+        """Wait until it has ended by itself: the exit code."""
+        until(lambda: not self.alive(), "the service ended", limit)
+        return self.process.returncode
+
+    def stop(self):
+        """SIGTERM, and the exit code."""
+        self.signal(signal.SIGTERM)
+        return self.ended()
+
+    def close(self):
+        if self.alive():
+            self.kill()
+
+    def log_text(self, tail=6000):
+        with open(self.log, encoding="utf-8", errors="replace") as f:
+            return f.read()[-tail:]
+
+    def children(self):
+        """Process ids of its readers."""
+        pids = []
+        with contextlib.suppress(OSError):
+            for task in os.listdir(f"/proc/{self.process.pid}/task"):
+                with contextlib.suppress(OSError), \
+                        open(f"/proc/{self.process.pid}/task/{task}/children") as f:
+                    pids += [int(pid) for pid in f.read().split()]
+        return pids
+
+    # ---- talking ----
+
+    def client(self, timeout=None):
+        return Client(self.socket, timeout)
+
+    def call(self, method, **params):
+        with self.client() as client:
+            return client.call(method, **params)
+
+    def submit(self, path, **params):
+        return self.call("submit", path=path, **params)["job"]
+
+    def job(self, number):
+        return self.call("job", id=number)["job"]
+
+    def jobs(self, **params):
+        """All pages."""
+        jobs, cursor = [], None
+        while True:
+            page = self.call("jobs", limit=200, cursor=cursor, **params)
+            jobs, cursor = jobs + page["jobs"], page["cursor"]
+            if cursor is None:
+                return jobs
+
+    def wait_state(self, number, *states, limit=None):
+        return until(lambda: (job := self.job(number)) and job["state"] in states and job,
+                     f"job {number} is {' or '.join(states)}", limit)
+
+    def wait_idle(self, limit=None):
+        """No job is unfinished, and nothing lies in incoming/ or active/."""
+        def idle():
+            states = self.call("status")["jobs"]
+            return not (states["queued"] or states["running"] or states["waiting"] or
+                        self.dropped("incoming") or os.listdir(self.folder("active")))
+        return until(idle, "the service is idle", limit, 0.05)
+
+    # ---- the watch folder ----
+
+    def drop(self, source, name, content=None):
+        """A file into incoming/, by renaming it into place."""
+        hidden = self.folder("incoming", "." + name)
+        if content is not None:
+            with open(hidden, "wb") as f:
+                f.write(content)
+        else:
+            shutil.copyfile(source, hidden)
+        os.rename(hidden, self.folder("incoming", name))
+
+    def dropped(self, folder):
+        return sorted(name for name in os.listdir(self.folder(folder)) if name[0] != ".")
+
+    def side(self, folder, name):
+        with open(self.folder(folder, name + ".json"), encoding="utf-8") as f:
+            return json.load(f)
+
+
+# ---- files and what they must give ----
+
+def mock(path, stamps=16, size=32, seed=1, *more):
+    """A small field of mock galaxies; quick to measure."""
+    subprocess.run([SHEARCTL, "mock", "--stamps", str(stamps), "--size", str(size), "--points",
+                    "40", "--r-gal", "3", "--seed", str(seed), "--force", *map(str, more), path],
+                   check=True, stdout=subprocess.DEVNULL)
+    return path
+
+
+def named(content, name):
+    """The same field file with a field name of its own: a FIELD card in the first header."""
+    cards = [content[i:i + 80] for i in range(0, 2880, 80)]
+    end = cards.index(card("END").ljust(80))
+    cards[end:end + 2] = [card("FIELD", name), cards[end]]
+    return b"".join(c for c in cards) + content[2880:]
+
+
+def measured(paths, *options):
+    """What `shearctl measure` says of these files as one field."""
+    run = subprocess.run([SHEARCTL, "measure", "--json", "--field", "x", *options, *paths],
+                         check=True, capture_output=True, encoding="utf-8")
+    return numbers(json.loads(run.stdout))
+
+
+def numbers(row):
+    return {key: row[key] for key in NUMBERS}
+
+
+class DaemonTest(unittest.TestCase):
+    """A test with a directory of its own and daemons that do not outlive it."""
+
+    def setUp(self):
+        directory = tempfile.TemporaryDirectory(prefix="sheard-test-")
+        self.addCleanup(directory.cleanup)
+        self.directory = directory.name
+        os.chmod(self.directory, 0o755)
+
+    def daemon(self, settings=None, start=True, name="", **more):
+        where = os.path.join(self.directory, name)
+        os.makedirs(where, exist_ok=True)
+        daemon = Daemon(where, settings, **more)
+        self.addCleanup(daemon.close)
+        return daemon.start() if start else daemon
+
+    @contextlib.contextmanager
+    def assertRefused(self, code):
+        with self.assertRaises(RpcError) as caught:
+            yield caught
+        self.assertEqual(caught.exception.code, code, caught.exception)
+
+    def assertRow(self, daemon, field, expected, jobs, message=None):
+        """The field has one row, of so many jobs, with these numbers to the last bit."""
+        rows = daemon.call("field", field=field)["rows"]
+        self.assertEqual(len(rows), 1, message)
+        self.assertEqual((rows[0]["jobs"], rows[0]["unfinished"]), (jobs, 0), message)
+        self.assertEqual(numbers(rows[0]), expected, message)
+        return rows[0]

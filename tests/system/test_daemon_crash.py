@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""kill -9 at random moments, while fields are submitted and dropped: whatever was accepted is done
+exactly once, and every field equals the uninterrupted run to the last bit. SHEARD_CRASHES is the
+number of kills, SHEARD_SEED makes another run of it."""
+import os
+import random
+import shutil
+import sqlite3
+import threading
+import unittest
+
+from daemon import DaemonTest, RpcError, measured, mock, named, numbers, until
+
+CRASHES = int(os.environ.get("SHEARD_CRASHES", "12"))
+SEED = int(os.environ.get("SHEARD_SEED", "3"))
+PARTS = 4     # files of a field: half are submitted, half are dropped
+BACKLOG = 24  # jobs that may be unfinished before the stream pauses
+
+
+class Stream(threading.Thread):
+    """Fields without end, until told to stop: submits each odd part with an idempotency key until
+    it is acknowledged, drops each even one into the watch folder. Fields are whole at the end."""
+
+    def __init__(self, daemon, parts, contents):
+        super().__init__()
+        self.daemon_, self.parts, self.contents = daemon, parts, contents
+        self.enough = threading.Event()
+        self.accepted, self.dropped, self.fields, self.trouble = {}, [], [], None
+
+    def run(self):
+        try:
+            while not self.enough.is_set() or not self.fields:
+                self.one_field(f"f{len(self.fields)}")
+        except BaseException as error:  # told by the test
+            self.trouble = error
+
+    def one_field(self, field):
+        self.fields.append(field)
+        for i, (path, content) in enumerate(zip(self.parts, self.contents)):
+            if i % 2 == 1:
+                self.submit(path, field, f"{field}/{i}")
+            else:
+                name = f"{field}-{i}.fits"
+                self.daemon_.drop(None, name, named(content, field))
+                self.dropped.append(name)
+        self.rest()
+
+    def ask(self, method, **params):
+        """Again and again, for as long as the service is away."""
+        def tried():
+            try:
+                return self.daemon_.call(method, **params)
+            except RpcError as error:
+                if not error.error["data"]["retry"]:
+                    raise
+            except (OSError, EOFError, ValueError):
+                pass
+            return None
+        return until(tried, f"{method} is answered")
+
+    def submit(self, path, field, key):
+        self.accepted[key] = self.ask("submit", path=path, field=field, key=key)["job"]["id"]
+
+    def rest(self):
+        def few():
+            states = self.ask("status")["jobs"]
+            return states["queued"] + states["running"] + states["waiting"] < BACKLOG
+        until(few, "the backlog is worked off")
+
+
+class Crash(DaemonTest):
+    def killed(self, daemon):
+        """Kill it; its readers die with it."""
+        readers = daemon.children()
+        daemon.kill()
+        until(lambda: not any(os.path.exists(f"/proc/{pid}/exe") for pid in readers),
+              "the readers died with the service")
+
+    def test_stream(self):
+        rng = random.Random(SEED)
+        daemon = self.daemon()
+        parts = [mock(os.path.join(daemon.data, f"part{i}.fits"), 12 + 4 * i, 32, i + 1)
+                 for i in range(PARTS)]
+        contents = [open(path, "rb").read() for path in parts]
+        expected = measured(parts)
+        stream = Stream(daemon, parts, contents)
+        stream.start()
+        try:
+            for _ in range(CRASHES):
+                # Half of the kills hit the start, where what the last kill left is put in order.
+                stream.join(rng.choice((0.06, 0.8)) * rng.random())
+                self.killed(daemon)
+                daemon.spawn()
+        finally:
+            stream.enough.set()
+            until(lambda: daemon.ready(), "the service answers")
+            stream.join()
+        if stream.trouble is not None:
+            raise stream.trouble
+        daemon.wait_idle(600)
+        self.check(daemon, stream, expected)
+        self.killed(daemon)
+        self.check(daemon.start(), stream, expected)
+
+    def check(self, daemon, stream, expected):
+        jobs = {job["id"]: job for job in daemon.jobs()}
+        for key, number in stream.accepted.items():
+            self.assertIn(number, jobs, f"{key} was accepted and is lost")
+            self.assertEqual(jobs[number]["key"], key)
+        self.assertEqual(len(set(stream.accepted.values())), len(stream.accepted))
+        self.assertEqual(len(jobs), len(stream.accepted) + len(stream.dropped))
+        for job in jobs.values():
+            self.assertEqual((job["state"], job["outcome"]), ("done", "counted"), job)
+        self.assertEqual(daemon.dropped("failed"), [])
+        self.assertEqual(daemon.dropped("done"),
+                         sorted(stream.dropped + [name + ".json" for name in stream.dropped]))
+        for name in stream.dropped:
+            self.assertEqual(daemon.side("done", name)["state"], "done")
+        for field in stream.fields:
+            row = self.assertRow(daemon, field, expected, PARTS, field)
+            self.assertEqual(len({c["job"] for c in row["contributions"]}), PARTS)
+            self.assertEqual(len({c["checksum"] for c in row["contributions"]}), PARTS)
+
+
+class Checkpoint(DaemonTest):
+    """A job that takes long: what it measured before the kill is not measured again."""
+
+    def saved(self, daemon):
+        """The next block of each checkpoint on disk, read from a copy of the dead service's
+        database."""
+        copy = os.path.join(self.directory, "copy")
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(daemon.state, copy)
+        with sqlite3.connect(os.path.join(copy, "sheard.db")) as base:
+            rows = base.execute("select next_block from checkpoint").fetchall()
+        base.close()
+        return [row[0] for row in rows]
+
+    def test_resume(self):
+        daemon = self.daemon()
+        path = mock(os.path.join(daemon.data, "large.fits"), 2000, 32, 9)
+        settings = {"interpolation": "bicubic", "oversample": 16}
+        expected = measured([path], "--interpolation", "bicubic", "--oversample", "16")
+        job = daemon.submit(path, settings=settings)["id"]
+        blocks = []
+        for _ in range(40):
+            begun = daemon.wait_state(job, "running", "done")["progress"]["done"]
+            until(lambda: daemon.job(job)["state"] == "done" or
+                  daemon.job(job)["progress"]["done"] >= begun + 400, "it goes on")
+            if daemon.job(job)["state"] == "done":
+                break
+            daemon.kill()
+            blocks += self.saved(daemon)
+            daemon.start()
+        daemon.wait_state(job, "done")
+        self.assertTrue(blocks, "no checkpoint was seen")
+        self.assertEqual(blocks, sorted(blocks))
+        self.assertRow(daemon, "large", expected, 1)
+        endings = [a["ending"] for a in daemon.call("job", id=job)["history"]]
+        self.assertEqual(endings, ["interrupted"] * (len(endings) - 1) + ["done"])
+
+
+if __name__ == "__main__":
+    unittest.main()
