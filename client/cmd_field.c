@@ -35,6 +35,7 @@ static int handle(int value, void *context) {
         f->params.field.digest = optarg;
         return EXIT_CODE_DONE;
     case OPT_AFTER:
+        f->jobs = true;
         return options_int("after", optarg, 0, INT64_MAX, &f->params.field.after);
     case OPT_LIMIT:
         f->jobs = true;

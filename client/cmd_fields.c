@@ -68,6 +68,7 @@ static void show_page(const struct fields *f, const shear_msg_field_page *page,
 /* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
 static int list(struct fields *f, struct text_table *table, char **cursor) {
     int code = EXIT_CODE_DONE;
+    bool empty = false; /* a page: no progress would be made */
     shear_msg_fields *p = &f->params.fields;
     do {
         shear_reply reply = {0};
@@ -77,12 +78,13 @@ static int list(struct fields *f, struct text_table *table, char **cursor) {
         *cursor = NULL;
         if (!code) {
             show_page(f, &reply.fields, table);
-            f->limit -= p->limit;
+            f->limit -= (int64_t)reply.fields.n_fields;
+            empty = reply.fields.n_fields == 0;
             *cursor = reply.fields.cursor ? strdup(reply.fields.cursor) : NULL;
             p->cursor = *cursor;
             shear_reply_deinit(&reply, SHEAR_METHOD_FIELDS);
         }
-    } while (!code && *cursor && f->limit > 0);
+    } while (!code && *cursor && !empty && f->limit > 0);
     return code;
 }
 

@@ -104,6 +104,7 @@ static void show_page(const struct jobs *j, const shear_msg_job_page *page,
 /* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
 static int list(struct jobs *j, struct text_table *table, char **cursor) {
     int code = EXIT_CODE_DONE;
+    bool empty = false; /* a page: no progress would be made */
     do {
         shear_reply reply = {0};
         j->params.jobs.limit = j->limit < SHEAR_MSG_JOBS_PAGE ? j->limit : SHEAR_MSG_JOBS_PAGE;
@@ -112,12 +113,13 @@ static int list(struct jobs *j, struct text_table *table, char **cursor) {
         *cursor = NULL;
         if (!code) {
             show_page(j, &reply.jobs, table);
-            j->limit -= j->params.jobs.limit;
+            j->limit -= (int64_t)reply.jobs.n_jobs;
+            empty = reply.jobs.n_jobs == 0;
             *cursor = reply.jobs.cursor ? strdup(reply.jobs.cursor) : NULL;
             j->params.jobs.cursor = *cursor;
             shear_reply_deinit(&reply, SHEAR_METHOD_JOBS);
         }
-    } while (!code && *cursor && j->limit > 0);
+    } while (!code && *cursor && !empty && j->limit > 0);
     return code;
 }
 

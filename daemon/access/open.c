@@ -93,7 +93,10 @@ static char link_start(const request *r, size_t length) {
 /* `error` came of the first `length` bytes. Everybody may make links to where only others may look:
  * what became of one must not tell what is there. */
 static int fail_at(const request *r, size_t length, int error, shear_error *err) {
-    const char start = r->peer->uid == 0 ? '\0' : link_start(r, length);
+    char start = '\0';
+    if (r->peer->uid != 0) {
+        start = link_start(r, length);
+    }
     if (start == '/') {
         return fail_plainly(r, EXDEV, err);
     }

@@ -70,10 +70,10 @@ static int open_root(access_root *root, const char *path, shear_error *err) {
 }
 
 /* The names of all, for people. */
-static char *list_names(const access_roots *roots) {
+static char *list_names(const access_roots *roots, char *const *paths) {
     size_t size = sizeof "none is configured";
     for (size_t i = 0; i < roots->n; i++) {
-        size += strlen(roots->roots[i].name) + 2;
+        size += strlen(paths[i]) + 2;
     }
     char *names = malloc(size);
     if (names == NULL) {
@@ -81,8 +81,7 @@ static char *list_names(const access_roots *roots) {
     }
     snprintf(names, size, "%s", roots->n == 0 ? "none is configured" : "");
     for (size_t i = 0, at = 0; i < roots->n; i++) {
-        at += (size_t)snprintf(names + at, size - at, "%s%s", i == 0 ? "" : ", ",
-                               roots->roots[i].name);
+        at += (size_t)snprintf(names + at, size - at, "%s%s", i == 0 ? "" : ", ", paths[i]);
     }
     return names;
 }
@@ -103,7 +102,7 @@ int access_roots_open(access_roots **out, char *const *paths, size_t n, shear_er
         code = open_root(&roots->roots[i], paths[i], err);
     }
     if (code == SHEAR_OK) {
-        roots->names = list_names(roots);
+        roots->names = list_names(roots, paths);
         code = roots->names != NULL
                    ? SHEAR_OK
                    : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");

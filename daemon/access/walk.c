@@ -58,8 +58,8 @@ static int walk_along(char *way, const access_peer *peer, int *at) {
 
 /* ESTALE where the way leads elsewhere by now. */
 static int walk_once(int target, const access_peer *peer, char *way) {
-    struct stat end;
-    struct stat wanted;
+    struct stat end = {0};
+    struct stat wanted = {0};
     int at = open("/", O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (at < 0) {
         return errno;

@@ -40,15 +40,65 @@ static void forget(service *s, active_job *j) {
 
 /* ---- the end of an attempt ---- */
 
+/* What the store says of the job may be behind what has happened: as soon as the store works again,
+ * the job is given back and runs anew (its sums did not count, or the store will say so). */
+static void orphan(service *s, int64_t id) {
+    if (s->n_orphans == s->orphan_room) {
+        const size_t room = s->orphan_room > 0 ? 2 * s->orphan_room : 16;
+        int64_t *orphans = realloc(s->orphans, room * sizeof *orphans);
+        if (orphans == NULL) {
+            log_error("job %lld: out of memory; it goes on after a restart", (long long)id);
+            return;
+        }
+        s->orphans = orphans;
+        s->orphan_room = room;
+    }
+    s->orphans[s->n_orphans++] = id;
+}
+
+void jobs_put_back(service *s) {
+    shear_error err = {0};
+    int state = 0;
+    while (s->n_orphans > 0 && s->store_trouble_ms == 0 && group_begin(s, &err) == SHEAR_OK) {
+        const int64_t id = s->orphans[s->n_orphans - 1];
+        const int code = jobs_find(s, id) == NULL
+                             ? store_release(s->store, id, wall_ms(), &state, &err)
+                             : SHEAR_OK;
+        if (code != SHEAR_OK && store_is_transient(code)) {
+            return;
+        }
+        s->n_orphans--; /* given back, or not running any more: then the change had reached the disk
+                         */
+    }
+}
+
+static void publish_field(service *s, const store_job *job) {
+    store_field_page page = {0};
+    shear_error ignored;
+    if (job->field == NULL ||
+        !server_is_watched(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, job->field) ||
+        store_field_get(s->store, job->field, &page, &ignored) != SHEAR_OK) {
+        return;
+    }
+    for (size_t i = 0; i < page.n; i++) {
+        if (strcmp(page.fields[i].settings_digest, job->settings_digest) == 0) {
+            shear_notice_params params = {0};
+            present_summary(&page.fields[i], &params.field_changed.field);
+            params.field_changed.field.mixed = page.n > 1;
+            server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, job->field, &params);
+        }
+    }
+    store_field_page_deinit(&page);
+}
+
 /* The store has the job's new state: tell those who wait, and let its file follow. */
 static void settled(service *s, after *a, int code, const shear_error *err) {
     store_job job = {0};
     shear_error ignored;
     if (code != SHEAR_OK) {
-        /* The attempt is lost, not the job: it is still marked running on disk, and is put back as
-         * soon as the disk allows. */
         log_error("job %lld: its end is not on disk (%s); it will run again", (long long)a->job,
                   err->message);
+        orphan(s, a->job);
         return;
     }
     if (store_job_get(s->store, a->job, &job, &ignored) != SHEAR_OK) {
@@ -62,6 +112,9 @@ static void settled(service *s, after *a, int code, const shear_error *err) {
             spooled_end(s, name, &job);
         }
         waits_job_ended(s, a->job);
+        if (job.outcome == STORE_COUNTED) {
+            publish_field(s, &job);
+        }
         log_info("job %lld (%s): %s%s%s", (long long)job.id,
                  job.field != NULL ? job.field : "field unknown", store_state_name(job.state),
                  job.state == STORE_FAILED ? ": " : "",
@@ -134,6 +187,7 @@ static void fail_job(service *s, int64_t id, int64_t failures, int class, const 
         settle_later(s, id);
     } else {
         log_error("job %lld: its failure cannot be stored: %s", (long long)id, err.message);
+        orphan(s, id);
     }
 }
 
@@ -241,7 +295,8 @@ static void start_marked(service *s, after *a, int code, const shear_error *err)
     store_job job = {0};
     shear_error ignored;
     if (code != SHEAR_OK || store_job_get(s->store, a->job, &job, &ignored) != SHEAR_OK) {
-        return; /* nothing was marked */
+        orphan(s, a->job); /* most likely nothing was marked */
+        return;
     }
     if (job.state == STORE_RUNNING && jobs_find(s, job.id) == NULL) {
         start(s, &job);
@@ -260,7 +315,7 @@ static int marked(const service *s) {
 
 void jobs_fill(service *s) {
     shear_error err = {0};
-    while (s->state == SHEAR_SERVER_RUNNING && s->store_trouble_ms == 0 &&
+    while (s->state != SHEAR_SERVER_STOPPING && s->store_trouble_ms == 0 &&
            s->n_active + marked(s) < s->config.daemon.max_active_jobs) {
         store_job job = {0};
         int64_t due = 0;
@@ -390,6 +445,8 @@ static void stopped(service *s, active_job *j) {
     }
     if (code == SHEAR_OK) {
         settle_later(s, j->id);
+    } else {
+        orphan(s, j->id);
     }
 }
 

@@ -15,8 +15,7 @@ enum { FLUSH_MS = 2000, CHECKPOINT_MS = 5000 };
 
 /* ---- stopping ---- */
 
-static void close_handle(uv_handle_t *handle, void *unused) {
-    (void)unused;
+static void close_handle(uv_handle_t *handle) {
     if (!uv_is_closing(handle)) {
         uv_close(handle, NULL);
     }
@@ -26,19 +25,29 @@ static void close_handle(uv_handle_t *handle, void *unused) {
 static void server_closed(void *context) {
     service *s = context;
     s->server = NULL;
-    uv_close((uv_handle_t *)&s->engine_wake, NULL);
-    uv_close((uv_handle_t *)&s->commit_check, NULL);
-    uv_close((uv_handle_t *)&s->commit_now, NULL);
-    uv_close((uv_handle_t *)&s->tick, NULL);
-    uv_close((uv_handle_t *)&s->drain_end, NULL);
+    close_handle((uv_handle_t *)&s->engine_wake);
+    close_handle((uv_handle_t *)&s->commit_check);
+    close_handle((uv_handle_t *)&s->commit_now);
+    close_handle((uv_handle_t *)&s->tick);
+    close_handle((uv_handle_t *)&s->drain_end);
     for (int i = 0; i < 3; i++) {
-        uv_close((uv_handle_t *)&s->signals[i], NULL);
+        close_handle((uv_handle_t *)&s->signals[i]);
     }
+}
+
+void life_announce(service *s) {
+    store_counts counts = {0};
+    shear_error ignored;
+    store_count(s->store, &counts, &ignored);
+    const shear_notice_params params = {.server_state = {.state = s->state,
+                                                         .running = s->n_active,
+                                                         .queued = counts.jobs[STORE_QUEUED]}};
+    server_publish(s->server, SHEAR_NOTICE_SERVER_STATE, 0, NULL, &params);
 }
 
 void life_check(service *s) {
     if (s->state != SHEAR_SERVER_STOPPING || s->n_active > 0 || s->first_after != NULL ||
-        s->group_open || s->closing) {
+        s->group_open || s->closing || s->server == NULL) {
         return;
     }
     s->closing = true;
@@ -51,6 +60,7 @@ void life_check(service *s) {
 void life_stop_now(service *s) {
     s->state = SHEAR_SERVER_STOPPING;
     server_stop_accepting(s->server);
+    life_announce(s);
     jobs_stop_all(s);
 }
 
@@ -72,6 +82,7 @@ void life_drain(service *s, double timeout_s) {
     log_notice("stopping: %d running jobs have %.0f s to finish", s->n_active, seconds);
     s->state = SHEAR_SERVER_STOPPING;
     notify_stopping(&s->notify, "finishing the running jobs", NULL);
+    life_announce(s);
     uv_timer_start(&s->drain_end, drain_over, (uint64_t)(1e3 * fmax(0.0, seconds)), 0);
 }
 
@@ -217,6 +228,7 @@ static void on_tick(uv_timer_t *timer) {
         shear_error ignored;
         group_begin(s, &ignored);
     }
+    jobs_put_back(s);
     if (s->config.retention.jobs_max_age_ms > 0 || s->config.retention.jobs_max_count > 0) {
         shear_error err = {0};
         int64_t retired = 0;
@@ -405,9 +417,10 @@ void service_close(service *s) {
     }
     spool_close(s->spool);
     if (s->server != NULL) {
-        server_close(s->server, 0, NULL, NULL);
+        server_close(s->server, 0, server_closed, s);
+    } else {
+        server_closed(s);
     }
-    uv_walk(&s->loop, close_handle, NULL);
     uv_run(&s->loop, UV_RUN_DEFAULT);
     engine_free(s->engine);
     waits_free(s);
@@ -420,6 +433,7 @@ void service_close(service *s) {
     uv_loop_close(&s->loop);
     sheard_list_free(&s->assignments);
     sheard_config_free(&s->config);
+    free(s->orphans);
     free(s->config_path);
     free(s);
 }

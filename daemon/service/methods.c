@@ -415,8 +415,9 @@ static void do_stop(service *s, const server_request *r) {
         .state = s->state, .running = s->n_active, .queued = counts.jobs[STORE_QUEUED]};
     const shear_reply reply = {.drain = stopping};
     server_reply(s->server, r->handle, &reply);
-    const shear_notice_params params = {.server_state = stopping};
-    server_publish(s->server, SHEAR_NOTICE_SERVER_STATE, 0, NULL, &params);
+    if (r->request->method == SHEAR_METHOD_DRAIN) {
+        life_announce(s);
+    }
 }
 
 void methods_request(void *context, const server_request *r) {

@@ -96,7 +96,7 @@ int ending_recover(const folders *f, shear_error *err) {
     const struct dirent *entry = NULL;
     char active_name[NAME_SIZE];
     int error = dir == NULL ? errno : 0;
-    while (error == 0) {
+    while (dir != NULL && error == 0) {
         errno = 0;
         entry = readdir(dir);
         if (entry == NULL) {

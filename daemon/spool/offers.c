@@ -13,15 +13,12 @@ void offers_init(offers *o) {
     o->unsynced = false;
 }
 
-static void take_out(struct offer_queue *queue, offer *one) {
-    TAILQ_REMOVE(queue, one, link);
-    free(one);
-}
-
 void offers_deinit(offers *o) {
+    offer *one = NULL;
     offers_revive(o);
-    while (!TAILQ_EMPTY(&o->pending)) {
-        take_out(&o->pending, TAILQ_FIRST(&o->pending));
+    while ((one = TAILQ_FIRST(&o->pending)) != NULL) {
+        TAILQ_REMOVE(&o->pending, one, link);
+        free(one);
     }
 }
 
@@ -46,7 +43,8 @@ static void drop_from(struct offer_queue *queue, const char *active_name) {
     offer *one = NULL;
     TAILQ_FOREACH(one, queue, link) {
         if (strcmp(one->active_name, active_name) == 0) {
-            take_out(queue, one);
+            TAILQ_REMOVE(queue, one, link);
+            free(one);
             return;
         }
     }

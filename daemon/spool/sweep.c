@@ -14,7 +14,7 @@ static const int64_t ns_per_s = 1000000000;
 static const int64_t ns_per_ms = 1000000;
 
 static void forget_items(sweep *w) {
-    for (size_t i = 0; i < w->n; i++) {
+    for (size_t i = 0; w->items != NULL && i < w->n; i++) {
         free(w->items[i].name);
     }
     free(w->items);

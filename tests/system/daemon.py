@@ -16,7 +16,7 @@ import tempfile
 import time
 import unittest
 
-from fitsfile import card
+from fitsfile import BLOCK, card, pad
 from tool import SANITIZERS, SHEARCTL
 
 SHEARD = os.path.abspath(os.environ["SHEARD"])
@@ -237,7 +237,7 @@ class Daemon:
     def wait_idle(self, limit=None):
         """No job is unfinished, and nothing lies in incoming/ or active/."""
         def idle():
-            states = self.call("status")["jobs"]
+            states = self.call("status")["states"]
             return not (states["queued"] or states["running"] or states["waiting"] or
                         self.dropped("incoming") or os.listdir(self.folder("active")))
         return until(idle, "the service is idle", limit, 0.05)
@@ -264,6 +264,12 @@ class Daemon:
 
 # ---- files and what they must give ----
 
+def content_of(path):
+    with open(path, "rb") as f:
+        return f.read()
+
+
+
 def mock(path, stamps=16, size=32, seed=1, *more):
     """A small field of mock galaxies; quick to measure."""
     subprocess.run([SHEARCTL, "mock", "--stamps", str(stamps), "--size", str(size), "--points",
@@ -274,10 +280,9 @@ def mock(path, stamps=16, size=32, seed=1, *more):
 
 def named(content, name):
     """The same field file with a field name of its own: a FIELD card in the first header."""
-    cards = [content[i:i + 80] for i in range(0, 2880, 80)]
-    end = cards.index(card("END").ljust(80))
-    cards[end:end + 2] = [card("FIELD", name), cards[end]]
-    return b"".join(c for c in cards) + content[2880:]
+    end = next(i for i in range(0, len(content), 80) if content[i:i + 80] == card("END"))
+    data = end + 80 + -(end + 80) % BLOCK
+    return pad(content[:end] + card("FIELD", name) + card("END"), b" ") + content[data:]
 
 
 def measured(paths, *options):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The watch folder, and who may read what. The tests see the rooms' inner headers too.
+# The watch folder. The tests see the room's inner headers too.
 add_library(spool_fixture STATIC ${CMAKE_CURRENT_LIST_DIR}/spool_fixture.c)
 target_link_libraries(spool_fixture PUBLIC shear_flags sheard_spool PkgConfig::CMOCKA)
 target_include_directories(spool_fixture PUBLIC ${CMAKE_CURRENT_LIST_DIR} ${PROJECT_SOURCE_DIR}/daemon/spool)
@@ -17,6 +17,3 @@ spool_test(crash)
 # The system calls of the crash test go through it: it counts them, and lets the n-th fail or kill the process.
 target_link_options(test_spool_crash PRIVATE
   LINKER:--wrap=renameat2 LINKER:--wrap=fsync LINKER:--wrap=unlinkat LINKER:--wrap=symlinkat LINKER:--wrap=write)
-
-shear_add_test(access SOURCES ${CMAKE_CURRENT_LIST_DIR}/test_access.c LIBRARIES sheard_access LABELS access)
-target_include_directories(test_access PRIVATE ${PROJECT_SOURCE_DIR}/daemon/access)

@@ -12,8 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-void fx_init(fixture *f)
-{
+void fx_init(fixture *f) {
     const char *base = getenv("TMPDIR");
     memset(f, 0, sizeof *f);
     snprintf(f->dir, sizeof f->dir, "%s/sheard-store-XXXXXX", base != NULL ? base : "/tmp");
@@ -22,22 +21,19 @@ void fx_init(fixture *f)
     f->now = 1000000;
 }
 
-static int remove_one(const char *path, const struct stat *st, int type, struct FTW *at)
-{
+static int remove_one(const char *path, const struct stat *st, int type, struct FTW *at) {
     (void)st;
     (void)type;
     (void)at;
     return remove(path);
 }
 
-void fx_deinit(fixture *f)
-{
+void fx_deinit(fixture *f) {
     fx_close(f);
     assert_int_equal(nftw(f->dir, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
 }
 
-int fx_setup(void **state)
-{
+int fx_setup(void **state) {
     fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
     store_vfs_register();
@@ -48,8 +44,7 @@ int fx_setup(void **state)
     return 0;
 }
 
-int fx_teardown(void **state)
-{
+int fx_teardown(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     FX_OK(store_check(f->s, &err));
@@ -59,26 +54,22 @@ int fx_teardown(void **state)
     return 0;
 }
 
-int64_t fx_now(fixture *f)
-{
+int64_t fx_now(fixture *f) {
     return ++f->now;
 }
 
-void fx_open(fixture *f)
-{
+void fx_open(fixture *f) {
     shear_error err = {0};
     FX_OK(store_open(&f->s, f->path, &f->options, fx_now(f), &err));
 }
 
-void fx_close(fixture *f)
-{
+void fx_close(fixture *f) {
     store_close(f->s);
     f->s = NULL;
 }
 
 void fx_expect(int wanted, int code, const shear_error *err, const char *call, const char *file,
-               int line)
-{
+               int line) {
     if (code != wanted) {
         print_error("%s: %s instead of %s: %s\n", call, store_code_name(code),
                     store_code_name(wanted), code != SHEAR_OK ? err->message : "");
@@ -92,16 +83,14 @@ void fx_expect(int wanted, int code, const shear_error *err, const char *call, c
 }
 
 /* A small generator (splitmix64), the same everywhere. */
-static double uniform(uint64_t *state)
-{
+static double uniform(uint64_t *state) {
     uint64_t z = *state += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-char *fx_sums(unsigned seed)
-{
+char *fx_sums(unsigned seed) {
     shear_error err = {0};
     shear_block_sums block;
     shear_field_sums *sums = NULL;
@@ -122,8 +111,7 @@ char *fx_sums(unsigned seed)
     return text;
 }
 
-char *fx_join(const char *const *texts, size_t n)
-{
+char *fx_join(const char *const *texts, size_t n) {
     shear_error err = {0};
     shear_field_sums *all = NULL;
     char *text = NULL;
@@ -139,8 +127,7 @@ char *fx_join(const char *const *texts, size_t n)
     return text;
 }
 
-store_spec fx_spec(fixture *f, const char *field)
-{
+store_spec fx_spec(fixture *f, const char *field) {
     return (store_spec){.field = field,
                         .source = "/data/a.fits",
                         .settings = "{}",
@@ -150,8 +137,7 @@ store_spec fx_spec(fixture *f, const char *field)
                         .created_ms = fx_now(f)};
 }
 
-int64_t fx_submit(fixture *f, const char *field)
-{
+int64_t fx_submit(fixture *f, const char *field) {
     shear_error err = {0};
     int64_t id = 0;
     bool known = true;
@@ -161,8 +147,7 @@ int64_t fx_submit(fixture *f, const char *field)
     return id;
 }
 
-int64_t fx_next(fixture *f)
-{
+int64_t fx_next(fixture *f) {
     shear_error err = {0};
     store_job job;
     FX_OK(store_next(f->s, fx_now(f), &job, &err));
@@ -171,8 +156,7 @@ int64_t fx_next(fixture *f)
     return id;
 }
 
-int64_t fx_running(fixture *f, const char *field, const char *content)
-{
+int64_t fx_running(fixture *f, const char *field, const char *content) {
     shear_error err = {0};
     int64_t duplicate_of = 0;
     const int64_t id = fx_submit(f, field);
@@ -182,8 +166,7 @@ int64_t fx_running(fixture *f, const char *field, const char *content)
     return id;
 }
 
-int64_t fx_done(fixture *f, const char *field, const char *content, unsigned seed)
-{
+int64_t fx_done(fixture *f, const char *field, const char *content, unsigned seed) {
     shear_error err = {0};
     store_finished end;
     const int64_t id = fx_running(f, field, content);
@@ -194,8 +177,7 @@ int64_t fx_done(fixture *f, const char *field, const char *content, unsigned see
     return id;
 }
 
-int fx_state(fixture *f, int64_t id)
-{
+int fx_state(fixture *f, int64_t id) {
     shear_error err = {0};
     store_job job;
     FX_OK(store_job_get(f->s, id, &job, &err));
@@ -204,8 +186,7 @@ int fx_state(fixture *f, int64_t id)
     return state;
 }
 
-store_failure fx_failure(fixture *f, int failure_class, int64_t retry_at_ms)
-{
+store_failure fx_failure(fixture *f, int failure_class, int64_t retry_at_ms) {
     return (store_failure){.failure_class = failure_class,
                            .code = "io",
                            .message = "the disk is full",

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* tests/unit/store_fixture.h: a store in a directory of its own, and what its tests do over and over. */
+/* tests/unit/store_fixture.h: a store in a directory of its own, and what its tests do over and
+ * over. */
 #ifndef TEST_STORE_FIXTURE_H
 #define TEST_STORE_FIXTURE_H
 
@@ -22,7 +23,7 @@ void fx_close(fixture *f);
 int64_t fx_now(fixture *f);
 
 /* The test fails, with the error's message, where `code` is not SHEAR_OK, or not `wanted`. */
-#define FX_OK(call) fx_expect(SHEAR_OK, (call), &err, #call, __FILE__, __LINE__)
+#define FX_OK(call)           fx_expect(SHEAR_OK, (call), &err, #call, __FILE__, __LINE__)
 #define FX_CODE(wanted, call) fx_expect((wanted), (call), &err, #call, __FILE__, __LINE__)
 void fx_expect(int wanted, int code, const shear_error *err, const char *call, const char *file,
                int line);

@@ -1,21 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store_model.h"
 
-static model_job *find(model *m, int64_t id)
-{
+static model_job *find(model *m, int64_t id) {
     return id >= 1 && id <= m->n_jobs && m->jobs[id].kept ? &m->jobs[id] : NULL;
 }
 
-static int find_in(model *m, int64_t id, int state, model_job **job)
-{
+static int find_in(model *m, int64_t id, int state, model_job **job) {
     *job = find(m, id);
-    return *job == NULL              ? STORE_NOT_FOUND
-           : (*job)->state != state ? STORE_WRONG_STATE
-                                     : SHEAR_OK;
+    return *job == NULL ? STORE_NOT_FOUND : (*job)->state != state ? STORE_WRONG_STATE : SHEAR_OK;
 }
 
-static bool has_room(const model *m)
-{
+static bool has_room(const model *m) {
     int64_t n = 0;
     for (int64_t id = 1; id <= m->n_jobs; id++) {
         n += m->jobs[id].kept && m->jobs[id].state <= STORE_WAITING;
@@ -23,8 +18,7 @@ static bool has_room(const model *m)
     return n < m->max_unfinished;
 }
 
-static void move(model *m, model_job *job, int state, int64_t now_ms)
-{
+static void move(model *m, model_job *job, int state, int64_t now_ms) {
     job->state = state;
     job->cancel_asked = false;
     job->not_before_ms = 0;
@@ -36,8 +30,7 @@ static void move(model *m, model_job *job, int state, int64_t now_ms)
     }
 }
 
-int model_submit(model *m, const model_job *spec, int64_t *id, bool *known)
-{
+int model_submit(model *m, const model_job *spec, int64_t *id, bool *known) {
     *id = 0;
     *known = false;
     for (int64_t i = 1; i <= m->n_jobs && spec->key != MODEL_NONE; i++) {
@@ -63,8 +56,7 @@ int model_submit(model *m, const model_job *spec, int64_t *id, bool *known)
     return SHEAR_OK;
 }
 
-int64_t model_next(model *m, int64_t now_ms)
-{
+int64_t model_next(model *m, int64_t now_ms) {
     int64_t best = 0;
     for (int64_t id = 1; id <= m->n_jobs; id++) {
         model_job *job = &m->jobs[id];
@@ -87,8 +79,7 @@ int64_t model_next(model *m, int64_t now_ms)
     return best;
 }
 
-static int64_t counted_before(const model *m, const model_job *job)
-{
+static int64_t counted_before(const model *m, const model_job *job) {
     for (int64_t i = 0; i < m->n_contributions && !job->force; i++) {
         const model_contribution *c = &m->contributions[i];
         if (job->field != MODEL_NONE && job->content != MODEL_NONE && c->field == job->field &&
@@ -99,8 +90,7 @@ static int64_t counted_before(const model *m, const model_job *job)
     return 0;
 }
 
-int model_learn(model *m, int64_t id, int field, int content, int64_t *duplicate_of)
-{
+int model_learn(model *m, int64_t id, int field, int content, int64_t *duplicate_of) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
     *duplicate_of = 0;
@@ -115,8 +105,7 @@ int model_learn(model *m, int64_t id, int field, int content, int64_t *duplicate
     return code;
 }
 
-int model_checkpoint(model *m, int64_t id, int64_t next_block)
-{
+int model_checkpoint(model *m, int64_t id, int64_t next_block) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
     if (code == SHEAR_OK && job->content == MODEL_NONE) {
@@ -128,8 +117,7 @@ int model_checkpoint(model *m, int64_t id, int64_t next_block)
     return code;
 }
 
-int model_finish(model *m, int64_t id, bool sums, int64_t now_ms, store_finished *end)
-{
+int model_finish(model *m, int64_t id, bool sums, int64_t now_ms, store_finished *end) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
     *end = (store_finished){0};
@@ -159,15 +147,14 @@ int model_finish(model *m, int64_t id, bool sums, int64_t now_ms, store_finished
 }
 
 int model_fail(model *m, int64_t id, int failure_class, int64_t retry_at_ms, int64_t now_ms,
-               int *state)
-{
+               int *state) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
     *state = 0;
     if (code == SHEAR_OK) {
-        *state = job->cancel_asked    ? STORE_CANCELLED
+        *state = job->cancel_asked  ? STORE_CANCELLED
                  : retry_at_ms >= 0 ? STORE_WAITING
-                                      : STORE_FAILED;
+                                    : STORE_FAILED;
         move(m, job, *state, now_ms);
         job->not_before_ms = *state == STORE_WAITING ? retry_at_ms : 0;
         job->failures++;
@@ -176,8 +163,7 @@ int model_fail(model *m, int64_t id, int failure_class, int64_t retry_at_ms, int
     return code;
 }
 
-int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, int *state)
-{
+int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, int *state) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
     *state = 0;
@@ -190,8 +176,7 @@ int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, int *
     return code;
 }
 
-int model_cancel(model *m, int64_t id, int64_t now_ms, int *state)
-{
+int model_cancel(model *m, int64_t id, int64_t now_ms, int *state) {
     model_job *job = find(m, id);
     *state = 0;
     if (job == NULL) {
@@ -209,8 +194,7 @@ int model_cancel(model *m, int64_t id, int64_t now_ms, int *state)
     return SHEAR_OK;
 }
 
-int model_retry(model *m, int64_t id)
-{
+int model_retry(model *m, int64_t id) {
     model_job *job = find(m, id);
     if (job == NULL) {
         return STORE_NOT_FOUND;
@@ -229,8 +213,7 @@ int model_retry(model *m, int64_t id)
 }
 
 /* The finished job that goes first, and how many there are. */
-static model_job *oldest(model *m, int64_t *n)
-{
+static model_job *oldest(model *m, int64_t *n) {
     model_job *first = NULL;
     *n = 0;
     for (int64_t id = 1; id <= m->n_jobs; id++) {
@@ -243,8 +226,7 @@ static model_job *oldest(model *m, int64_t *n)
     return first;
 }
 
-int64_t model_retire(model *m, const store_retention *rule)
-{
+int64_t model_retire(model *m, const store_retention *rule) {
     int64_t gone = 0;
     int64_t n = 0;
     for (model_job *job = oldest(m, &n); job != NULL && gone < rule->batch; job = oldest(m, &n)) {
@@ -258,8 +240,7 @@ int64_t model_retire(model *m, const store_retention *rule)
     return gone;
 }
 
-void model_restart(model *m, int64_t now_ms)
-{
+void model_restart(model *m, int64_t now_ms) {
     int state = 0;
     for (int64_t id = 1; id <= m->n_jobs; id++) {
         if (m->jobs[id].kept && m->jobs[id].state == STORE_RUNNING) {

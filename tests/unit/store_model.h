@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* tests/unit/store_model.h: what daemon/store promises, as plain arrays: no disk, no SQL, every question answered by a walk. */
+/* tests/unit/store_model.h: what daemon/store promises, as plain arrays: no disk, no SQL, every
+ * question answered by a walk. */
 #ifndef TEST_STORE_MODEL_H
 #define TEST_STORE_MODEL_H
 

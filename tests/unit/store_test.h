@@ -6,7 +6,8 @@
 #include "store_fixture.h"
 #include "test.h"
 
-/* Setup and teardown: *state is a fixture with an open, empty store over the quick file system (store_vfs.h). */
+/* Setup and teardown: *state is a fixture with an open, empty store over the quick file system
+ * (store_vfs.h). */
 int fx_setup(void **state);
 int fx_teardown(void **state);
 /* The teardown audits the database first: no test may leave a contradiction. */

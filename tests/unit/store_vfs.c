@@ -22,14 +22,12 @@ static struct {
     bool fired, remember;
 } plan;
 
-static sqlite3_file *real(sqlite3_file *f)
-{
+static sqlite3_file *real(sqlite3_file *f) {
     return (sqlite3_file *)(void *)((file *)(void *)f + 1);
 }
 
 /* Does this call fail? Counted in any case. */
-static bool fails(bool is_write)
-{
+static bool fails(bool is_write) {
     if (plan.fault == VFS_READ_ERROR) {
         return false;
     }
@@ -44,18 +42,15 @@ static bool fails(bool is_write)
     return hit;
 }
 
-static bool is_dead(void)
-{
+static bool is_dead(void) {
     return plan.fired && plan.fault == VFS_POWER_CUT;
 }
 
-static void name_synced(char *out, size_t size, const char *path)
-{
+static void name_synced(char *out, size_t size, const char *path) {
     snprintf(out, size, "%s.synced", path);
 }
 
-static bool copy_file(const char *from, const char *to)
-{
+static bool copy_file(const char *from, const char *to) {
     char buffer[65536];
     size_t n = 0;
     unlink(to); /* some file systems write a file out that replaces another by truncating it */
@@ -74,13 +69,11 @@ static bool copy_file(const char *from, const char *to)
     return good;
 }
 
-static int f_close(sqlite3_file *f)
-{
+static int f_close(sqlite3_file *f) {
     return real(f)->pMethods->xClose(real(f));
 }
 
-static int f_read(sqlite3_file *f, void *to, int n, sqlite3_int64 at)
-{
+static int f_read(sqlite3_file *f, void *to, int n, sqlite3_int64 at) {
     if (plan.fault == VFS_READ_ERROR && ++plan.calls == plan.at) {
         plan.fired = true;
         return SQLITE_IOERR_READ;
@@ -88,8 +81,7 @@ static int f_read(sqlite3_file *f, void *to, int n, sqlite3_int64 at)
     return is_dead() ? SQLITE_IOERR_READ : real(f)->pMethods->xRead(real(f), to, n, at);
 }
 
-static int f_write(sqlite3_file *f, const void *from, int n, sqlite3_int64 at)
-{
+static int f_write(sqlite3_file *f, const void *from, int n, sqlite3_int64 at) {
     if (fails(true)) {
         if (!is_dead() && n > 1) {
             real(f)->pMethods->xWrite(real(f), from, n / 2, at);
@@ -99,13 +91,11 @@ static int f_write(sqlite3_file *f, const void *from, int n, sqlite3_int64 at)
     return real(f)->pMethods->xWrite(real(f), from, n, at);
 }
 
-static int f_truncate(sqlite3_file *f, sqlite3_int64 size)
-{
+static int f_truncate(sqlite3_file *f, sqlite3_int64 size) {
     return fails(false) ? SQLITE_IOERR_TRUNCATE : real(f)->pMethods->xTruncate(real(f), size);
 }
 
-static int f_sync(sqlite3_file *f, int flags)
-{
+static int f_sync(sqlite3_file *f, int flags) {
     char synced[600];
     const char *path = ((file *)(void *)f)->path;
     (void)flags;
@@ -115,42 +105,36 @@ static int f_sync(sqlite3_file *f, int flags)
     }
     name_synced(synced, sizeof synced, path);
     return !plan.remember || path[0] == '\0' || copy_file(path, synced) ? SQLITE_OK
-                                                                         : SQLITE_IOERR_FSYNC;
+                                                                        : SQLITE_IOERR_FSYNC;
 }
 
-static int f_size(sqlite3_file *f, sqlite3_int64 *size)
-{
+static int f_size(sqlite3_file *f, sqlite3_int64 *size) {
     return is_dead() ? SQLITE_IOERR_FSTAT : real(f)->pMethods->xFileSize(real(f), size);
 }
 
-static int f_lock(sqlite3_file *f, int level)
-{
+static int f_lock(sqlite3_file *f, int level) {
     return real(f)->pMethods->xLock(real(f), level);
 }
 
-static int f_unlock(sqlite3_file *f, int level)
-{
+static int f_unlock(sqlite3_file *f, int level) {
     return real(f)->pMethods->xUnlock(real(f), level);
 }
 
-static int f_check_lock(sqlite3_file *f, int *locked)
-{
+static int f_check_lock(sqlite3_file *f, int *locked) {
     return real(f)->pMethods->xCheckReservedLock(real(f), locked);
 }
 
-static int f_control(sqlite3_file *f, int op, void *arg)
-{
+static int f_control(sqlite3_file *f, int op, void *arg) {
     return real(f)->pMethods->xFileControl(real(f), op, arg);
 }
 
-static int f_sector(sqlite3_file *f)
-{
+static int f_sector(sqlite3_file *f) {
     return real(f)->pMethods->xSectorSize(real(f));
 }
 
-/* No promise of the real file system is passed on (such as safe appends): the worst disk is simulated. */
-static int f_traits(sqlite3_file *f)
-{
+/* No promise of the real file system is passed on (such as safe appends): the worst disk is
+ * simulated. */
+static int f_traits(sqlite3_file *f) {
     (void)f;
     return 0;
 }
@@ -170,8 +154,7 @@ static const sqlite3_io_methods methods = {.iVersion = 1,
                                            .xSectorSize = f_sector,
                                            .xDeviceCharacteristics = f_traits};
 
-static int v_open(sqlite3_vfs *vfs, sqlite3_filename name, sqlite3_file *f, int flags, int *out)
-{
+static int v_open(sqlite3_vfs *vfs, sqlite3_filename name, sqlite3_file *f, int flags, int *out) {
     file *me = (file *)(void *)f;
     (void)vfs;
     me->base.pMethods = NULL;
@@ -184,8 +167,7 @@ static int v_open(sqlite3_vfs *vfs, sqlite3_filename name, sqlite3_file *f, int 
     return rc;
 }
 
-static int v_delete(sqlite3_vfs *vfs, const char *name, int sync_directory)
-{
+static int v_delete(sqlite3_vfs *vfs, const char *name, int sync_directory) {
     char synced[600];
     (void)vfs;
     if (fails(false)) {
@@ -199,44 +181,37 @@ static int v_delete(sqlite3_vfs *vfs, const char *name, int sync_directory)
     return real_vfs->xDelete(real_vfs, name, 0);
 }
 
-static int v_access(sqlite3_vfs *vfs, const char *name, int flags, int *out)
-{
+static int v_access(sqlite3_vfs *vfs, const char *name, int flags, int *out) {
     (void)vfs;
     return real_vfs->xAccess(real_vfs, name, flags, out);
 }
 
-static int v_full_path(sqlite3_vfs *vfs, const char *name, int size, char *out)
-{
+static int v_full_path(sqlite3_vfs *vfs, const char *name, int size, char *out) {
     (void)vfs;
     return real_vfs->xFullPathname(real_vfs, name, size, out);
 }
 
-static int v_random(sqlite3_vfs *vfs, int n, char *out)
-{
+static int v_random(sqlite3_vfs *vfs, int n, char *out) {
     (void)vfs;
     return real_vfs->xRandomness(real_vfs, n, out);
 }
 
-static int v_sleep(sqlite3_vfs *vfs, int us)
-{
+static int v_sleep(sqlite3_vfs *vfs, int us) {
     (void)vfs;
     return real_vfs->xSleep(real_vfs, us);
 }
 
-static int v_time(sqlite3_vfs *vfs, double *day)
-{
+static int v_time(sqlite3_vfs *vfs, double *day) {
     (void)vfs;
     return real_vfs->xCurrentTime(real_vfs, day);
 }
 
-static int v_last_error(sqlite3_vfs *vfs, int n, char *out)
-{
+static int v_last_error(sqlite3_vfs *vfs, int n, char *out) {
     (void)vfs;
     return real_vfs->xGetLastError(real_vfs, n, out);
 }
 
-void store_vfs_register(void)
-{
+void store_vfs_register(void) {
     static sqlite3_vfs vfs = {.iVersion = 1,
                               .mxPathname = 500,
                               .zName = store_vfs_name,
@@ -257,8 +232,7 @@ void store_vfs_register(void)
     store_vfs_arm(VFS_SOUND, 0);
 }
 
-void store_vfs_arm(enum store_vfs_fault fault, int64_t at)
-{
+void store_vfs_arm(enum store_vfs_fault fault, int64_t at) {
     plan.fault = fault;
     plan.at = at;
     plan.calls = 0;
@@ -266,28 +240,23 @@ void store_vfs_arm(enum store_vfs_fault fault, int64_t at)
     plan.fired = false;
 }
 
-bool store_vfs_fired(void)
-{
+bool store_vfs_fired(void) {
     return plan.fired;
 }
 
-int64_t store_vfs_calls(void)
-{
+int64_t store_vfs_calls(void) {
     return plan.calls;
 }
 
-int64_t store_vfs_syncs(void)
-{
+int64_t store_vfs_syncs(void) {
     return plan.syncs;
 }
 
-void store_vfs_remember(bool on)
-{
+void store_vfs_remember(bool on) {
     plan.remember = on;
 }
 
-void store_vfs_restart(const char *path)
-{
+void store_vfs_restart(const char *path) {
     static const char *const endings[] = {"", "-wal", "-journal"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         char name[512];

@@ -28,7 +28,7 @@ static const char *at(const char *directory, const char *name) {
     static char paths[4][512];
     static unsigned turn;
     char *path = paths[turn++ % 4];
-    snprintf(path, sizeof paths[0], "%s/%s", directory, name);
+    assert_true(snprintf(path, sizeof paths[0], "%s/%s", directory, name) < (int)sizeof paths[0]);
     return path;
 }
 

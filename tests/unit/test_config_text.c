@@ -9,7 +9,8 @@
 
 static sheard_problems problems;
 
-static char *written(int (*print)(FILE *, shear_error *)) {
+/* noinline: inlined, gcc 12 takes the text for a dangling pointer. */
+__attribute__((noinline)) static char *written(int (*print)(FILE *, shear_error *)) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);

@@ -8,16 +8,14 @@
 #include <string.h>
 #include <unistd.h>
 
-static void run_sql(fixture *f, const char *sql)
-{
+static void run_sql(fixture *f, const char *sql) {
     char *message = NULL;
     if (sqlite3_exec(f->s->db, sql, NULL, NULL, &message) != SQLITE_OK) {
         fail_msg("%s: %s", sql, message);
     }
 }
 
-static void a_good_one_passes(void **state)
-{
+static void a_good_one_passes(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     fx_done(f, "a", "1", 1);
@@ -28,8 +26,7 @@ static void a_good_one_passes(void **state)
     FX_OK(store_audit(f->s, &err));
 }
 
-static void contradictions_are_found(void **state)
-{
+static void contradictions_are_found(void **state) {
     static const char *const lies[] = {
         "UPDATE counts SET n = n + 1 WHERE state = 3",
         "UPDATE jobs SET outcome = 0 WHERE id = 1",
@@ -39,7 +36,8 @@ static void contradictions_are_found(void **state)
         "UPDATE contributions SET job = 2 WHERE job = 1",
         "UPDATE contributions SET content = 'other' WHERE job = 1",
         "UPDATE contributions SET n_stamps = 17 WHERE job = 1",
-        "UPDATE contributions SET sums = (SELECT sums FROM contributions WHERE job = 3) WHERE job = 1",
+        "UPDATE contributions SET sums = (SELECT sums FROM contributions WHERE job = 3) WHERE job "
+        "= 1",
         "UPDATE fields SET sums = (SELECT sums FROM contributions WHERE job = 3)",
         "UPDATE fields SET sums = 'shear-sums 2'",
         "UPDATE fields SET jobs = jobs + 1",
@@ -78,8 +76,7 @@ static void contradictions_are_found(void **state)
 }
 
 /* Bytes of a page overwritten behind SQLite's back: refused at opening, or found by the check. */
-static void damage_is_found(void **state)
-{
+static void damage_is_found(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     char noise[600];
@@ -109,8 +106,7 @@ static void damage_is_found(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(a_good_one_passes),
         STORE_TEST(contradictions_are_found),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A service is killed at random moments, again and again, over one database. Whatever it had told to anybody is there
- * afterwards; every done job is counted once; every field is the exact join of what was counted. */
+/* A service is killed at random moments, again and again, over one database. Whatever it had told
+ * to anybody is there afterwards; every done job is counted once; every field is the exact join of
+ * what was counted. */
 #include "store_test.h"
 
 #include <signal.h>
@@ -27,8 +28,7 @@ typedef struct service {
     bool in_group;
 } service;
 
-static uint64_t draw(service *v, uint64_t n)
-{
+static uint64_t draw(service *v, uint64_t n) {
     uint64_t z = v->random += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -36,15 +36,13 @@ static uint64_t draw(service *v, uint64_t n)
 }
 
 /* The child must not return into the test: any error ends it in a way that its parent sees. */
-static void must(int code)
-{
+static void must(int code) {
     if (code != SHEAR_OK) {
         _exit(3);
     }
 }
 
-static void tell(service *v, int64_t id, int outcome)
-{
+static void tell(service *v, int64_t id, int outcome) {
     v->pending[v->n_pending++] = (acknowledgement){id, outcome};
     if (!v->in_group || v->n_pending == 64) {
         if (v->in_group) {
@@ -59,13 +57,11 @@ static void tell(service *v, int64_t id, int outcome)
     }
 }
 
-static void name_content(char out[16], uint64_t which)
-{
+static void name_content(char out[16], uint64_t which) {
     snprintf(out, 16, "c%u", (unsigned)which);
 }
 
-static void serve_submit(service *v)
-{
+static void serve_submit(service *v) {
     char source[16];
     char field[2] = {(char)('a' + draw(v, FIELDS)), '\0'};
     int64_t id = 0;
@@ -78,8 +74,7 @@ static void serve_submit(service *v)
     tell(v, id, STORE_NO_OUTCOME);
 }
 
-static void serve_finish(service *v, const store_job *job)
-{
+static void serve_finish(service *v, const store_job *job) {
     store_finished end;
     char *sums = fx_sums((unsigned)atoi(job->source + 1));
     const store_work work = {.sums = sums, .elapsed_us = 1, .now_ms = fx_now(v->f)};
@@ -88,8 +83,7 @@ static void serve_finish(service *v, const store_job *job)
     tell(v, job->id, end.outcome);
 }
 
-static void serve_next(service *v)
-{
+static void serve_next(service *v) {
     store_job job;
     int64_t of = 0;
     int end = 0;
@@ -113,8 +107,7 @@ static void serve_next(service *v)
 }
 
 /* Until it is killed. */
-static void serve(fixture *f, int to_clients, uint64_t seed)
-{
+static void serve(fixture *f, int to_clients, uint64_t seed) {
     service v = {.f = f, .to_clients = to_clients, .random = seed};
     must(store_open(&f->s, f->path, &f->options, fx_now(f), NULL));
     for (;;) {
@@ -138,8 +131,7 @@ static void serve(fixture *f, int to_clients, uint64_t seed)
 static signed char told[IDS]; /* -1: nothing; else the last outcome */
 static int64_t highest;
 
-static void listen_to(int from, int n)
-{
+static void listen_to(int from, int n) {
     acknowledgement a;
     for (int i = 0; i < n && read(from, &a, sizeof a) == (ssize_t)sizeof a; i++) {
         assert_true(a.id > 0 && a.id < IDS);
@@ -149,8 +141,7 @@ static void listen_to(int from, int n)
     }
 }
 
-static void one_life(fixture *f, uint64_t seed)
-{
+static void one_life(fixture *f, uint64_t seed) {
     int pipe_ends[2];
     int status = 0;
     assert_int_equal(pipe(pipe_ends), 0);
@@ -170,8 +161,7 @@ static void one_life(fixture *f, uint64_t seed)
     close(pipe_ends[0]);
 }
 
-static void check_told(fixture *f)
-{
+static void check_told(fixture *f) {
     shear_error err = {0};
     for (int64_t id = 1; id <= highest; id++) {
         if (told[id] >= 0) {
@@ -188,8 +178,7 @@ static void check_told(fixture *f)
 }
 
 /* The field's sums against a join made here, of the sums that each counted job must have had. */
-static int64_t check_field(fixture *f, const char *name)
-{
+static int64_t check_field(fixture *f, const char *name) {
     shear_error err = {0};
     store_field_page page;
     store_contribution_page list = {.more = true};
@@ -222,8 +211,7 @@ static int64_t check_field(fixture *f, const char *name)
     return (int64_t)n;
 }
 
-static void survives_being_killed(void **state)
-{
+static void survives_being_killed(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_counts counts;
@@ -251,8 +239,7 @@ static void survives_being_killed(void **state)
     assert_true(totals.counted > 100 && totals.duplicates > 0 && totals.interrupted > 10);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {STORE_TEST(survives_being_killed)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

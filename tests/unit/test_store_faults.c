@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The disk fails at the n-th call of every operation, for all n: an I/O error, a full disk, a power cut. After it the
- * database says what it said before the operation, or what it says after it, never something between; an operation that
- * was acknowledged has happened. */
+/* The disk fails at the n-th call of every operation, for all n: an I/O error, a full disk, a power
+ * cut. After it the database says what it said before the operation, or what it says after it,
+ * never something between; an operation that was acknowledged has happened. */
 #include "database.h"
 #include "store_test.h"
 #include "store_vfs.h"
@@ -15,15 +15,13 @@ enum { START_MS = 1000, REOPEN_MS = 5000, MAX_CALLS = 1000 };
 
 /* ---- All that the database says, as one number ---- */
 
-static void mix(uint64_t *hash, const void *bytes, size_t n)
-{
+static void mix(uint64_t *hash, const void *bytes, size_t n) {
     for (size_t i = 0; i < n; i++) {
         *hash = (*hash ^ ((const unsigned char *)bytes)[i]) * 0x100000001b3u;
     }
 }
 
-static void mix_rows(store *s, const char *sql, uint64_t *hash)
-{
+static void mix_rows(store *s, const char *sql, uint64_t *hash) {
     sqlite3_stmt *stmt = NULL;
     assert_int_equal(sqlite3_prepare_v2(s->db, sql, -1, &stmt, NULL), SQLITE_OK);
     while (sqlite3_step(stmt) == SQLITE_ROW) {
@@ -35,8 +33,7 @@ static void mix_rows(store *s, const char *sql, uint64_t *hash)
     assert_int_equal(sqlite3_finalize(stmt), SQLITE_OK);
 }
 
-static uint64_t said_by(store *s)
-{
+static uint64_t said_by(store *s) {
     static const char *const tables[] = {
         "SELECT * FROM jobs ORDER BY id",          "SELECT * FROM attempts ORDER BY job, number",
         "SELECT * FROM checkpoints ORDER BY job",  "SELECT * FROM fields ORDER BY id",
@@ -50,13 +47,13 @@ static uint64_t said_by(store *s)
     return hash;
 }
 
-/* ---- The operations: each acts on a store that fill() made; job 1 is done, 2 failed, 3 waiting, 4 and 5 run, 6 is queued ---- */
+/* ---- The operations: each acts on a store that fill() made; job 1 is done, 2 failed, 3 waiting, 4
+ * and 5 run, 6 is queued ---- */
 
 static char *sums_1;
 static char *sums_2;
 
-static void fill(fixture *f)
-{
+static void fill(fixture *f) {
     shear_error err = {0};
     int end = 0;
     f->now = START_MS;
@@ -75,8 +72,7 @@ static void fill(fixture *f)
     FX_OK(store_commit(f->s, &err));
 }
 
-static int submit_one(store *s, const char *digest, shear_error *err)
-{
+static int submit_one(store *s, const char *digest, shear_error *err) {
     int64_t id = 0;
     bool known = false;
     const store_spec spec = {.field = "b",
@@ -90,13 +86,11 @@ static int submit_one(store *s, const char *digest, shear_error *err)
     return code;
 }
 
-static int act_submit(store *s, shear_error *err)
-{
+static int act_submit(store *s, shear_error *err) {
     return submit_one(s, "new settings", err);
 }
 
-static int act_next(store *s, shear_error *err)
-{
+static int act_next(store *s, shear_error *err) {
     store_job job;
     const int code = store_next(s, 2000, &job, err);
     assert_true((job.id != 0) == (code == SHEAR_OK));
@@ -104,20 +98,17 @@ static int act_next(store *s, shear_error *err)
     return code;
 }
 
-static int act_learn(store *s, shear_error *err)
-{
+static int act_learn(store *s, shear_error *err) {
     int64_t of = 0;
     const store_learned learned = {"c", "changed", 32};
     return store_learn(s, 4, &learned, &of, err);
 }
 
-static int act_checkpoint(store *s, shear_error *err)
-{
+static int act_checkpoint(store *s, shear_error *err) {
     return store_checkpoint(s, 4, 7, sums_1, err);
 }
 
-static int finish(store *s, int64_t id, shear_error *err)
-{
+static int finish(store *s, int64_t id, shear_error *err) {
     store_finished end;
     const store_work work = {sums_2, "{}", "/out/c.csv", 5, 2000};
     const int code = store_finish(s, id, &work, &end, err);
@@ -125,42 +116,35 @@ static int finish(store *s, int64_t id, shear_error *err)
     return code;
 }
 
-static int act_finish(store *s, shear_error *err)
-{
+static int act_finish(store *s, shear_error *err) {
     return finish(s, 4, err);
 }
 
-static int act_finish_new_field(store *s, shear_error *err)
-{
+static int act_finish_new_field(store *s, shear_error *err) {
     return finish(s, 5, err);
 }
 
-static int act_fail(store *s, shear_error *err)
-{
+static int act_fail(store *s, shear_error *err) {
     int end = 0;
     const store_failure f = {STORE_TRANSIENT, "io", "no room", NULL, 9000, 2000};
     return store_fail(s, 4, &f, &end, err);
 }
 
-static int act_release(store *s, shear_error *err)
-{
+static int act_release(store *s, shear_error *err) {
     int end = 0;
     return store_release(s, 4, 2000, &end, err);
 }
 
-static int act_cancel(store *s, shear_error *err)
-{
+static int act_cancel(store *s, shear_error *err) {
     int end = 0;
     return store_cancel(s, 6, 2000, &end, err);
 }
 
-static int act_retry(store *s, shear_error *err)
-{
+static int act_retry(store *s, shear_error *err) {
     return store_retry(s, 2, 100, err);
 }
 
-static int act_retire(store *s, shear_error *err)
-{
+static int act_retire(store *s, shear_error *err) {
     int64_t gone = 0;
     const store_retention rule = {INT64_MAX, 0, 10};
     const int code = store_retire(s, &rule, &gone, err);
@@ -169,8 +153,7 @@ static int act_retire(store *s, shear_error *err)
 }
 
 /* A group that is given up at its first failure. */
-static int act_group(store *s, shear_error *err)
-{
+static int act_group(store *s, shear_error *err) {
     static int (*const parts[])(store *, shear_error *) = {act_finish, act_submit, act_retry,
                                                            act_finish_new_field, act_retire};
     int code = store_begin(s, err);
@@ -186,10 +169,11 @@ static int act_group(store *s, shear_error *err)
 
 typedef int (*action)(store *s, shear_error *err);
 
-/* In the order of the pages they touch: where the failure's kind matters little, the last ones do. */
-static const action actions[] = {act_checkpoint, act_learn, act_next, act_submit,
-                                 act_release, act_cancel, act_retry, act_fail,
-                                 act_finish, act_retire, act_finish_new_field, act_group};
+/* In the order of the pages they touch: where the failure's kind matters little, the last ones do.
+ */
+static const action actions[] = {act_checkpoint,       act_learn, act_next, act_submit, act_release,
+                                 act_cancel,           act_retry, act_fail, act_finish, act_retire,
+                                 act_finish_new_field, act_group};
 enum { N_ACTIONS = sizeof actions / sizeof actions[0] };
 
 /* ---- One failure ---- */
@@ -199,34 +183,32 @@ typedef struct reference {
     uint64_t before, after, before_restart, after_restart;
 } reference;
 
-/* How the store runs: a log that is brought into the database at every commit, and a cache so small that the log is
- * written long before the commit, make the disk busier. */
+/* How the store runs: a log that is brought into the database at every commit, and a cache so small
+ * that the log is written long before the commit, make the disk busier. */
 enum { PLAIN, BUSY };
 
-static void copy(const char *from, const char *to)
-{
+static void copy(const char *from, const char *to) {
     char bytes[65536];
     unlink(to); /* some file systems write a file out that replaces another by truncating it */
     FILE *in = fopen(from, "rb");
     FILE *out = fopen(to, "wb");
     assert_true(in != NULL && out != NULL);
-    for (size_t n = fread(bytes, 1, sizeof bytes, in); n > 0; n = fread(bytes, 1, sizeof bytes, in)) {
+    for (size_t n = fread(bytes, 1, sizeof bytes, in); n > 0;
+         n = fread(bytes, 1, sizeof bytes, in)) {
         assert_int_equal(fwrite(bytes, 1, n, out), n);
     }
     fclose(in);
     assert_int_equal(fclose(out), 0);
 }
 
-static char *with_ending(fixture *f, const char *ending)
-{
+static char *with_ending(fixture *f, const char *ending) {
     static char name[400];
     snprintf(name, sizeof name, "%s%s", f->path, ending);
     return name;
 }
 
 /* From a copy of the empty database: making it takes longer than all the rest. */
-static void begin(fixture *f, int mode)
-{
+static void begin(fixture *f, int mode) {
     static const char *const endings[] = {"-wal", "-journal", "-wal.synced"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         unlink(with_ending(f, endings[i]));
@@ -244,16 +226,14 @@ static void begin(fixture *f, int mode)
     }
 }
 
-static uint64_t restart(fixture *f)
-{
+static uint64_t restart(fixture *f) {
     fx_close(f);
     f->now = REOPEN_MS;
     fx_open(f);
     return said_by(f->s);
 }
 
-static reference sound_run(fixture *f, action act, int mode)
-{
+static reference sound_run(fixture *f, action act, int mode) {
     reference r;
     shear_error err = {0};
     begin(f, mode);
@@ -272,19 +252,17 @@ static reference sound_run(fixture *f, action act, int mode)
     return r;
 }
 
-static void restarts(fixture *f, const reference *r, int code)
-{
+static void restarts(fixture *f, const reference *r, int code) {
     shear_error err = {0};
     const uint64_t said = restart(f);
     assert_true(said == r->after_restart || (code != SHEAR_OK && said == r->before_restart));
     FX_OK(store_check(f->s, &err));
 }
 
-/* False when the operation ended before its n-th call. Where it failed, the store mostly is left open: it goes on as if nothing
- * had been, and the operation succeeds in the end. */
-static bool strike(fixture *f, action act, const reference *r, int mode,
-                   enum store_vfs_fault fault, int n)
-{
+/* False when the operation ended before its n-th call. Where it failed, the store mostly is left
+ * open: it goes on as if nothing had been, and the operation succeeds in the end. */
+static bool strike(fixture *f, action act, const reference *r, int mode, enum store_vfs_fault fault,
+                   int n) {
     shear_error err = {0};
     if (f->s == NULL) {
         begin(f, mode);
@@ -293,8 +271,8 @@ static bool strike(fixture *f, action act, const reference *r, int mode,
     const int code = act(f->s, &err);
     const bool fired = store_vfs_fired();
     assert_true(code == SHEAR_OK || (fired && code == SHEAR_E_IO));
-    /* In the plain mode an operation that met a failure says so; in the busy one it may have been only the log's way into
-     * the database, which is tried again later. */
+    /* In the plain mode an operation that met a failure says so; in the busy one it may have been
+     * only the log's way into the database, which is tried again later. */
     assert_true(code != SHEAR_OK || !fired || mode == BUSY);
     if (fault == VFS_POWER_CUT) {
         fx_close(f);
@@ -310,14 +288,12 @@ static bool strike(fixture *f, action act, const reference *r, int mode,
     return fired;
 }
 
-static void keep_empty(fixture *f)
-{
+static void keep_empty(fixture *f) {
     fx_close(f);
     copy(f->path, with_ending(f, ".empty"));
 }
 
-static void strike_from(fixture *f, int first, enum store_vfs_fault fault, int mode)
-{
+static void strike_from(fixture *f, int first, enum store_vfs_fault fault, int mode) {
     keep_empty(f);
     sums_1 = fx_sums(1);
     sums_2 = fx_sums(2);
@@ -337,33 +313,27 @@ static void strike_from(fixture *f, int first, enum store_vfs_fault fault, int m
     fx_open(f);
 }
 
-static void io_errors(void **state)
-{
+static void io_errors(void **state) {
     strike_from(*state, 0, VFS_IO_ERROR, PLAIN);
 }
 
-static void io_errors_busy(void **state)
-{
+static void io_errors_busy(void **state) {
     strike_from(*state, N_ACTIONS - 3, VFS_IO_ERROR, BUSY);
 }
 
-static void full_disk(void **state)
-{
+static void full_disk(void **state) {
     strike_from(*state, N_ACTIONS - 3, VFS_FULL, PLAIN);
 }
 
-static void full_disk_busy(void **state)
-{
+static void full_disk_busy(void **state) {
     strike_from(*state, N_ACTIONS - 1, VFS_FULL, BUSY);
 }
 
-static void power_cuts(void **state)
-{
+static void power_cuts(void **state) {
     strike_from(*state, 0, VFS_POWER_CUT, PLAIN);
 }
 
-static void power_cuts_busy(void **state)
-{
+static void power_cuts_busy(void **state) {
     strike_from(*state, N_ACTIONS - 2, VFS_POWER_CUT, BUSY);
 }
 
@@ -371,10 +341,9 @@ static void power_cuts_busy(void **state)
 
 enum { STUBBORN = 24 };
 
-/* Submits of several pages each, so that the log is written before the commit; bit i tells that the i-th was acknowledged. Returns
- * what the commit said. */
-static int stubborn_group(store *s, unsigned *acknowledged)
-{
+/* Submits of several pages each, so that the log is written before the commit; bit i tells that the
+ * i-th was acknowledged. Returns what the commit said. */
+static int stubborn_group(store *s, unsigned *acknowledged) {
     static char source[9000];
     shear_error err = {0};
     *acknowledged = 0;
@@ -396,12 +365,13 @@ static int stubborn_group(store *s, unsigned *acknowledged)
     return store_commit(s, &err);
 }
 
-static unsigned keys_there(store *s)
-{
+static unsigned keys_there(store *s) {
     sqlite3_stmt *stmt = NULL;
     unsigned found = 0;
-    sqlite3_prepare_v2(s->db, "SELECT substr(idempotency_key, 2) FROM jobs"
-                              " WHERE idempotency_key IS NOT NULL", -1, &stmt, NULL);
+    sqlite3_prepare_v2(s->db,
+                       "SELECT substr(idempotency_key, 2) FROM jobs"
+                       " WHERE idempotency_key IS NOT NULL",
+                       -1, &stmt, NULL);
     while (sqlite3_step(stmt) == SQLITE_ROW) {
         found |= 1u << sqlite3_column_int(stmt, 0);
     }
@@ -409,8 +379,7 @@ static unsigned keys_there(store *s)
     return found;
 }
 
-static void a_group_is_all_or_nothing(void **state)
-{
+static void a_group_is_all_or_nothing(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     bool fired = true;
@@ -439,10 +408,9 @@ static void a_group_is_all_or_nothing(void **state)
     fx_open(f);
 }
 
-/* A failing read, too, makes SQLite give up a transaction. The group is lost then, whoever read: nothing of it may stay, also not
- * what is added afterwards. */
-static void a_read_can_lose_a_group(void **state)
-{
+/* A failing read, too, makes SQLite give up a transaction. The group is lost then, whoever read:
+ * nothing of it may stay, also not what is added afterwards. */
+static void a_read_can_lose_a_group(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_totals totals;
@@ -480,8 +448,7 @@ static void a_read_can_lose_a_group(void **state)
 
 /* ---- Reading and opening ---- */
 
-static void a_full_disk_can_be_read(void **state)
-{
+static void a_full_disk_can_be_read(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_counts counts;
@@ -501,9 +468,9 @@ static void a_full_disk_can_be_read(void **state)
     FX_OK(act_submit(f->s, &err));
 }
 
-/* Open at a path while the disk fails at the n-th call; then open it in peace: as if nothing had been. */
-static bool open_under(fixture *f, enum store_vfs_fault fault, int n, uint64_t wanted)
-{
+/* Open at a path while the disk fails at the n-th call; then open it in peace: as if nothing had
+ * been. */
+static bool open_under(fixture *f, enum store_vfs_fault fault, int n, uint64_t wanted) {
     shear_error err = {0};
     f->now = REOPEN_MS + 1;
     store_vfs_arm(fault, n);
@@ -521,8 +488,7 @@ static bool open_under(fixture *f, enum store_vfs_fault fault, int n, uint64_t w
     return fired;
 }
 
-static void opening_a_new_one(void **state)
-{
+static void opening_a_new_one(void **state) {
     fixture *f = *state;
     const uint64_t wanted = said_by(f->s);
     fx_close(f);
@@ -540,8 +506,7 @@ static void opening_a_new_one(void **state)
 }
 
 /* The database of a service that died: its log is hot, its jobs are running. */
-static void opening_a_dead_one(void **state)
-{
+static void opening_a_dead_one(void **state) {
     fixture *f = *state;
     char log[310];
     char kept[310];
@@ -570,16 +535,19 @@ static void opening_a_dead_one(void **state)
     fx_open(f);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        STORE_TEST(io_errors),       STORE_TEST(io_errors_busy),
-        STORE_TEST(full_disk),       STORE_TEST(full_disk_busy),
-        STORE_TEST(power_cuts),      STORE_TEST(power_cuts_busy),
+        STORE_TEST(io_errors),
+        STORE_TEST(io_errors_busy),
+        STORE_TEST(full_disk),
+        STORE_TEST(full_disk_busy),
+        STORE_TEST(power_cuts),
+        STORE_TEST(power_cuts_busy),
         STORE_TEST(a_group_is_all_or_nothing),
         STORE_TEST(a_read_can_lose_a_group),
         STORE_TEST(a_full_disk_can_be_read),
-        STORE_TEST(opening_a_new_one), STORE_TEST(opening_a_dead_one),
+        STORE_TEST(opening_a_new_one),
+        STORE_TEST(opening_a_dead_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

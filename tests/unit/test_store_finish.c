@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static store_finished finish(fixture *f, int64_t id, const char *sums)
-{
+static store_finished finish(fixture *f, int64_t id, const char *sums) {
     shear_error err = {0};
     store_finished end;
     const store_work work = {sums, "{\"g1\":0.01}", "/out/a.csv", 1500, fx_now(f)};
@@ -14,16 +13,14 @@ static store_finished finish(fixture *f, int64_t id, const char *sums)
     return end;
 }
 
-static store_field_page get_field(fixture *f, const char *name)
-{
+static store_field_page get_field(fixture *f, const char *name) {
     shear_error err = {0};
     store_field_page page;
     FX_OK(store_field_get(f->s, name, &page, &err));
     return page;
 }
 
-static void a_finished_job_is_counted(void **state)
-{
+static void a_finished_job_is_counted(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job job;
@@ -66,8 +63,7 @@ static void a_finished_job_is_counted(void **state)
 }
 
 /* Three jobs in two orders: the same text, that of the exact join. */
-static void the_order_of_arrival_does_not_matter(void **state)
-{
+static void the_order_of_arrival_does_not_matter(void **state) {
     fixture *f = *state;
     char *sums[3] = {fx_sums(10), fx_sums(11), fx_sums(12)};
     char *joined = fx_join((const char *const *)sums, 3);
@@ -92,8 +88,7 @@ static void the_order_of_arrival_does_not_matter(void **state)
     free(joined);
 }
 
-static void a_duplicate_is_not_counted(void **state)
-{
+static void a_duplicate_is_not_counted(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job job;
@@ -123,8 +118,7 @@ static void a_duplicate_is_not_counted(void **state)
 }
 
 /* Two with the same identity run side by side: whoever comes second is the duplicate. */
-static void of_two_at_once_one_is_counted(void **state)
-{
+static void of_two_at_once_one_is_counted(void **state) {
     fixture *f = *state;
     char *sums = fx_sums(4);
     const int64_t one = fx_running(f, "a", "c");
@@ -139,8 +133,7 @@ static void of_two_at_once_one_is_counted(void **state)
     free(sums);
 }
 
-static void another_identity_is_counted(void **state)
-{
+static void another_identity_is_counted(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t id = 0;
@@ -171,8 +164,7 @@ static void another_identity_is_counted(void **state)
     free(sums);
 }
 
-static void force_counts_again(void **state)
-{
+static void force_counts_again(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t id = 0;
@@ -200,8 +192,7 @@ static void force_counts_again(void **state)
     free(sums);
 }
 
-static void finish_wants_all_it_needs(void **state)
-{
+static void finish_wants_all_it_needs(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_finished end;
@@ -239,8 +230,7 @@ static void finish_wants_all_it_needs(void **state)
     free(sums);
 }
 
-static void learning_has_limits(void **state)
-{
+static void learning_has_limits(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t of = 0;
@@ -263,8 +253,7 @@ static void learning_has_limits(void **state)
     store_job_deinit(&job);
 }
 
-static void cancel_while_running_counts_nothing(void **state)
-{
+static void cancel_while_running_counts_nothing(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end_state = 0;
@@ -292,8 +281,7 @@ static void cancel_while_running_counts_nothing(void **state)
     free(sums);
 }
 
-static void a_checkpoint_is_replaced_and_goes_with_the_end(void **state)
-{
+static void a_checkpoint_is_replaced_and_goes_with_the_end(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t block = -1;
@@ -316,8 +304,7 @@ static void a_checkpoint_is_replaced_and_goes_with_the_end(void **state)
     free(two);
 }
 
-static void a_checkpoint_belongs_to_a_content(void **state)
-{
+static void a_checkpoint_belongs_to_a_content(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t block = 0;
@@ -339,8 +326,7 @@ static void a_checkpoint_belongs_to_a_content(void **state)
     free(sums);
 }
 
-static void bad_checkpoints_are_refused(void **state)
-{
+static void bad_checkpoints_are_refused(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     char *sums = fx_sums(1);
@@ -351,8 +337,7 @@ static void bad_checkpoints_are_refused(void **state)
     free(sums);
 }
 
-static void the_file_names_the_field(void **state)
-{
+static void the_file_names_the_field(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t of = 0;
@@ -377,8 +362,7 @@ static void the_file_names_the_field(void **state)
     free(sums);
 }
 
-static void totals_follow(void **state)
-{
+static void totals_follow(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end = 0;
@@ -425,8 +409,7 @@ static void totals_follow(void **state)
     free(sums);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(a_finished_job_is_counted),
         STORE_TEST(the_order_of_arrival_does_not_matter),

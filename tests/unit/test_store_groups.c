@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Groups: many operations, one commit, all or nothing. Failures of the disk in them: test_store_faults.c. */
+/* Groups: many operations, one commit, all or nothing. Failures of the disk in them:
+ * test_store_faults.c. */
 #include "database.h"
 #include "store_test.h"
 
@@ -7,16 +8,14 @@
 
 #include <stdlib.h>
 
-static int64_t count_submitted(fixture *f)
-{
+static int64_t count_submitted(fixture *f) {
     shear_error err = {0};
     store_totals totals;
     FX_OK(store_total(f->s, &totals, &err));
     return totals.submitted;
 }
 
-static void a_group_is_kept_as_a_whole(void **state)
-{
+static void a_group_is_kept_as_a_whole(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     FX_OK(store_begin(f->s, &err));
@@ -31,8 +30,7 @@ static void a_group_is_kept_as_a_whole(void **state)
     assert_int_equal(count_submitted(f), 2);
 }
 
-static void a_group_given_up_leaves_nothing(void **state)
-{
+static void a_group_given_up_leaves_nothing(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     fx_submit(f, "a");
@@ -48,8 +46,7 @@ static void a_group_given_up_leaves_nothing(void **state)
     assert_int_equal(count_submitted(f), 1);
 }
 
-static void a_failed_operation_leaves_the_group(void **state)
-{
+static void a_failed_operation_leaves_the_group(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_finished end;
@@ -67,9 +64,9 @@ static void a_failed_operation_leaves_the_group(void **state)
     assert_int_equal(count_submitted(f), 2);
 }
 
-/* Its attempt is closed already when the job's row refuses to change: that must be undone, too, alone and in a group. */
-static void an_operation_is_undone_from_the_middle(void **state)
-{
+/* Its attempt is closed already when the job's row refuses to change: that must be undone, too,
+ * alone and in a group. */
+static void an_operation_is_undone_from_the_middle(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end = 0;
@@ -93,8 +90,7 @@ static void an_operation_is_undone_from_the_middle(void **state)
     assert_int_equal(count_submitted(f), 3);
 }
 
-static void groups_do_not_nest(void **state)
-{
+static void groups_do_not_nest(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     FX_CODE(SHEAR_E_INTERNAL, store_commit(f->s, &err));
@@ -107,8 +103,7 @@ static void groups_do_not_nest(void **state)
 }
 
 /* The point of it all: one sync for many operations, and one for each alone. */
-static void a_group_takes_one_sync(void **state)
-{
+static void a_group_takes_one_sync(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     fx_submit(f, "a"); /* the log's header is written */
@@ -129,8 +124,7 @@ static void a_group_takes_one_sync(void **state)
     assert_int_equal(store_vfs_calls(), 0);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(a_group_is_kept_as_a_whole),
         STORE_TEST(a_group_given_up_leaves_nothing),

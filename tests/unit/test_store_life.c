@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int64_t submit_at(fixture *f, int priority)
-{
+static int64_t submit_at(fixture *f, int priority) {
     shear_error err = {0};
     int64_t id = 0;
     bool known = false;
@@ -16,16 +15,14 @@ static int64_t submit_at(fixture *f, int priority)
     return id;
 }
 
-static store_job get(fixture *f, int64_t id)
-{
+static store_job get(fixture *f, int64_t id) {
     shear_error err = {0};
     store_job job;
     FX_OK(store_job_get(f->s, id, &job, &err));
     return job;
 }
 
-static int fail_job(fixture *f, int64_t id, int64_t retry_at_ms)
-{
+static int fail_job(fixture *f, int64_t id, int64_t retry_at_ms) {
     shear_error err = {0};
     int end = 0;
     const store_failure failure = fx_failure(f, STORE_TRANSIENT, retry_at_ms);
@@ -34,8 +31,7 @@ static int fail_job(fixture *f, int64_t id, int64_t retry_at_ms)
     return end;
 }
 
-static int cancel(fixture *f, int64_t id)
-{
+static int cancel(fixture *f, int64_t id) {
     shear_error err = {0};
     int end = 0;
     FX_OK(store_cancel(f->s, id, fx_now(f), &end, &err));
@@ -43,8 +39,7 @@ static int cancel(fixture *f, int64_t id)
     return end;
 }
 
-static void the_highest_and_then_the_oldest_runs(void **state)
-{
+static void the_highest_and_then_the_oldest_runs(void **state) {
     fixture *f = *state;
     const int64_t low = submit_at(f, -1);
     const int64_t old = submit_at(f, 0);
@@ -57,8 +52,7 @@ static void the_highest_and_then_the_oldest_runs(void **state)
     assert_int_equal(fx_next(f), 0);
 }
 
-static void next_opens_an_attempt(void **state)
-{
+static void next_opens_an_attempt(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job job;
@@ -83,8 +77,7 @@ static void next_opens_an_attempt(void **state)
     assert_int_equal(list.n, 0);
 }
 
-static void a_failure_that_may_pass_waits_for_its_time(void **state)
-{
+static void a_failure_that_may_pass_waits_for_its_time(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t due = 0;
@@ -118,8 +111,7 @@ static void a_failure_that_may_pass_waits_for_its_time(void **state)
 }
 
 /* A waiting job that is due takes its place by priority and age, not behind the queue. */
-static void due_jobs_join_the_queue(void **state)
-{
+static void due_jobs_join_the_queue(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job job;
@@ -136,8 +128,7 @@ static void due_jobs_join_the_queue(void **state)
     assert_int_equal(fx_next(f), young);
 }
 
-static void a_failure_can_be_for_good(void **state)
-{
+static void a_failure_can_be_for_good(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_attempts list;
@@ -157,8 +148,7 @@ static void a_failure_can_be_for_good(void **state)
     store_attempts_deinit(&list);
 }
 
-static void a_failure_is_described(void **state)
-{
+static void a_failure_is_described(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end = 0;
@@ -186,8 +176,7 @@ static void a_failure_is_described(void **state)
     FX_OK(store_fail(f->s, id, &bad, &end, &err));
 }
 
-static void cancel_acts_at_once_or_asks(void **state)
-{
+static void cancel_acts_at_once_or_asks(void **state) {
     fixture *f = *state;
     const int64_t queued = submit_at(f, 0);
     assert_int_equal(cancel(f, queued), STORE_CANCELLED);
@@ -217,8 +206,7 @@ static void cancel_acts_at_once_or_asks(void **state)
     assert_int_equal(fx_next(f), 0);
 }
 
-static void release_queues_again(void **state)
-{
+static void release_queues_again(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end = 0;
@@ -242,8 +230,7 @@ static void release_queues_again(void **state)
     assert_int_equal(end, STORE_CANCELLED);
 }
 
-static void retry_starts_over(void **state)
-{
+static void retry_starts_over(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     const int64_t id = submit_at(f, 0);
@@ -267,8 +254,7 @@ static void retry_starts_over(void **state)
     store_job_deinit(&job);
 }
 
-static void only_the_last_attempts_are_kept(void **state)
-{
+static void only_the_last_attempts_are_kept(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end = 0;
@@ -286,8 +272,7 @@ static void only_the_last_attempts_are_kept(void **state)
 }
 
 /* Each operation in each state: allowed exactly where the header's diagram has an arrow. */
-static void wrong_states_are_refused(void **state)
-{
+static void wrong_states_are_refused(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end = 1;
@@ -338,8 +323,7 @@ static void wrong_states_are_refused(void **state)
     free(sums);
 }
 
-static void a_restart_queues_what_ran(void **state)
-{
+static void a_restart_queues_what_ran(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t block = 0;
@@ -381,8 +365,7 @@ static void a_restart_queues_what_ran(void **state)
     assert_int_equal(fx_next(f), running);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(the_highest_and_then_the_oldest_runs),
         STORE_TEST(next_opens_an_attempt),

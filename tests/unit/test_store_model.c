@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Random sequences of every operation, groups and restarts among them, on the store and on a model of it: same answers, same state. */
+/* Random sequences of every operation, groups and restarts among them, on the store and on a model
+ * of it: same answers, same state. */
 #include "store_model.h"
 #include "store_test.h"
 
@@ -18,15 +19,14 @@ enum { FIELDS = 3, CONTENTS = 8, SETTINGS = 2, KEYS = 5 };
 
 typedef struct pair {
     fixture f;
-    model *m;      /* as it is */
-    model *saved;  /* as it was when the group began */
+    model *m;     /* as it is */
+    model *saved; /* as it was when the group began */
     bool in_group;
     uint64_t random;
     char *sums[CONTENTS][SETTINGS];
 } pair;
 
-static int64_t draw(pair *p, int64_t n)
-{
+static int64_t draw(pair *p, int64_t n) {
     uint64_t z = p->random += 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -34,19 +34,16 @@ static int64_t draw(pair *p, int64_t n)
 }
 
 /* MODEL_NONE once in a while. */
-static int draw_or_none(pair *p, int n)
-{
+static int draw_or_none(pair *p, int n) {
     return draw(p, 5) == 0 ? MODEL_NONE : (int)draw(p, n);
 }
 
-static const char *name_of(const char *const *names, int which)
-{
+static const char *name_of(const char *const *names, int which) {
     return which == MODEL_NONE ? NULL : names[which];
 }
 
 /* A job in the wanted state mostly; else any id, or one that does not exist. */
-static int64_t pick(pair *p, int state)
-{
+static int64_t pick(pair *p, int state) {
     const int64_t start = 1 + draw(p, p->m->n_jobs + 2);
     if (draw(p, 10) == 0) {
         return start;
@@ -60,8 +57,7 @@ static int64_t pick(pair *p, int state)
     return start;
 }
 
-static void do_submit(pair *p)
-{
+static void do_submit(pair *p) {
     shear_error err = {0};
     int64_t id[2];
     bool known[2];
@@ -86,8 +82,7 @@ static void do_submit(pair *p)
     assert_int_equal(known[0], known[1]);
 }
 
-static void do_next(pair *p)
-{
+static void do_next(pair *p) {
     shear_error err = {0};
     store_job job;
     const int64_t now = fx_now(&p->f);
@@ -97,8 +92,7 @@ static void do_next(pair *p)
     store_job_deinit(&job);
 }
 
-static void do_learn(pair *p)
-{
+static void do_learn(pair *p) {
     shear_error err = {0};
     int64_t of[2];
     const int64_t id = pick(p, STORE_RUNNING);
@@ -110,8 +104,7 @@ static void do_learn(pair *p)
     assert_int_equal(of[0], of[1]);
 }
 
-static void do_checkpoint(pair *p)
-{
+static void do_checkpoint(pair *p) {
     shear_error err = {0};
     const int64_t id = pick(p, STORE_RUNNING);
     const int64_t block = draw(p, 100);
@@ -119,8 +112,7 @@ static void do_checkpoint(pair *p)
             store_checkpoint(p->f.s, id, block, p->sums[0][0], &err));
 }
 
-static void do_finish(pair *p)
-{
+static void do_finish(pair *p) {
     shear_error err = {0};
     store_finished end[2];
     const int64_t id = pick(p, STORE_RUNNING);
@@ -134,8 +126,7 @@ static void do_finish(pair *p)
     assert_memory_equal(&end[0], &end[1], sizeof end[0]);
 }
 
-static void do_fail(pair *p)
-{
+static void do_fail(pair *p) {
     shear_error err = {0};
     int end[2];
     const int64_t id = pick(p, STORE_RUNNING);
@@ -147,8 +138,7 @@ static void do_fail(pair *p)
     assert_int_equal(end[0], end[1]);
 }
 
-static void do_release(pair *p)
-{
+static void do_release(pair *p) {
     shear_error err = {0};
     int end[2];
     const int64_t id = pick(p, STORE_RUNNING);
@@ -158,8 +148,7 @@ static void do_release(pair *p)
     assert_int_equal(end[0], end[1]);
 }
 
-static void do_cancel(pair *p)
-{
+static void do_cancel(pair *p) {
     shear_error err = {0};
     int end[2];
     const int64_t id = pick(p, (int)draw(p, STORE_N_STATES));
@@ -168,15 +157,13 @@ static void do_cancel(pair *p)
     assert_int_equal(end[0], end[1]);
 }
 
-static void do_retry(pair *p)
-{
+static void do_retry(pair *p) {
     shear_error err = {0};
     const int64_t id = pick(p, draw(p, 2) == 0 ? STORE_FAILED : STORE_CANCELLED);
     FX_CODE(model_retry(p->m, id), store_retry(p->f.s, id, MAX_UNFINISHED, &err));
 }
 
-static void do_retire(pair *p)
-{
+static void do_retire(pair *p) {
     shear_error err = {0};
     int64_t gone = 0;
     const store_retention rule = {draw(p, 2) == 0 ? INT64_MIN : p->f.now - draw(p, 2000),
@@ -186,8 +173,7 @@ static void do_retire(pair *p)
     assert_int_equal(gone, wanted);
 }
 
-static void do_group(pair *p)
-{
+static void do_group(pair *p) {
     shear_error err = {0};
     if (!p->in_group) {
         FX_OK(store_begin(p->f.s, &err));
@@ -201,8 +187,7 @@ static void do_group(pair *p)
     p->in_group = !p->in_group;
 }
 
-static void do_restart(pair *p)
-{
+static void do_restart(pair *p) {
     fx_close(&p->f);
     if (p->in_group) {
         *p->m = *p->saved;
@@ -218,13 +203,12 @@ typedef struct weighed {
 } weighed;
 
 static const weighed actions[] = {
-    {do_submit, 230}, {do_next, 200},   {do_learn, 170},  {do_checkpoint, 40},
-    {do_finish, 130}, {do_fail, 70},    {do_release, 20}, {do_cancel, 35},
-    {do_retry, 35},   {do_retire, 20},  {do_group, 46},   {do_restart, 4},
+    {do_submit, 230}, {do_next, 200},  {do_learn, 170},  {do_checkpoint, 40},
+    {do_finish, 130}, {do_fail, 70},   {do_release, 20}, {do_cancel, 35},
+    {do_retry, 35},   {do_retire, 20}, {do_group, 46},   {do_restart, 4},
 };
 
-static void step(pair *p)
-{
+static void step(pair *p) {
     int64_t dice = draw(p, 1000);
     const weighed *w = actions;
     while (dice >= w->weight) {
@@ -234,16 +218,14 @@ static void step(pair *p)
     w->action(p);
 }
 
-static void compare_text(const char *text, const char *wanted)
-{
+static void compare_text(const char *text, const char *wanted) {
     assert_int_equal(text == NULL, wanted == NULL);
     if (text != NULL) {
         assert_string_equal(text, wanted);
     }
 }
 
-static void compare_checkpoint(pair *p, int64_t id, const model_job *wanted)
-{
+static void compare_checkpoint(pair *p, int64_t id, const model_job *wanted) {
     shear_error err = {0};
     int64_t block = 0;
     char *sums = NULL;
@@ -257,8 +239,7 @@ static void compare_checkpoint(pair *p, int64_t id, const model_job *wanted)
     free(sums);
 }
 
-static void compare_job(pair *p, int64_t id)
-{
+static void compare_job(pair *p, int64_t id) {
     shear_error err = {0};
     store_job job;
     const model_job *w = &p->m->jobs[id];
@@ -283,8 +264,7 @@ static void compare_job(pair *p, int64_t id)
     compare_checkpoint(p, id, w);
 }
 
-static void compare_field(pair *p, int field, int which)
-{
+static void compare_field(pair *p, int field, int which) {
     shear_error err = {0};
     store_field_page page;
     const char *texts[MODEL_JOBS];
@@ -311,8 +291,7 @@ static void compare_field(pair *p, int field, int which)
     store_field_page_deinit(&page);
 }
 
-static void compare_numbers(pair *p)
-{
+static void compare_numbers(pair *p) {
     shear_error err = {0};
     store_counts counts;
     store_totals t;
@@ -335,8 +314,7 @@ static void compare_numbers(pair *p)
     assert_memory_equal(t.failures, w->failures, sizeof t.failures);
 }
 
-static void compare(pair *p)
-{
+static void compare(pair *p) {
     shear_error err = {0};
     for (int64_t id = 1; id <= p->m->n_jobs; id++) {
         compare_job(p, id);
@@ -350,8 +328,7 @@ static void compare(pair *p)
     FX_OK(store_audit(p->f.s, &err));
 }
 
-static pair *pair_new(fixture *f, uint64_t seed)
-{
+static pair *pair_new(fixture *f, uint64_t seed) {
     pair *p = calloc(1, sizeof *p);
     p->f = *f;
     p->m = calloc(1, sizeof *p->m);
@@ -366,8 +343,7 @@ static pair *pair_new(fixture *f, uint64_t seed)
     return p;
 }
 
-static void pair_free(pair *p, fixture *f)
-{
+static void pair_free(pair *p, fixture *f) {
     *f = p->f;
     for (int c = 0; c < CONTENTS; c++) {
         for (int s = 0; s < SETTINGS; s++) {
@@ -380,16 +356,14 @@ static void pair_free(pair *p, fixture *f)
 }
 
 /* A walk that stays in a corner proves nothing: everything must have happened. */
-static void check_variety(const model *m)
-{
+static void check_variety(const model *m) {
     const store_totals *t = &m->totals;
     assert_true(t->counted > 50 && t->duplicates > 20 && t->failed > 20 && t->cancelled > 20);
     assert_true(t->retired > 20 && t->interrupted > 5);
     assert_true(t->failures[1] > 10 && t->failures[2] > 10 && t->failures[3] > 10);
 }
 
-static void walk(void **state, uint64_t seed)
-{
+static void walk(void **state, uint64_t seed) {
     pair *p = pair_new(*state, seed);
     for (int i = 1; i <= STEPS; i++) {
         step(p);
@@ -403,18 +377,15 @@ static void walk(void **state, uint64_t seed)
     pair_free(p, *state);
 }
 
-static void walk_1(void **state)
-{
+static void walk_1(void **state) {
     walk(state, 1);
 }
 
-static void walk_2(void **state)
-{
+static void walk_2(void **state) {
     walk(state, 20260101);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {STORE_TEST(walk_1), STORE_TEST(walk_2)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

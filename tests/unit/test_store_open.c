@@ -12,24 +12,21 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static int setup(void **state)
-{
+static int setup(void **state) {
     fixture *f = calloc(1, sizeof *f);
     fx_init(f);
     *state = f;
     return 0;
 }
 
-static int teardown(void **state)
-{
+static int teardown(void **state) {
     fx_deinit(*state);
     free(*state);
     return 0;
 }
 
 /* A statement on the file, with SQLite alone. */
-static void run_sql(const char *path, const char *sql)
-{
+static void run_sql(const char *path, const char *sql) {
     sqlite3 *db = NULL;
     char *message = NULL;
     assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
@@ -39,16 +36,14 @@ static void run_sql(const char *path, const char *sql)
     sqlite3_close(db);
 }
 
-static int64_t ask(sqlite3 *db, const char *sql)
-{
+static int64_t ask(sqlite3 *db, const char *sql) {
     shear_error err = {0};
     int64_t value = 0;
     FX_OK(database_number(db, "", sql, &value, &err));
     return value;
 }
 
-static char *read_all(const char *path, size_t *size)
-{
+static char *read_all(const char *path, size_t *size) {
     FILE *in = fopen(path, "rb");
     assert_non_null(in);
     char *bytes = calloc(1, 1 << 22);
@@ -57,8 +52,7 @@ static char *read_all(const char *path, size_t *size)
     return bytes;
 }
 
-static void makes_a_private_database(void **state)
-{
+static void makes_a_private_database(void **state) {
     fixture *f = *state;
     struct stat st;
     umask(0);
@@ -80,8 +74,7 @@ static void makes_a_private_database(void **state)
     assert_int_equal(store_opened(f->s)->requeued, 0);
 }
 
-static void is_durable(void **state)
-{
+static void is_durable(void **state) {
     fixture *f = *state;
     sqlite3_stmt *stmt = NULL;
     fx_open(f);
@@ -95,8 +88,7 @@ static void is_durable(void **state)
     sqlite3_finalize(stmt);
 }
 
-static void has_one_owner(void **state)
-{
+static void has_one_owner(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store *other = (store *)f;
@@ -117,8 +109,7 @@ static void has_one_owner(void **state)
 }
 
 /* Services that all start at once where no database is yet: one gets it, and it is good. */
-static void one_of_many_gets_it(void **state)
-{
+static void one_of_many_gets_it(void **state) {
     enum { MANY = 6, ROUNDS = 5 };
     fixture *f = *state;
     for (int round = 0; round < ROUNDS; round++) {
@@ -156,8 +147,7 @@ static void one_of_many_gets_it(void **state)
     }
 }
 
-static void waits_for_the_owner_to_leave(void **state)
-{
+static void waits_for_the_owner_to_leave(void **state) {
     fixture *f = *state;
     int ready[2];
     char byte = 0;
@@ -178,8 +168,7 @@ static void waits_for_the_owner_to_leave(void **state)
     waitpid(child, NULL, 0);
 }
 
-static void refuses_and_leaves_as_it_was(fixture *f, int code)
-{
+static void refuses_and_leaves_as_it_was(fixture *f, int code) {
     shear_error err = {0};
     size_t before = 0;
     size_t after = 0;
@@ -194,8 +183,7 @@ static void refuses_and_leaves_as_it_was(fixture *f, int code)
     free(new);
 }
 
-static void refuses_a_newer_one(void **state)
-{
+static void refuses_a_newer_one(void **state) {
     fixture *f = *state;
     fx_open(f);
     fx_close(f);
@@ -207,8 +195,7 @@ static void refuses_a_newer_one(void **state)
     fx_open(f);
 }
 
-static void refuses_a_foreign_one(void **state)
-{
+static void refuses_a_foreign_one(void **state) {
     fixture *f = *state;
     run_sql(f->path, "CREATE TABLE t(x)");
     refuses_and_leaves_as_it_was(f, SHEAR_E_FORMAT);
@@ -216,8 +203,7 @@ static void refuses_a_foreign_one(void **state)
     refuses_and_leaves_as_it_was(f, SHEAR_E_FORMAT);
 }
 
-static void refuses_what_is_no_database(void **state)
-{
+static void refuses_what_is_no_database(void **state) {
     fixture *f = *state;
     FILE *out = fopen(f->path, "w");
     for (int i = 0; i < 1000; i++) {
@@ -227,8 +213,7 @@ static void refuses_what_is_no_database(void **state)
     refuses_and_leaves_as_it_was(f, SHEAR_E_FORMAT);
 }
 
-static void says_why_it_cannot(void **state)
-{
+static void says_why_it_cannot(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     char path[400];
@@ -247,8 +232,7 @@ static void says_why_it_cannot(void **state)
 }
 
 /* Names that mean something else to SQLite are just names. */
-static void takes_names_literally(void **state)
-{
+static void takes_names_literally(void **state) {
     fixture *f = *state;
     static const char *const names[] = {":memory:", "file:x.db?mode=memory", "plain.db"};
     char here[4096];
@@ -274,8 +258,7 @@ static const char *const step_3[] = {"INSERT INTO t VALUES (5, 6)", NULL};
 static const char *const step_bad[] = {"INSERT INTO t VALUES (7, 8)", "INSERT INTO none VALUES (1)",
                                        NULL};
 
-static void migrates_step_by_step(void **state)
-{
+static void migrates_step_by_step(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     sqlite3 *db = NULL;
@@ -304,8 +287,7 @@ static void migrates_step_by_step(void **state)
 }
 
 /* A database of ours from before the first version: marked, without tables. */
-static void opens_an_older_one(void **state)
-{
+static void opens_an_older_one(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     char sql[64];
@@ -319,8 +301,7 @@ static void opens_an_older_one(void **state)
 }
 
 /* Marked as the first version, but not its tables: no statement fits. */
-static void refuses_other_tables(void **state)
-{
+static void refuses_other_tables(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     char sql[96];
@@ -330,8 +311,7 @@ static void refuses_other_tables(void **state)
     FX_CODE(SHEAR_E_INTERNAL, store_open(&f->s, f->path, NULL, 1, &err));
 }
 
-static void names_are_stable(void **state)
-{
+static void names_are_stable(void **state) {
     (void)state;
     assert_string_equal(store_code_name(SHEAR_OK), "ok");
     assert_string_equal(store_code_name(SHEAR_E_IO), "io");
@@ -357,16 +337,21 @@ static void names_are_stable(void **state)
     assert_false(store_is_transient(STORE_LOCKED));
 }
 
-static void maps_every_error(void **state)
-{
-    static const int map[][2] = {
-        {SQLITE_FULL, SHEAR_E_IO},           {SQLITE_IOERR_FSYNC, SHEAR_E_IO},
-        {SQLITE_IOERR_WRITE, SHEAR_E_IO},    {SQLITE_CANTOPEN, SHEAR_E_IO},
-        {SQLITE_READONLY, SHEAR_E_IO},       {SQLITE_NOMEM, SHEAR_E_NOMEM},
-        {SQLITE_IOERR_NOMEM, SHEAR_E_NOMEM}, {SQLITE_CORRUPT, SHEAR_E_FORMAT},
-        {SQLITE_NOTADB, SHEAR_E_FORMAT},     {SQLITE_IOERR_CORRUPTFS, SHEAR_E_FORMAT},
-        {SQLITE_BUSY, STORE_LOCKED},         {SQLITE_BUSY_RECOVERY, STORE_LOCKED},
-        {SQLITE_CONSTRAINT, SHEAR_E_INTERNAL}, {SQLITE_MISUSE, SHEAR_E_INTERNAL}};
+static void maps_every_error(void **state) {
+    static const int map[][2] = {{SQLITE_FULL, SHEAR_E_IO},
+                                 {SQLITE_IOERR_FSYNC, SHEAR_E_IO},
+                                 {SQLITE_IOERR_WRITE, SHEAR_E_IO},
+                                 {SQLITE_CANTOPEN, SHEAR_E_IO},
+                                 {SQLITE_READONLY, SHEAR_E_IO},
+                                 {SQLITE_NOMEM, SHEAR_E_NOMEM},
+                                 {SQLITE_IOERR_NOMEM, SHEAR_E_NOMEM},
+                                 {SQLITE_CORRUPT, SHEAR_E_FORMAT},
+                                 {SQLITE_NOTADB, SHEAR_E_FORMAT},
+                                 {SQLITE_IOERR_CORRUPTFS, SHEAR_E_FORMAT},
+                                 {SQLITE_BUSY, STORE_LOCKED},
+                                 {SQLITE_BUSY_RECOVERY, STORE_LOCKED},
+                                 {SQLITE_CONSTRAINT, SHEAR_E_INTERNAL},
+                                 {SQLITE_MISUSE, SHEAR_E_INTERNAL}};
     (void)state;
     for (size_t i = 0; i < sizeof map / sizeof map[0]; i++) {
         shear_error err = {0};
@@ -374,8 +359,7 @@ static void maps_every_error(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_are_stable),
         cmocka_unit_test(maps_every_error),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pages: every record once, in order, whatever the filter and the limit, also while records are added. */
+/* Pages: every record once, in order, whatever the filter and the limit, also while records are
+ * added. */
 #include "store_test.h"
 
 #include <stdio.h>
@@ -9,8 +10,7 @@
 enum { JOBS = 60 };
 
 /* Jobs of two owners and three fields in every state; returns how many. */
-static void make_jobs(fixture *f)
-{
+static void make_jobs(fixture *f) {
     static const char *const fields[] = {"a", "b", NULL};
     shear_error err = {0};
     int end = 0;
@@ -45,16 +45,15 @@ static void make_jobs(fixture *f)
     }
 }
 
-static bool passes(const store_job_filter *filter, const store_job *job)
-{
+static bool passes(const store_job_filter *filter, const store_job *job) {
     return (filter->states == 0 || (filter->states & 1u << job->state) != 0) &&
            (!filter->by_owner || job->owner == filter->owner) &&
-           (filter->field == NULL || (job->field != NULL && strcmp(job->field, filter->field) == 0));
+           (filter->field == NULL ||
+            (job->field != NULL && strcmp(job->field, filter->field) == 0));
 }
 
 /* All pages of a filter against a walk over every job. */
-static void check_filter(fixture *f, store_job_filter filter, size_t limit)
-{
+static void check_filter(fixture *f, store_job_filter filter, size_t limit) {
     shear_error err = {0};
     store_job_page page = {.more = true};
     int64_t id = JOBS + 1;
@@ -85,8 +84,7 @@ static void check_filter(fixture *f, store_job_filter filter, size_t limit)
     }
 }
 
-static void every_filter_and_limit_of_jobs(void **state)
-{
+static void every_filter_and_limit_of_jobs(void **state) {
     fixture *f = *state;
     static const size_t limits[] = {1, 7, JOBS, STORE_PAGE_MAX};
     static const char *const fields[] = {NULL, "a", "b", "none"};
@@ -100,16 +98,15 @@ static void every_filter_and_limit_of_jobs(void **state)
     for (unsigned states = 0; states < 1u << STORE_N_STATES; states += states < 9 ? 1 : 6) {
         for (size_t i = 0; i < 4; i++) {
             for (unsigned owner = 0; owner < 3; owner++) {
-                const store_job_filter filter = {
-                    states, fields[i], owner > 0, owner > 0 ? 999 + owner : 0, 0};
+                const store_job_filter filter = {states, fields[i], owner > 0,
+                                                 owner > 0 ? 999 + owner : 0, 0};
                 check_filter(f, filter, limits[(states + i + owner) % 4]);
             }
         }
     }
 }
 
-static void a_page_of_jobs_stays_while_jobs_come(void **state)
-{
+static void a_page_of_jobs_stays_while_jobs_come(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job_page page;
@@ -131,8 +128,7 @@ static void a_page_of_jobs_stays_while_jobs_come(void **state)
     store_job_page_deinit(&page);
 }
 
-static void limits_are_limited(void **state)
-{
+static void limits_are_limited(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job_page page;
@@ -161,15 +157,13 @@ static void limits_are_limited(void **state)
 static const char *const names[] = {"A", "a", "a b", "a%", "a_", "ab", "b", "ba", "z~"};
 enum { NAMES = sizeof names / sizeof names[0] };
 
-static void make_fields(fixture *f)
-{
+static void make_fields(fixture *f) {
     for (int i = NAMES - 1; i >= 0; i--) {
         fx_done(f, names[i], "c", (unsigned)i);
     }
 }
 
-static void check_fields(fixture *f, const char *prefix, size_t limit)
-{
+static void check_fields(fixture *f, const char *prefix, size_t limit) {
     shear_error err = {0};
     store_field_page page = {.more = true};
     store_field_filter filter = {.prefix = prefix};
@@ -202,8 +196,7 @@ static void check_fields(fixture *f, const char *prefix, size_t limit)
 }
 
 /* The letters of SQL's patterns mean themselves; lower and upper case differ. */
-static void every_prefix_and_limit_of_fields(void **state)
-{
+static void every_prefix_and_limit_of_fields(void **state) {
     static const char *const prefixes[] = {"", "a", "A", "a%", "a_", "b", "bb", "z", "zz", "0"};
     fixture *f = *state;
     make_fields(f);
@@ -214,8 +207,7 @@ static void every_prefix_and_limit_of_fields(void **state)
     }
 }
 
-static void a_page_of_fields_stays_while_fields_come(void **state)
-{
+static void a_page_of_fields_stays_while_fields_come(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_field_page page;
@@ -233,8 +225,7 @@ static void a_page_of_fields_stays_while_fields_come(void **state)
 }
 
 /* A name with two sets of settings may lie across the end of a page. */
-static void a_page_may_end_within_a_name(void **state)
-{
+static void a_page_may_end_within_a_name(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_field_page page;
@@ -264,8 +255,7 @@ static void a_page_may_end_within_a_name(void **state)
     store_field_page_deinit(&page);
 }
 
-static void contributions_in_the_order_of_counting(void **state)
-{
+static void contributions_in_the_order_of_counting(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_contribution_page page;
@@ -299,8 +289,7 @@ static void contributions_in_the_order_of_counting(void **state)
     free(sums);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(every_filter_and_limit_of_jobs),
         STORE_TEST(a_page_of_jobs_stays_while_jobs_come),

@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* No statement reads a whole table, or sorts: SQLite's own plan of each says so. With triggers and foreign keys, whose steps are
- * in the program but not in the plan: those are looked at one by one. */
+/* No statement reads a whole table, or sorts: SQLite's own plan of each says so. With triggers and
+ * foreign keys, whose steps are in the program but not in the plan: those are looked at one by one.
+ */
 #include "database.h"
 #include "store_test.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* The tables and indices that have few rows however many jobs have finished: those of unfinished jobs, and the six counts. */
-static const char *const small[] = {"SCAN counts", "SCAN jobs USING INDEX jobs_queue",
+/* The tables and indices that have few rows however many jobs have finished: those of unfinished
+ * jobs, and the six counts. */
+static const char *const small[] = {"SCAN counts",
+                                    "SCAN jobs USING INDEX jobs_queue",
                                     "SCAN jobs USING COVERING INDEX jobs_queue",
                                     "SCAN jobs USING INDEX jobs_waiting",
                                     "SCAN jobs USING COVERING INDEX jobs_waiting",
                                     "SCAN jobs USING COVERING INDEX jobs_pending"};
 
-static bool is_small(const char *step)
-{
+static bool is_small(const char *step) {
     for (size_t i = 0; i < sizeof small / sizeof small[0]; i++) {
         if (strcmp(step, small[i]) == 0) {
             return true;
@@ -24,8 +26,7 @@ static bool is_small(const char *step)
     return false;
 }
 
-static void check_plan(store *s, const char *sql)
-{
+static void check_plan(store *s, const char *sql) {
     char explain[4096];
     sqlite3_stmt *stmt = NULL;
     snprintf(explain, sizeof explain, "EXPLAIN QUERY PLAN %s", sql);
@@ -41,8 +42,7 @@ static void check_plan(store *s, const char *sql)
     sqlite3_finalize(stmt);
 }
 
-static void fill(fixture *f)
-{
+static void fill(fixture *f) {
     static const char *const contents[] = {"1", "2", "3"};
     for (unsigned i = 0; i < 3; i++) {
         fx_done(f, "a", contents[i], i);
@@ -50,8 +50,7 @@ static void fill(fixture *f)
     }
 }
 
-static void no_statement_scans(void **state)
-{
+static void no_statement_scans(void **state) {
     fixture *f = *state;
     for (int i = 0; i < SQL_N; i++) {
         check_plan(f->s, sql_texts[i]);
@@ -65,8 +64,7 @@ static void no_statement_scans(void **state)
 }
 
 /* What the triggers of schema.c run, and the children that foreign keys look for. */
-static void no_trigger_scans(void **state)
-{
+static void no_trigger_scans(void **state) {
     static const char *const bodies[] = {
         "UPDATE counts SET n = n + 1 WHERE state = 0",
         "UPDATE totals SET submitted = submitted + 1 WHERE id = 1",
@@ -82,9 +80,9 @@ static void no_trigger_scans(void **state)
     }
 }
 
-/* The real proof: the steps of SQLite's machine that each operation takes do not grow with the number of finished jobs. */
-static int64_t steps_of(store *s)
-{
+/* The real proof: the steps of SQLite's machine that each operation takes do not grow with the
+ * number of finished jobs. */
+static int64_t steps_of(store *s) {
     int64_t steps = 0;
     for (int i = 0; i < SQL_N; i++) {
         if (s->statements[i] != NULL) {
@@ -94,8 +92,7 @@ static int64_t steps_of(store *s)
     return steps;
 }
 
-static void use_everything(fixture *f, const char *content)
-{
+static void use_everything(fixture *f, const char *content) {
     shear_error err = {0};
     int end = 0;
     int64_t due = 0;
@@ -131,8 +128,7 @@ static void use_everything(fixture *f, const char *content)
     store_contribution_page_deinit(&list);
 }
 
-static void the_work_does_not_grow(void **state)
-{
+static void the_work_does_not_grow(void **state) {
     fixture *f = *state;
     char content[16];
     fx_done(f, "b", "warm", 1);
@@ -152,8 +148,7 @@ static void the_work_does_not_grow(void **state)
     assert_int_equal(many, few);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(no_statement_scans),
         STORE_TEST(no_trigger_scans),

@@ -4,8 +4,7 @@
 
 #include <stdlib.h>
 
-static int64_t retire(fixture *f, int64_t before_ms, int64_t keep, int64_t batch)
-{
+static int64_t retire(fixture *f, int64_t before_ms, int64_t keep, int64_t batch) {
     shear_error err = {0};
     int64_t gone = -1;
     const store_retention rule = {before_ms, keep, batch};
@@ -13,8 +12,7 @@ static int64_t retire(fixture *f, int64_t before_ms, int64_t keep, int64_t batch
     return gone;
 }
 
-static bool exists(fixture *f, int64_t id)
-{
+static bool exists(fixture *f, int64_t id) {
     shear_error err = {0};
     store_job job;
     const int code = store_job_get(f->s, id, &job, &err);
@@ -23,8 +21,7 @@ static bool exists(fixture *f, int64_t id)
     return code == SHEAR_OK;
 }
 
-static void by_age(void **state)
-{
+static void by_age(void **state) {
     fixture *f = *state;
     const int64_t one = fx_done(f, "a", "1", 1);
     const int64_t two = fx_done(f, "a", "2", 2);
@@ -37,8 +34,7 @@ static void by_age(void **state)
     assert_true(exists(f, three));
 }
 
-static void by_number_and_in_batches(void **state)
-{
+static void by_number_and_in_batches(void **state) {
     fixture *f = *state;
     int64_t ids[10];
     for (int i = 0; i < 10; i++) {
@@ -58,8 +54,7 @@ static void by_number_and_in_batches(void **state)
     assert_int_equal(retire(f, INT64_MIN, 0, 3), 1);
 }
 
-static void only_finished_ones(void **state)
-{
+static void only_finished_ones(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int end = 0;
@@ -83,8 +78,7 @@ static void only_finished_ones(void **state)
     assert_false(exists(f, failed) || exists(f, cancelled) || exists(f, done));
 }
 
-static void what_they_contributed_stays(void **state)
-{
+static void what_they_contributed_stays(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_field_page page;
@@ -114,9 +108,9 @@ static void what_they_contributed_stays(void **state)
     free(sums);
 }
 
-/* Settings that no job and no field has any more are forgotten: their digest may stand for another text. */
-static void unused_settings_go(void **state)
-{
+/* Settings that no job and no field has any more are forgotten: their digest may stand for another
+ * text. */
+static void unused_settings_go(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t id = 0;
@@ -127,18 +121,17 @@ static void unused_settings_go(void **state)
     FX_OK(store_submit(f->s, &spec, 10, &id, &known, &err));
     FX_OK(store_cancel(f->s, id, fx_now(f), &end, &err));
     spec.settings = "{other}";
-    FX_CODE(SHEAR_E_INTERNAL, store_submit(f->s, &(store_spec){.source = "s",
-                                                               .settings = "{other}",
-                                                               .settings_digest = "d0"},
-                                           10, &id, &known, &err));
+    FX_CODE(SHEAR_E_INTERNAL,
+            store_submit(
+                f->s, &(store_spec){.source = "s", .settings = "{other}", .settings_digest = "d0"},
+                10, &id, &known, &err));
     assert_int_equal(retire(f, INT64_MAX, -1, 10), 1);
     /* The key is free again as well. */
     FX_OK(store_submit(f->s, &spec, 10, &id, &known, &err));
     assert_false(known);
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(by_age),
         STORE_TEST(by_number_and_in_batches),

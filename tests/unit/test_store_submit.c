@@ -7,8 +7,7 @@
 
 enum { MANY = 1000000 };
 
-static int64_t submit(fixture *f, const store_spec *spec, int wanted, bool want_known)
-{
+static int64_t submit(fixture *f, const store_spec *spec, int wanted, bool want_known) {
     shear_error err = {0};
     int64_t id = -1;
     bool known = !want_known;
@@ -18,8 +17,7 @@ static int64_t submit(fixture *f, const store_spec *spec, int wanted, bool want_
     return id;
 }
 
-static void keeps_what_was_asked(void **state)
-{
+static void keeps_what_was_asked(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job job;
@@ -66,8 +64,7 @@ static void keeps_what_was_asked(void **state)
     store_job_deinit(&job); /* twice is allowed */
 }
 
-static void a_field_and_a_key_may_be_missing(void **state)
-{
+static void a_field_and_a_key_may_be_missing(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_job job;
@@ -79,8 +76,7 @@ static void a_field_and_a_key_may_be_missing(void **state)
     assert_null(job.source);
 }
 
-static void ids_grow_and_never_return(void **state)
-{
+static void ids_grow_and_never_return(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int last_state = 0;
@@ -98,16 +94,14 @@ static void ids_grow_and_never_return(void **state)
 }
 
 /* A text of n letters. */
-static const char *letters(size_t n)
-{
+static const char *letters(size_t n) {
     static char text[STORE_RESULT_MAX + 2];
     memset(text, 'x', n);
     text[n] = '\0';
     return text;
 }
 
-static void texts_have_limits(void **state)
-{
+static void texts_have_limits(void **state) {
     fixture *f = *state;
     for (int longer = 0; longer <= 1; longer++) {
         const size_t more = (size_t)longer;
@@ -130,8 +124,7 @@ static void texts_have_limits(void **state)
     }
 }
 
-static void texts_are_not_empty(void **state)
-{
+static void texts_are_not_empty(void **state) {
     fixture *f = *state;
     const store_spec good = fx_spec(f, "a");
     store_spec spec = good;
@@ -153,8 +146,7 @@ static void texts_are_not_empty(void **state)
     submit(f, &spec, STORE_BAD_TEXT, false);
 }
 
-static void a_key_finds_its_job_again(void **state)
-{
+static void a_key_finds_its_job_again(void **state) {
     fixture *f = *state;
     store_spec spec = fx_spec(f, "a");
     spec.key = "k1";
@@ -176,8 +168,7 @@ static void a_key_finds_its_job_again(void **state)
     submit(f, &spec, SHEAR_OK, false);
 }
 
-static void a_key_is_for_one_request(void **state)
-{
+static void a_key_is_for_one_request(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_totals totals;
@@ -212,8 +203,7 @@ static void a_key_is_for_one_request(void **state)
 }
 
 /* What is learned later does not make the same request another one. */
-static void a_key_compares_what_was_asked(void **state)
-{
+static void a_key_compares_what_was_asked(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t duplicate_of = 0;
@@ -228,8 +218,7 @@ static void a_key_compares_what_was_asked(void **state)
     submit(f, &spec, STORE_KEY_REUSED, false);
 }
 
-static void a_digest_stands_for_one_text(void **state)
-{
+static void a_digest_stands_for_one_text(void **state) {
     fixture *f = *state;
     store_spec spec = fx_spec(f, "a");
     submit(f, &spec, SHEAR_OK, false);
@@ -239,8 +228,7 @@ static void a_digest_stands_for_one_text(void **state)
     submit(f, &spec, SHEAR_OK, false);
 }
 
-static void the_queue_is_bounded(void **state)
-{
+static void the_queue_is_bounded(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t id = 0;
@@ -272,13 +260,12 @@ static void the_queue_is_bounded(void **state)
     FX_OK(store_submit(f->s, &spec, 4, &id, &known, &err));
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
-        STORE_TEST(keeps_what_was_asked),      STORE_TEST(a_field_and_a_key_may_be_missing),
-        STORE_TEST(ids_grow_and_never_return), STORE_TEST(texts_have_limits),
-        STORE_TEST(texts_are_not_empty),       STORE_TEST(a_key_finds_its_job_again),
-        STORE_TEST(a_key_is_for_one_request),  STORE_TEST(a_key_compares_what_was_asked),
+        STORE_TEST(keeps_what_was_asked),         STORE_TEST(a_field_and_a_key_may_be_missing),
+        STORE_TEST(ids_grow_and_never_return),    STORE_TEST(texts_have_limits),
+        STORE_TEST(texts_are_not_empty),          STORE_TEST(a_key_finds_its_job_again),
+        STORE_TEST(a_key_is_for_one_request),     STORE_TEST(a_key_compares_what_was_asked),
         STORE_TEST(a_digest_stands_for_one_text), STORE_TEST(the_queue_is_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

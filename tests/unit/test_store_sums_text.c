@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void round_trip(const char *text)
-{
+static void round_trip(const char *text) {
     shear_error err = {0};
     char *packed = NULL;
     char *back = NULL;
@@ -19,11 +18,10 @@ static void round_trip(const char *text)
     free(back);
 }
 
-static void any_text(void **state)
-{
-    static const char *const texts[] = {"",        "0",       "00000",    "000000",  "0000000",
-                                        "1000000", "0000001", "z",        "z6.",     "z:z6.",
-                                        "1.5",     " 000000 ", "00000 00000", "-00000000 a"};
+static void any_text(void **state) {
+    static const char *const texts[] = {
+        "",  "0",   "00000", "000000", "0000000",  "1000000",     "0000001",
+        "z", "z6.", "z:z6.", "1.5",    " 000000 ", "00000 00000", "-00000000 a"};
     (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         round_trip(texts[i]);
@@ -36,8 +34,7 @@ static void any_text(void **state)
     }
 }
 
-static void sums_become_small(void **state)
-{
+static void sums_become_small(void **state) {
     (void)state;
     for (unsigned seed = 0; seed < 50; seed++) {
         shear_error err = {0};
@@ -51,10 +48,18 @@ static void sums_become_small(void **state)
     }
 }
 
-static void bad_ones_are_refused(void **state)
-{
-    static const char *const bad[] = {"", "0", "z:z",    "z:z.",      "z:z0.",   "z:z7",     "z:z7,",
-                                      "z:1z-.", "z:z65537.", "z:zz6.", "z:z99999999999999999999.",
+static void bad_ones_are_refused(void **state) {
+    static const char *const bad[] = {"",
+                                      "0",
+                                      "z:z",
+                                      "z:z.",
+                                      "z:z0.",
+                                      "z:z7",
+                                      "z:z7,",
+                                      "z:1z-.",
+                                      "z:z65537.",
+                                      "z:zz6.",
+                                      "z:z99999999999999999999.",
                                       "z:z40000.1z40000."};
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -65,8 +70,7 @@ static void bad_ones_are_refused(void **state)
     }
 }
 
-int main(void)
-{
+int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_text),
         cmocka_unit_test(sums_become_small),

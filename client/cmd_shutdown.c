@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl shutdown: stop the service. */
+#include "human.h"
+#include "message.h"
+#include "service.h"
+
+#include <inttypes.h>
+
+enum { OPT_NOW = 256, OPT_TIMEOUT };
+
+static const struct option options[] = {
+    {"now", no_argument, NULL, OPT_NOW},
+    {"timeout", required_argument, NULL, OPT_TIMEOUT},
+    SERVICE_OPTIONS,
+    {NULL, 0, NULL, 0},
+};
+
+static int handle(int value, void *context) {
+    shear_msg_shutdown *what = context;
+    if (value == OPT_NOW) {
+        what->mode = SHEAR_SHUTDOWN_NOW;
+    } else if (!human_parse_duration(optarg, &what->timeout_s)) {
+        message_fail(NULL, "--timeout %s: expected a time, as 90, 500ms, 5min, 2h", optarg);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int run(int argc, char **argv) {
+    struct service s;
+    shear_params p;
+    shear_reply reply = {0};
+    shear_params_init(&p, SHEAR_METHOD_SHUTDOWN);
+    int code = service_parse_operands(&cmd_shutdown, argc, argv, options, handle, &p.shutdown, &s,
+                                      "", 0, 0);
+    code = code ? code : service_open(&s);
+    if (code) {
+        return code;
+    }
+    code = service_answer(&s, SHEAR_METHOD_SHUTDOWN, &p, &reply);
+    if (!code && !s.json) {
+        printf("%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
+               shear_server_state_name(reply.shutdown.state), reply.shutdown.running,
+               reply.shutdown.queued);
+    }
+    shear_reply_deinit(&reply, SHEAR_METHOD_SHUTDOWN);
+    service_close(&s);
+    return code;
+}
+
+const struct command cmd_shutdown = {
+    .name = "shutdown",
+    .summary = "stop the service",
+    .usage = "usage: shearctl shutdown [OPTION...]\n"
+             "\n"
+             "Stop the service: it waits for the running jobs, as long as its configuration says. "
+             "What is\n"
+             "unfinished then goes on from its checkpoint at the next start. Administrators "
+             "only.\n"
+             "\n"
+             "  --now                   do not wait\n"
+             "  --timeout TIME          wait no longer than this (as 90, 500ms, "
+             "5min)\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+    .run = run,
+};

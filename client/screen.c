@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "screen.h"
+
+#include "style.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { DEFAULT_COLUMNS = 80, DEFAULT_ROWS = 24, N_SIGNALS = 4 };
+
+static const int signals[N_SIGNALS] = {SIGINT, SIGTERM, SIGHUP, SIGWINCH};
+static volatile sig_atomic_t ended;
+static struct sigaction old_actions[N_SIGNALS];
+static struct termios old_terminal;
+
+static void on_signal(int number) {
+    if (number != SIGWINCH) { /* which only has to interrupt the waiting */
+        ended = 1;
+    }
+}
+
+bool screen_possible(void) {
+    const char *term = getenv("TERM");
+    return isatty(STDIN_FILENO) && isatty(STDOUT_FILENO) && term && strcmp(term, "dumb") != 0;
+}
+
+void screen_begin(void) {
+    struct sigaction action = {.sa_handler = on_signal};
+    sigemptyset(&action.sa_mask);
+    for (int i = 0; i < N_SIGNALS; i++) {
+        sigaction(signals[i], &action, &old_actions[i]);
+    }
+    tcgetattr(STDIN_FILENO, &old_terminal);
+    struct termios raw = old_terminal;
+    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
+    tcsetattr(STDIN_FILENO, TCSADRAIN, &raw);
+    fputs("\x1b[?1049h\x1b[?25l", stdout); /* alternate screen, no cursor */
+    fflush(stdout);
+}
+
+void screen_end(void) {
+    fputs("\x1b[?25h\x1b[?1049l", stdout);
+    fflush(stdout);
+    tcsetattr(STDIN_FILENO, TCSADRAIN, &old_terminal);
+    for (int i = 0; i < N_SIGNALS; i++) {
+        sigaction(signals[i], &old_actions[i], NULL);
+    }
+}
+
+void screen_draw(const char *text) {
+    const int columns = style_columns(STDOUT_FILENO, DEFAULT_COLUMNS);
+    const int rows = style_rows(STDOUT_FILENO, DEFAULT_ROWS);
+    fputs("\x1b[H", stdout);
+    for (int row = 0; row < rows && *text; row++) {
+        char line[4096];
+        const size_t n = strcspn(text, "\n");
+        snprintf(line, sizeof line, "%.*s", (int)n, text);
+        /* The last row ends without a new line: the screen must not scroll. */
+        printf("%s%.*s\x1b[0m\x1b[K", row ? "\r\n" : "", (int)style_fit(line, columns), line);
+        text += n + (text[n] == '\n');
+    }
+    fputs("\x1b[J", stdout);
+    fflush(stdout);
+}
+
+static bool wants_end(void) {
+    char keys[64];
+    const ssize_t n = read(STDIN_FILENO, keys, sizeof keys);
+    return n == 0 || (n > 0 && (memchr(keys, 'q', (size_t)n) || memchr(keys, 'Q', (size_t)n)));
+}
+
+bool screen_wait(double seconds) {
+    struct pollfd p = {.fd = STDIN_FILENO, .events = POLLIN};
+    if (ended) {
+        return true;
+    }
+    const int n = poll(&p, 1, (int)(1000.0 * seconds));
+    return ended || (n > 0 && wants_end());
+}
+
+bool screen_sleep(double seconds) {
+    if (!ended) {
+        poll(NULL, 0, (int)(1000.0 * seconds));
+    }
+    return ended != 0;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service_query.h"
+
+static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
+
+int service_query(const struct command *command, int method,
+                  void (*print)(const shear_reply *reply), int argc, char **argv) {
+    struct service s;
+    shear_reply reply = {0};
+    int code = service_parse_operands(command, argc, argv, options, NULL, NULL, &s, "", 0, 0);
+    code = code ? code : service_open(&s);
+    if (code) {
+        return code;
+    }
+    code = service_answer(&s, method, NULL, &reply);
+    if (!code && !s.json) {
+        print(&reply);
+    }
+    shear_reply_deinit(&reply, method);
+    service_close(&s);
+    return code;
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "status_text.h"
+
+#include "human.h"
+#include "shear_text.h"
+#include "style.h"
+
+#include <inttypes.h>
+
+static void print_states(const shear_msg_status *s, bool colours, FILE *out) {
+    const int64_t counts[SHEAR_N_JOB_STATES] = {s->states.queued,  s->states.running,
+                                                s->states.waiting, s->states.done,
+                                                s->states.failed,  s->states.cancelled};
+    fprintf(out, "  %-10s", "jobs");
+    for (int i = 0; i < SHEAR_N_JOB_STATES; i++) {
+        const char *style = colours && counts[i] > 0 ? style_of_state(i) : NULL;
+        fprintf(out, "%s %s%s %" PRId64 "%s", i ? " " : "", style ? style : "",
+                shear_job_state_name(i), counts[i], style ? STYLE_END : "");
+    }
+    fputc('\n', out);
+}
+
+void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
+    char text[256];
+    char uptime[HUMAN_SIZE];
+    char stamps[HUMAN_SIZE];
+    char jobs[HUMAN_SIZE];
+    const char *style = s->state == SHEAR_SERVER_RUNNING ? STYLE_GOOD : STYLE_DOUBT;
+    fprintf(out, "sheard %s  %s%s%s  pid %" PRId64 "  up %s\n",
+            style_clean(s->version, text, sizeof text), colours ? style : "",
+            shear_server_state_name(s->state), colours ? STYLE_END : "", s->pid,
+            human_duration(s->uptime_s, uptime));
+    print_states(s, colours, out);
+    shear_text_line(out, "queue",
+                    "%" PRId64 " of %" PRId64 " unfinished jobs, %" PRId64 " blocks read",
+                    s->queue.length, s->queue.capacity, s->queue.blocks);
+    shear_text_line(out, "workers", "%" PRId64 " of %" PRId64 " busy, %" PRId64 " readers",
+                    s->workers.busy, s->workers.total, s->workers.readers);
+    shear_text_line(out, "rate", "%s stamps, %s jobs (last minute)",
+                    human_rate(s->rates.stamps_per_s, stamps),
+                    human_rate(s->rates.jobs_per_s, jobs));
+    for (size_t i = 0; i < s->n_problems; i++) {
+        fprintf(out, "%s  problem    %s%s\n", colours ? STYLE_BAD : "",
+                style_clean(s->problems[i], text, sizeof text), colours ? STYLE_END : "");
+    }
+}
+
+static void print_spool(const shear_msg_spool *s, FILE *out) {
+    char bytes[HUMAN_SIZE];
+    if (!s->path) {
+        shear_text_line(out, "spool", "none");
+        return;
+    }
+    shear_text_line(out, "spool", "%s (%s), %s free", s->path,
+                    s->watching ? "watched" : "not watched", human_bytes(s->free_bytes, bytes));
+    shear_text_line(out, "files",
+                    "%" PRId64 " incoming, %" PRId64 " active, %" PRId64 " done, %" PRId64 " failed",
+                    s->incoming, s->active, s->done, s->failed);
+}
+
+void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
+    char time[HUMAN_SIZE];
+    char bytes[HUMAN_SIZE];
+    char left[HUMAN_SIZE];
+    shear_text_line(out, "started", "%s", human_time(s->started_ms, utc, time));
+    shear_text_line(out, "totals",
+                    "%" PRId64 " submitted, %" PRId64 " counted, %" PRId64 " duplicates, %" PRId64
+                    " failed, %" PRId64 " cancelled",
+                    s->totals.submitted, s->totals.counted, s->totals.duplicates, s->totals.failed,
+                    s->totals.cancelled);
+    shear_text_line(out, "measured", "%" PRId64 " stamps in %" PRId64 " fields", s->totals.stamps,
+                    s->totals.fields);
+    print_spool(&s->spool, out);
+    shear_text_line(out, "state", "%s, %s, %s free, schema %" PRId64 ", %" PRId64 " commits",
+                    s->store.path ? s->store.path : "-", human_bytes(s->store.bytes, bytes),
+                    human_bytes(s->store.free_bytes, left), s->store.schema, s->store.commits);
+    shear_text_line(out, "clients", "%" PRId64 " connected, %" PRId64 " subscribed", s->connections,
+                    s->subscribers);
+}

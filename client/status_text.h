@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* status_text.h: the state of the service for people, in lines (status, watch). */
+#ifndef CLIENT_STATUS_TEXT_H
+#define CLIENT_STATUS_TEXT_H
+
+#include "sheard/messages.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Version, state, queue, workers and rates: a few lines; then what an operator should look at. */
+void status_text_brief(const shear_msg_status *s, bool colours, FILE *out);
+/* Disks, connections and totals. */
+void status_text_rest(const shear_msg_status *s, bool utc, FILE *out);
+
+#endif
