@@ -11,7 +11,8 @@ const struct command cmd_cancel = {
     .summary = "cancel jobs",
     .usage = "usage: shearctl cancel [OPTION...] ID...\n"
              "\n"
-             "Cancel jobs that are not finished. A running one stops at its next block. Only the owner of a job and\n"
+             "Cancel jobs that are not finished. A running one stops at its next block. Only the "
+             "owner of a job and\n"
              "administrators may.\n"
              "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,

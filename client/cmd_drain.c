@@ -6,8 +6,7 @@
 
 static void print(const shear_reply *reply) {
     printf("%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
-           shear_server_state_name(reply->drain.state), reply->drain.running,
-           reply->drain.queued);
+           shear_server_state_name(reply->drain.state), reply->drain.running, reply->drain.queued);
 }
 
 static int run(int argc, char **argv) {
@@ -19,7 +18,8 @@ const struct command cmd_drain = {
     .summary = "finish what runs, take nothing new",
     .usage = "usage: shearctl drain [OPTION...]\n"
              "\n"
-             "Have the service finish the running jobs and take no new ones: submitting is refused, and files stay in\n"
+             "Have the service finish the running jobs and take no new ones: submitting is "
+             "refused, and files stay in\n"
              "incoming. Administrators only. It goes on working after a restart.\n"
              "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,

@@ -64,8 +64,9 @@ static void print_jobs(const shear_msg_field_row *row) {
 }
 
 static int print_contributions(const shear_msg_field_row *row, bool utc) {
-    static const struct text_column columns[] = {{"ENTRY", 'r'}, {"JOB", 'r'},     {"USED", 'r'},
-                                                 {"OF", 'r'},    {"COUNTED", 'l'}, {"CHECKSUM", 'l'}};
+    static const struct text_column columns[] = {{"ENTRY", 'r'},   {"JOB", 'r'},
+                                                 {"USED", 'r'},    {"OF", 'r'},
+                                                 {"COUNTED", 'l'}, {"CHECKSUM", 'l'}};
     struct text_table *t = text_table_new(columns, sizeof columns / sizeof *columns);
     for (size_t i = 0; i < row->n_contributions; i++) {
         const shear_msg_contribution *c = &row->contributions[i];
@@ -149,7 +150,7 @@ const struct command cmd_field = {
              "  --digest TEXT           only the result of these settings\n"
              "  --jobs                  list the jobs that were counted (the first 100)\n"
              "  --limit N               list so many of them (at most 1000)\n"
-             "  --after ENTRY           list them from behind this entry\n" SERVICE_OPTIONS_HELP "\n"
-             EXIT_CODES_SERVICE ".\n",
+             "  --after ENTRY           list them from behind this entry\n" SERVICE_OPTIONS_HELP
+             "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,
 };

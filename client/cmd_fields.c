@@ -91,8 +91,8 @@ static int list(struct fields *f, struct text_table *table, char **cursor) {
 static int run(int argc, char **argv) {
     struct fields f = {.limit = INT64_MAX};
     shear_params_init(&f.params, SHEAR_METHOD_FIELDS);
-    int code = service_parse_operands(&cmd_fields, argc, argv, options, handle, &f, &f.service, "",
-                                      0, 1);
+    int code =
+        service_parse_operands(&cmd_fields, argc, argv, options, handle, &f, &f.service, "", 0, 1);
     code = code ? code : service_open(&f.service);
     if (code) {
         return code;
@@ -127,7 +127,7 @@ const struct command cmd_fields = {
              "\n"
              "  --limit N               at most so many\n"
              "  --cursor TEXT           go on where an earlier list ended\n"
-             "  --brief                 only the names\n" SERVICE_OPTIONS_HELP "\n"
-             EXIT_CODES_SERVICE ".\n",
+             "  --brief                 only the names\n" SERVICE_OPTIONS_HELP
+             "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,
 };

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl help [SUBCOMMAND]. Two hidden forms feed the manual page (man/paste.cmake):
  * --settings-man, and --man SUBCOMMAND, which is the help text with a reference to the page's
- * SETTINGS. */
+ * SETTINGS; a third one, --completion-data, the shells' completions. */
 #include "command.h"
+#include "completion.h"
 #include "message.h"
 #include "settings_options.h"
 
@@ -29,6 +30,9 @@ static int run(int argc, char **argv) {
     if (argc == 2 && strcmp(argv[1], "--settings-man") == 0) {
         settings_options_man(stdout);
         return EXIT_CODE_DONE;
+    }
+    if (argc == 2 && strcmp(argv[1], "--completion-data") == 0) {
+        return completion_data_print(stdout);
     }
     if (argc == 3 && strcmp(argv[1], "--man") == 0) {
         return explain(argv[2], refer_to_settings);

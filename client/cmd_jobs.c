@@ -16,9 +16,12 @@ enum { OPT_STATE = 256, OPT_FIELD, OPT_USER, OPT_LIMIT, OPT_CURSOR, OPT_BRIEF };
 enum { DEFAULT_LIMIT = 50 };
 
 static const struct option options[] = {
-    {"state", required_argument, NULL, OPT_STATE}, {"field", required_argument, NULL, OPT_FIELD},
-    {"user", required_argument, NULL, OPT_USER},   {"limit", required_argument, NULL, OPT_LIMIT},
-    {"cursor", required_argument, NULL, OPT_CURSOR}, {"brief", no_argument, NULL, OPT_BRIEF},
+    {"state", required_argument, NULL, OPT_STATE},
+    {"field", required_argument, NULL, OPT_FIELD},
+    {"user", required_argument, NULL, OPT_USER},
+    {"limit", required_argument, NULL, OPT_LIMIT},
+    {"cursor", required_argument, NULL, OPT_CURSOR},
+    {"brief", no_argument, NULL, OPT_BRIEF},
     SERVICE_OPTIONS,
     {NULL, 0, NULL, 0},
 };
@@ -126,8 +129,8 @@ static int list(struct jobs *j, struct text_table *table, char **cursor) {
 static int run(int argc, char **argv) {
     struct jobs j = {.limit = DEFAULT_LIMIT};
     shear_params_init(&j.params, SHEAR_METHOD_JOBS);
-    int code = service_parse_operands(&cmd_jobs, argc, argv, options, handle, &j, &j.service, "",
-                                      0, 0);
+    int code =
+        service_parse_operands(&cmd_jobs, argc, argv, options, handle, &j, &j.service, "", 0, 0);
     code = code ? code : service_open(&j.service);
     if (code) {
         return code;
@@ -163,7 +166,7 @@ const struct command cmd_jobs = {
              "  --user USER             only jobs of this user (a name, a number, or me)\n"
              "  --limit N               at most so many (default 50)\n"
              "  --cursor TEXT           go on where an earlier list ended\n"
-             "  --brief                 only the numbers of the jobs\n" SERVICE_OPTIONS_HELP "\n"
-             EXIT_CODES_SERVICE ".\n",
+             "  --brief                 only the numbers of the jobs\n" SERVICE_OPTIONS_HELP
+             "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,
 };

@@ -28,7 +28,8 @@ const struct command cmd_reload = {
     .summary = "make the service read its configuration again",
     .usage = "usage: shearctl reload [OPTION...]\n"
              "\n"
-             "Have the service read its configuration again. Where something is wrong in it, the old one stays in\n"
+             "Have the service read its configuration again. Where something is wrong in it, the "
+             "old one stays in\n"
              "force and the errors are told. Administrators only.\n"
              "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,

@@ -11,7 +11,8 @@ const struct command cmd_retry = {
     .summary = "run failed or cancelled jobs again",
     .usage = "usage: shearctl retry [OPTION...] ID...\n"
              "\n"
-             "Queue jobs again that failed or were cancelled. Only the owner of a job and administrators may.\n"
+             "Queue jobs again that failed or were cancelled. Only the owner of a job and "
+             "administrators may.\n"
              "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,
 };

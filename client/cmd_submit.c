@@ -131,10 +131,10 @@ static void print_accepted(const shear_msg_submitted *submitted) {
     char source[4200];
     char clean[4200];
     const shear_msg_job *job = &submitted->job;
-    printf("job %" PRId64 " %s%s: %s\n", job->id, shear_job_state_name(job->state),
-           submitted->known ? " (known by its key)" : "",
-           message_clean(job_source_text(&job->source, source, sizeof source), clean,
-                         sizeof clean));
+    printf(
+        "job %" PRId64 " %s%s: %s\n", job->id, shear_job_state_name(job->state),
+        submitted->known ? " (known by its key)" : "",
+        message_clean(job_source_text(&job->source, source, sizeof source), clean, sizeof clean));
     fflush(stdout);
 }
 
@@ -148,9 +148,8 @@ static bool send_one(struct submit *o, const struct submission *what, const char
     shear_rpc_error error = {0};
     shear_reply reply = {0};
     char *text = NULL;
-    const int status =
-        connection_call(o->service.connection, SHEAR_METHOD_SUBMIT, &what->params,
-                        o->service.reply_timeout_s, &reply, &text, &error);
+    const int status = connection_call(o->service.connection, SHEAR_METHOD_SUBMIT, &what->params,
+                                       o->service.reply_timeout_s, &reply, &text, &error);
     if (status == CONNECTION_OK) {
         o->ids[o->n_ids++] = reply.submit.job.id;
         if (!o->service.json) {

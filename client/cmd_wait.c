@@ -55,8 +55,8 @@ static int wait_for(struct service *s, const int64_t *ids, size_t n, struct foll
 static int run(int argc, char **argv) {
     struct service s;
     struct follow_options o = {.timeout_s = NAN};
-    int code = service_parse_operands(&cmd_wait, argc, argv, options, handle, &o, &s, "jobs", 1,
-                                      INT_MAX);
+    int code =
+        service_parse_operands(&cmd_wait, argc, argv, options, handle, &o, &s, "jobs", 1, INT_MAX);
     if (code) {
         return code;
     }

@@ -48,8 +48,7 @@ static int handle(int value, void *context) {
 static int print_one(struct watch *w) {
     struct watch_view view;
     shear_rpc_error error = {0};
-    int code =
-        service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
+    int code = service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
     if (!code && w->service.json) {
         watch_view_json(&view, stdout);
     } else if (!code) {
@@ -141,8 +140,8 @@ static int live(struct watch *w) {
 
 static int run(int argc, char **argv) {
     struct watch w = {.interval_s = 1.0, .jobs = DEFAULT_JOBS};
-    int code = service_parse_operands(&cmd_watch, argc, argv, options, handle, &w, &w.service, "",
-                                      0, 0);
+    int code =
+        service_parse_operands(&cmd_watch, argc, argv, options, handle, &w, &w.service, "", 0, 0);
     if (code) {
         return code;
     }
@@ -164,7 +163,7 @@ const struct command cmd_watch = {
              "\n"
              "  --interval TIME         time between two pictures (default 1s)\n"
              "  --count N               end after so many pictures\n"
-             "  --jobs N                jobs in each list (default 8)\n" SERVICE_OPTIONS_HELP "\n"
-             EXIT_CODES_SERVICE ".\n",
+             "  --jobs N                jobs in each list (default 8)\n" SERVICE_OPTIONS_HELP
+             "\n" EXIT_CODES_SERVICE ".\n",
     .run = run,
 };

@@ -12,17 +12,16 @@ enum {
     EXIT_CODE_OTHER = 1, /* anything that is not below: no memory, unwritable output, interrupted */
     EXIT_CODE_USAGE = 2, /* wrong options or settings */
     EXIT_CODE_INPUT = 3, /* bad input, all of it; no such file, job or field */
-    EXIT_CODE_PARTLY = 4, /* of several files, jobs or names some failed, the others are done */
-    EXIT_CODE_JOB_FAILED = 5,  /* every job that ended otherwise than done failed, none is done */
-    EXIT_CODE_TIMED_OUT = 6,   /* --timeout is over and jobs are unfinished */
+    EXIT_CODE_PARTLY = 4,     /* of several files, jobs or names some failed, the others are done */
+    EXIT_CODE_JOB_FAILED = 5, /* every job that ended otherwise than done failed, none is done */
+    EXIT_CODE_TIMED_OUT = 6,  /* --timeout is over and jobs are unfinished */
     EXIT_CODE_UNREACHABLE = 7, /* no service, it does not answer, or it is another release's */
     EXIT_CODE_CANCELLED = 8    /* the jobs were cancelled */
 };
 /* For the help of subcommands that talk to the service. */
 #define EXIT_CODES_SERVICE                                                                         \
-    "exit status: 0 done, 2 usage, 3 no such file, job or field, 4 some of several failed,\n"       \
+    "exit status: 0 done, 2 usage, 3 no such file, job or field, 4 some of several failed,\n"      \
     "7 the service cannot be reached, 1 anything else"
-
 
 struct command {
     const char *name;

@@ -6,6 +6,7 @@
 #include "sheard/frame.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -108,7 +109,8 @@ static int receive_answer(struct connection *c, int64_t id, double deadline, she
             return CONNECTION_OK;
         } else {
             shear_message_deinit(m);
-            return dial_fail(error, CONNECTION_MISMATCH, "use a client and a service of one release",
+            return dial_fail(error, CONNECTION_MISMATCH,
+                             "use a client and a service of one release",
                              "the service answers what was not asked");
         }
         shear_message_deinit(m);
@@ -169,8 +171,8 @@ static int greet(struct connection *c, const char *path, double timeout_s, shear
     params.hello = (shear_msg_hello){.oldest = SHEAR_PROTOCOL_OLDEST,
                                      .newest = SHEAR_PROTOCOL_VERSION,
                                      .client = "shearctl " SHEAR_VERSION_STRING};
-    const int status = connection_call(c, SHEAR_METHOD_HELLO, &params, timeout_s, &c->welcome, NULL,
-                                       error);
+    const int status =
+        connection_call(c, SHEAR_METHOD_HELLO, &params, timeout_s, &c->welcome, NULL, error);
     if (status == CONNECTION_MISMATCH) {
         char why[300];
         snprintf(why, sizeof why, "%.290s", error->message);

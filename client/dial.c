@@ -20,7 +20,8 @@
 enum { SLICE_MS = 200, BACKLOG_MS = 20 };
 
 #define HOW_TO_START                                                                               \
-    "start the service (systemctl start sheard), or name its socket with --socket or SHEARD_SOCKET"
+    "start the service (systemctl start sheard), or name its socket with --socket or "             \
+    "SHEARD_SOCKET"
 
 double dial_now(void) {
     struct timespec t;

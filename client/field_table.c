@@ -8,9 +8,9 @@
 #include <inttypes.h>
 
 struct text_table *field_table_new(void) {
-    static const struct text_column columns[] = {
-        {"FIELD", 'l'}, {"G1", 'l'},   {"G2", 'l'},      {"USED", 'r'},
-        {"OF", 'r'},    {"JOBS", 'r'}, {"TO COME", 'r'}, {"UPDATED", 'r'}, {"NOTE", 'l'}};
+    static const struct text_column columns[] = {{"FIELD", 'l'},   {"G1", 'l'},      {"G2", 'l'},
+                                                 {"USED", 'r'},    {"OF", 'r'},      {"JOBS", 'r'},
+                                                 {"TO COME", 'r'}, {"UPDATED", 'r'}, {"NOTE", 'l'}};
     return text_table_new(columns, sizeof columns / sizeof *columns);
 }
 

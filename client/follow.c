@@ -77,9 +77,9 @@ static void subscribe(struct follow *f, const int64_t *ids) {
         p.subscribe.jobs = ids + first;
         p.subscribe.n_jobs = chunk_at(f, first);
         p.subscribe.progress = true;
-        f->notified = connection_call(f->service->connection, SHEAR_METHOD_SUBSCRIBE, &p,
-                                      f->service->reply_timeout_s, NULL, NULL,
-                                      &error) == CONNECTION_OK;
+        f->notified =
+            connection_call(f->service->connection, SHEAR_METHOD_SUBSCRIBE, &p,
+                            f->service->reply_timeout_s, NULL, NULL, &error) == CONNECTION_OK;
     }
 }
 

@@ -53,6 +53,10 @@ char *human_age(int64_t since_ms, int64_t now_ms, char buf[HUMAN_SIZE]) {
         snprintf(buf, HUMAN_SIZE, "just now");
         return buf;
     }
+    if (age < 10000) { /* no tenths: nobody needs them of an age */
+        snprintf(buf, HUMAN_SIZE, "%" PRId64 " s", age / 1000);
+        return buf;
+    }
     return human_duration((double)(age / 1000), buf);
 }
 

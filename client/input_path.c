@@ -35,10 +35,10 @@ int input_path_absolute(const char *name, char **path, shear_error *err) {
         return no_memory(err);
     }
     char *real = realpath(parent, NULL);
-    const int code = real ? join(real, last, path, err)
-                          : shear_fail(err, SHEAR_E_IO, "check the path",
-                                       "%s: its directory cannot be found: %s", name,
-                                       strerror(errno));
+    const int code =
+        real ? join(real, last, path, err)
+             : shear_fail(err, SHEAR_E_IO, "check the path",
+                          "%s: its directory cannot be found: %s", name, strerror(errno));
     free(real);
     free(parent);
     return code;

@@ -38,9 +38,9 @@ char *job_source_text(const shear_msg_source *source, char *buf, size_t size) {
 /* ---- Tables ---- */
 
 struct text_table *job_table_new(void) {
-    static const struct text_column columns[] = {{"ID", 'r'},    {"STATE", 'l'}, {"FIELD", 'l'},
-                                                 {"DONE", 'r'},  {"PRIO", 'r'},  {"USER", 'l'},
-                                                 {"AGE", 'r'},   {"TOOK", 'r'},  {"SOURCE", 'l'}};
+    static const struct text_column columns[] = {{"ID", 'r'},   {"STATE", 'l'}, {"FIELD", 'l'},
+                                                 {"DONE", 'r'}, {"PRIO", 'r'},  {"USER", 'l'},
+                                                 {"AGE", 'r'},  {"TOOK", 'r'},  {"SOURCE", 'l'}};
     return text_table_new(columns, sizeof columns / sizeof *columns);
 }
 
@@ -51,9 +51,9 @@ static void add_part(struct text_table *t, const shear_msg_job *job) {
     } else if (job->state == SHEAR_JOB_FAILED || job->state == SHEAR_JOB_WAITING) {
         text_table_cell(t, NULL, "%s", or_dash(job->code));
     } else if (job->progress.total >= 0 && job->state != SHEAR_JOB_QUEUED) {
-        text_table_cell(t, NULL, "%d%%",
-                        (int)(100.0 * bar_part((double)job->progress.done,
-                                               (double)job->progress.total)));
+        text_table_cell(
+            t, NULL, "%d%%",
+            (int)(100.0 * bar_part((double)job->progress.done, (double)job->progress.total)));
     } else {
         text_table_cell(t, NULL, "%s", job->state == SHEAR_JOB_DONE ? "100%" : "-");
     }
@@ -79,9 +79,9 @@ void job_table_add(struct text_table *t, const shear_msg_job *job, int64_t now_m
 }
 
 struct text_table *job_results_new(void) {
-    static const struct text_column columns[] = {
-        {"ID", 'r'}, {"STATE", 'l'}, {"FIELD", 'l'}, {"G1", 'l'},
-        {"G2", 'l'}, {"USED", 'r'},  {"OF", 'r'},    {"SOURCE", 'l'}};
+    static const struct text_column columns[] = {{"ID", 'r'}, {"STATE", 'l'}, {"FIELD", 'l'},
+                                                 {"G1", 'l'}, {"G2", 'l'},    {"USED", 'r'},
+                                                 {"OF", 'r'}, {"SOURCE", 'l'}};
     return text_table_new(columns, sizeof columns / sizeof *columns);
 }
 
@@ -94,10 +94,8 @@ void job_results_add(struct text_table *t, const shear_msg_job *job) {
     text_table_cell(t, style_of_state(job->state), "%s%s", shear_job_state_name(job->state),
                     job->outcome == SHEAR_OUTCOME_DUPLICATE ? " (duplicate)" : "");
     text_table_cell(t, NULL, "%s", or_dash(job->field));
-    text_table_cell(t, NULL, "%s",
-                    has ? shear_text_value(s.g1, s.g1_err, text, sizeof text) : "-");
-    text_table_cell(t, NULL, "%s",
-                    has ? shear_text_value(s.g2, s.g2_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s", has ? shear_text_value(s.g1, s.g1_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s", has ? shear_text_value(s.g2, s.g2_err, text, sizeof text) : "-");
     text_table_cell(t, NULL, "%" PRId64, s.n_used);
     text_table_cell(t, NULL, "%" PRId64, s.n_stamps);
     text_table_cell(t, NULL, "%s", job_source_text(&job->source, text, sizeof text));
@@ -159,9 +157,9 @@ static void print_progress(const shear_msg_job *job, FILE *out) {
     char figures[96];
     if (job->state == SHEAR_JOB_RUNNING && job->progress.total >= 0) {
         const double part = bar_part((double)job->progress.done, (double)job->progress.total);
-        shear_text_line(out, "progress", "%s%s", bar_text(part, 32, bar, sizeof bar),
-                        bar_figures(part, job->progress.rate, job->progress.eta_s, figures,
-                                    sizeof figures));
+        shear_text_line(
+            out, "progress", "%s%s", bar_text(part, 32, bar, sizeof bar),
+            bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));
     }
 }
 

@@ -30,6 +30,10 @@ static void on_signal(int number) {
     interrupted = 1;
 }
 
+void progress_interrupt(void) {
+    interrupted = 1;
+}
+
 bool progress_interrupted(void) {
     return interrupted != 0;
 }

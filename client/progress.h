@@ -36,5 +36,7 @@ void progress_end(struct progress *progress);
 
 /* True after a SIGINT or SIGTERM between progress_begin and progress_end. */
 bool progress_interrupted(void);
+/* Make it so, from a signal handler of somebody else (screen.h). */
+void progress_interrupt(void);
 
 #endif

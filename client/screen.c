@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "screen.h"
 
+#include "progress.h"
 #include "style.h"
 
-#include <errno.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -23,6 +23,7 @@ static struct termios old_terminal;
 static void on_signal(int number) {
     if (number != SIGWINCH) { /* which only has to interrupt the waiting */
         ended = 1;
+        progress_interrupt(); /* ends what the service is asked at the moment */
     }
 }
 

@@ -180,10 +180,10 @@ bool service_goes_on(const struct service_tally *tally) {
 }
 
 int service_tally_code(const struct service_tally *tally) {
-    return tally->n_failed == 0          ? EXIT_CODE_DONE
-           : !service_goes_on(tally)     ? EXIT_CODE_UNREACHABLE
+    return tally->n_failed == 0         ? EXIT_CODE_DONE
+           : !service_goes_on(tally)    ? EXIT_CODE_UNREACHABLE
            : tally->n_failed < tally->n ? EXIT_CODE_PARTLY
-                                         : tally->first_code;
+                                        : tally->first_code;
 }
 
 int service_job_id(const char *text, int64_t *id) {

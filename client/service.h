@@ -65,8 +65,8 @@ int service_answer(struct service *s, int method, const shear_params *params, sh
 int service_exit_code(int status, const shear_rpc_error *error);
 int service_say(int status, const shear_rpc_error *error);
 
-/* The exit code of a command with several operands: each is tried, and where only some succeed it is
- * EXIT_CODE_PARTLY, else the first failure's. Begin as {0}. */
+/* The exit code of a command with several operands: each is tried, and where only some succeed it
+ * is EXIT_CODE_PARTLY, else the first failure's. Begin as {0}. */
 struct service_tally {
     int n, n_failed, first_code, last_code;
 };

@@ -54,8 +54,7 @@ static void print_method(const shear_report_summary *s, FILE *out) {
     if (isfinite(s->core_px)) {
         snprintf(filter, sizeof filter, " (core %.4g px, width %.4g px)", s->core_px, s->width_px);
     }
-    shear_text_line(out, "method",
-                    "interpolation %s%s, R_PSF %.4g px, beta %.4g px, filter %s%s",
+    shear_text_line(out, "method", "interpolation %s%s, R_PSF %.4g px, beta %.4g px, filter %s%s",
                     s->interpolation, fine, s->r_psf_px, s->beta_px, s->filter, filter);
 }
 

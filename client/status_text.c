@@ -54,7 +54,8 @@ static void print_spool(const shear_msg_spool *s, FILE *out) {
     shear_text_line(out, "spool", "%s (%s), %s free", s->path,
                     s->watching ? "watched" : "not watched", human_bytes(s->free_bytes, bytes));
     shear_text_line(out, "files",
-                    "%" PRId64 " incoming, %" PRId64 " active, %" PRId64 " done, %" PRId64 " failed",
+                    "%" PRId64 " incoming, %" PRId64 " active, %" PRId64 " done, %" PRId64
+                    " failed",
                     s->incoming, s->active, s->done, s->failed);
 }
 

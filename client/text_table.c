@@ -125,7 +125,10 @@ static bool print_row(const struct text_table *t, const struct cell *cells, cons
     compose(t, cells, widths, colours, line);
     const bool good = fclose(line) == 0 && text;
     if (good) {
-        const size_t n = columns > 0 ? style_fit(text, columns) : strlen(text);
+        size_t n = columns > 0 ? style_fit(text, columns) : strlen(text);
+        while (n > 0 && text[n - 1] == ' ') { /* of empty cells at the end */
+            n--;
+        }
         fprintf(out, "%.*s%s\n", (int)n, text, colours ? STYLE_END : "");
     }
     free(text);

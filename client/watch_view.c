@@ -68,8 +68,7 @@ int watch_view_init(struct watch_view *v, struct service *s, int64_t n_jobs,
         1U << SHEAR_JOB_DONE | 1U << SHEAR_JOB_FAILED | 1U << SHEAR_JOB_CANCELLED;
     const char *names[WATCH_FIELDS] = {NULL};
     *v = (struct watch_view){.n_fields = 0};
-    int status =
-        ask(s, SHEAR_METHOD_STATUS, NULL, &v->status, &v->text[TEXT_STATUS], error);
+    int status = ask(s, SHEAR_METHOD_STATUS, NULL, &v->status, &v->text[TEXT_STATUS], error);
     if (status == CONNECTION_OK) {
         status = ask_jobs(s, active, n_jobs, &v->active, &v->text[TEXT_ACTIVE], error);
     }
@@ -111,9 +110,9 @@ static int print_active(const shear_msg_job_page *page, FILE *out, bool colours,
         char figures[96];
         text_table_cell(t, NULL, "%" PRId64, job->id);
         text_table_cell(t, NULL, "%s", job->field ? job->field : "-");
-        text_table_cell(t, NULL, "%s%s", bar_text(part, BAR_WIDTH, bar, sizeof bar),
-                        bar_figures(part, job->progress.rate, job->progress.eta_s, figures,
-                                    sizeof figures));
+        text_table_cell(
+            t, NULL, "%s%s", bar_text(part, BAR_WIDTH, bar, sizeof bar),
+            bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));
     }
     const int code = text_table_render(t, out, 2, colours, columns);
     text_table_free(t);

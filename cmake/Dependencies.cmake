@@ -15,7 +15,7 @@ pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)      # protocol
 pkg_check_modules(INIH REQUIRED IMPORTED_TARGET inih)            # config
 pkg_check_modules(SECCOMP REQUIRED IMPORTED_TARGET libseccomp)   # daemon/reader
 pkg_check_modules(UV REQUIRED IMPORTED_TARGET libuv)             # daemon
-pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET sqlite3)       # daemon/store
+pkg_check_modules(SQLITE REQUIRED IMPORTED_TARGET sqlite3>=3.37)       # daemon/store
 
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)     # mocks
 

@@ -22,8 +22,8 @@ static const double LINE = 1.55;     /* between the lines of a table */
 #endif
 #endif
 #ifdef UNDER_LEAK_SANITIZER
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_options(void);
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
+__attribute__((visibility("default"))) const char *__lsan_default_options(void);
 const char *__lsan_default_suppressions(void) {
     return "leak:libfontconfig";
 }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # cmake -DSHEARCTL=... -DIN=... -DOUT=... -DPROJECT_VERSION=... -DDATE=... -P paste.cmake
-# The manual page with what the tool says of itself pasted in: the settings' table and the help of mock and plot are
+# The manual page with what the tool says of itself pasted in: the settings' table and the help of most subcommands are
 # written once, in the tool.
 cmake_minimum_required(VERSION 3.25)
 
@@ -22,7 +22,8 @@ function(escape out text)
 endfunction()
 
 ask(SETTINGS --settings-man)
-foreach(name mock plot)
+foreach(name mock plot
+    submit jobs show wait cancel retry field fields watch status metrics doctor drain reload shutdown)
   string(TOUPPER ${name} key)
   ask(text --man ${name})
   escape(HELP_${key} "${text}")

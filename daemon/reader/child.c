@@ -12,6 +12,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 typedef struct child {
     const char *name;
@@ -99,6 +100,8 @@ int main(int argc, char **argv) {
     child c = {.name = argv[1]};
     int landlocked = 0;
     shear_error err = {0};
+    /* Whatever else the daemon may have been started with is none of the reader's business. */
+    close_range(READER_FD_MEMORY + 1, ~0U, 0);
     setenv("TMPDIR", argv[5], 1);
     setenv("SHEAR_UNPACK_LIMIT", argv[4], 1);
     if (sandbox_enter(&limits, READER_FD_FILE, argv[5], &landlocked, &err) != SHEAR_OK) {

@@ -42,6 +42,8 @@ static void remember_trouble(service *s, int code, const shear_error *err) {
         s->store_trouble_ms = 0;
         return;
     }
+    s->failed_commits++;
+    s->strays = true;
     s->store_trouble_ms = (int64_t)uv_now(&s->loop);
     snprintf(s->trouble, sizeof s->trouble, "the store: %.180s", err->message);
     log_error("the store cannot commit: %s", err->message);

@@ -49,7 +49,8 @@ typedef struct active_job {
     char checksum[SHEAR_CHECKSUM_SIZE];
     shear_field_info info;
     shear_plan_info plan;
-    bool ended; /* the engine's last event of it needs no more attention */
+    int64_t failed_commits; /* as the service's when the store learned of its content */
+    bool ended;             /* the engine's last event of it needs no more attention */
 } active_job;
 
 /* A client that waits for jobs to end (wait, submit with wait). */
@@ -87,7 +88,8 @@ struct service {
     uv_timer_t drain_end;
 
     bool group_open;
-    int64_t commits;
+    int64_t commits, failed_commits;
+    bool strays; /* jobs may be running on disk that nobody works on: jobs_fill puts them back */
     after *first_after, **last_after;
 
     active_job *active;

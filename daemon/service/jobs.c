@@ -313,8 +313,34 @@ static int marked(const service *s) {
     return n;
 }
 
+/* After the store failed: jobs that are running on disk while nobody works on them, because their
+ * end was lost, go back into the queue. */
+static void put_back_strays(service *s) {
+    const store_job_filter running = {.states = 1u << STORE_RUNNING};
+    store_job_page page = {0};
+    shear_error err = {0};
+    int state = 0;
+    int code = store_jobs(s->store, &running, STORE_PAGE_MAX, &page, &err);
+    for (size_t i = 0; i < page.n && code == SHEAR_OK; i++) {
+        const int64_t id = page.jobs[i].id;
+        if (jobs_find(s, id) == NULL) {
+            code = group_begin(s, &err);
+            code = code == SHEAR_OK ? store_release(s->store, id, wall_ms(), &state, &err) : code;
+        }
+        if (jobs_find(s, id) == NULL && code == SHEAR_OK) {
+            log_notice("job %lld is queued again", (long long)id);
+            settle_later(s, id);
+        }
+    }
+    s->strays = code != SHEAR_OK;
+    store_job_page_deinit(&page);
+}
+
 void jobs_fill(service *s) {
     shear_error err = {0};
+    if (s->strays && s->store_trouble_ms == 0 && marked(s) == 0) {
+        put_back_strays(s);
+    }
     while (s->state != SHEAR_SERVER_STOPPING && s->store_trouble_ms == 0 &&
            s->n_active + marked(s) < s->config.daemon.max_active_jobs) {
         store_job job = {0};
@@ -375,6 +401,7 @@ static void opened(service *s, active_job *j, const engine_event *e) {
         engine_stop_job(s->engine, j->id);
         return;
     }
+    j->failed_commits = s->failed_commits;
     engine_checkpoint checkpoint = {0};
     char *sums = NULL;
     const bool resumed =
@@ -382,6 +409,14 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     checkpoint.sums = sums;
     engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
     free(sums);
+}
+
+/* A commit failed since the job was opened, and with it, it may be, what the store learned then. */
+static int learn_again(service *s, const active_job *j, shear_error *err) {
+    int64_t duplicate_of = 0;
+    const store_learned learned = {
+        .field = j->field, .content = j->checksum, .n_stamps = j->info.n_stamps};
+    return store_learn(s->store, j->id, &learned, &duplicate_of, err);
 }
 
 static char *result_text(const active_job *j, const engine_event *e, shear_error *err) {
@@ -423,6 +458,9 @@ static void done(service *s, active_job *j, const engine_event *e) {
                              .elapsed_us = (int64_t)(1e6 * e->seconds),
                              .now_ms = wall_ms()};
     int code = group_begin(s, &err);
+    if (code == SHEAR_OK && j->failed_commits != s->failed_commits) {
+        code = learn_again(s, j, &err);
+    }
     if (code == SHEAR_OK) {
         code = store_finish(s->store, j->id, &work, &end, &err);
     }

@@ -17,6 +17,11 @@ static void refuse(service *s, server_handle to, int code, const char *message) 
     server_reply_error(s->server, to, &error);
 }
 
+static void refuse_new(service *s, server_handle to) {
+    refuse(s, to, s->state == SHEAR_SERVER_DRAINING ? SHEAR_RPC_DRAINING : SHEAR_RPC_STOPPING,
+           "the service takes no new jobs");
+}
+
 static void refuse_store(service *s, server_handle to, int code, const shear_error *err) {
     shear_rpc_error error;
     rpc_from_store(&error, code, err);
@@ -92,9 +97,7 @@ static void do_submit(service *s, const server_request *r) {
         refuse(s, r->handle, SHEAR_RPC_NOT_OWNER,
                "you are in none of the groups that may submit jobs ([access] submit_groups)");
     } else if (s->state != SHEAR_SERVER_RUNNING) {
-        refuse(s, r->handle,
-               s->state == SHEAR_SERVER_DRAINING ? SHEAR_RPC_DRAINING : SHEAR_RPC_STOPPING,
-               "the service takes no new jobs");
+        refuse_new(s, r->handle);
     } else if (submit_job(s, &sub, &id, &known, &error) != SHEAR_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);
     } else {
@@ -143,6 +146,10 @@ static void do_retry(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
     shear_error err = {0};
     if (!may_change(s, r, id)) {
+        return;
+    }
+    if (s->state != SHEAR_SERVER_RUNNING) {
+        refuse_new(s, r->handle);
         return;
     }
     int code = group_begin(s, &err);

@@ -28,10 +28,7 @@ static int job_sums_init(job_sums *j, const char *text, shear_error *err) {
     if (text == NULL) {
         return SHEAR_OK;
     }
-    int code = query_check_text("job's sums", text, STORE_SUMS_MAX, false, err);
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_parse(&j->sums, text, err);
-    }
+    int code = sums_parse_given(&j->sums, text, err);
     if (code == SHEAR_OK) {
         shear_field_result(j->sums, &result);
         j->n_stamps = result.n_stamps;

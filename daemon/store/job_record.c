@@ -122,9 +122,10 @@ int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *
         return code;
     }
     list->attempts = calloc(STORE_ATTEMPTS_KEPT, sizeof *list->attempts);
-    code = list->attempts != NULL
-               ? read_attempts(s, id, list, err)
-               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for attempts");
+    if (list->attempts == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for attempts");
+    }
+    code = read_attempts(s, id, list, err);
     if (code != SHEAR_OK) {
         store_attempts_deinit(list);
     }

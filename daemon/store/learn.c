@@ -5,8 +5,6 @@
 #include "operation.h"
 #include "sums_text.h"
 
-#include "shear/sums.h"
-
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,10 +68,7 @@ static int check_checkpoint(int64_t id, int64_t next_block, const char *sums, sh
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
                           "job %" PRId64 ": a checkpoint at block %" PRId64, id, next_block);
     }
-    int code = query_check_text("checkpoint's sums", sums, STORE_SUMS_MAX, false, err);
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_parse(&parsed, sums, err);
-    }
+    const int code = sums_parse_given(&parsed, sums, err);
     shear_field_sums_free(parsed);
     return code;
 }

@@ -2,18 +2,18 @@
 /* daemon/store/store.h: the durable state of the service: jobs, their attempts and checkpoints,
  * what they contributed, and the fields' exact sums. The only room that knows SQL.
  *
- *                  submit
- *                    |                    +------ retry_at_ms has come ------+
- *                    v                    v                                  |
- *                 QUEUED --- next ---> RUNNING --- fail (retry at t) ---> WAITING
- *                  ^  |                  | | | \                             |
- *         retry    |  +---- cancel ----+ | | |  +-- release, or a restart: QUEUED again
- *   FAILED ----->--+                   | | | |                               |
- *   CANCELLED -->--+                   v v | +--- finish ---> DONE           |
- *                              CANCELLED   +----- fail (never) ---> FAILED   |
- *                                   ^--------------- cancel -----------------+
- *   A running job that is told to cancel keeps running, marked, until it finishes, fails or is
- * released; then it is CANCELLED. DONE is for ever.
+ *   A job      goes by  next      finish      fail              release,    cancel      retry
+ *   is                                                          restart
+ *   QUEUED              RUNNING   -           -                 -           CANCELLED   -
+ *   RUNNING             -         DONE        WAITING, FAILED   QUEUED      (marked)    -
+ *   RUNNING, marked     -         CANCELLED   CANCELLED         CANCELLED   (marked)    -
+ *   WAITING             QUEUED when retry_at_ms has come        -           CANCELLED   -
+ *   FAILED              -         -           -                 -           -           QUEUED
+ *   CANCELLED           -         -           -                 -           CANCELLED   QUEUED
+ *   DONE                for ever
+ *
+ * "-" is STORE_WRONG_STATE. A running job that is told to cancel is only marked: its worker is to
+ * be stopped, and whatever ends the attempt makes it CANCELLED.
  *
  * Threads: a store belongs to one thread at a time; calls are synchronous and may wait for the
  * disk. It is not to be used in a forked child.
@@ -76,7 +76,7 @@ enum {
 enum store_state {
     STORE_QUEUED = 0,
     STORE_RUNNING = 1,
-    STORE_WAITING = 2, /* for its retry; only a job before this line is unfinished */
+    STORE_WAITING = 2, /* for its retry; this and those above are the unfinished ones */
     STORE_DONE = 3,
     STORE_FAILED = 4,
     STORE_CANCELLED = 5,
@@ -264,7 +264,7 @@ typedef struct store_finished {
 /* End a running job whose field and content are known (STORE_WRONG_STATE otherwise). One
  * transaction: the job is done, its attempt closed, its contribution recorded and joined to its
  * field. A job whose identity was counted before ends as its duplicate and changes no field, unless
- * it is forced. Bad sums are SHEAR_E_FORMAT, and nothing changes. */
+ * it is forced. Sums that cannot be read are SHEAR_E_INTERNAL, and nothing changes. */
 int store_finish(store *s, int64_t id, const store_work *work, store_finished *end,
                  shear_error *err);
 

@@ -1,11 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sums_text.h"
 
-#include "store.h"
+#include "query.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+int sums_parse_given(shear_field_sums **sums, const char *text, shear_error *err) {
+    *sums = NULL;
+    const int code = query_check_text("sums", text, STORE_SUMS_MAX, false, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const int parsed = shear_field_sums_parse(sums, text, err);
+    return parsed == SHEAR_E_FORMAT
+               ? shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
+                            "sums were given that cannot be read: '%.40s'", text)
+               : parsed;
+}
 
 /* What follows: the text as it is, or with each long run of n zeros as "zN.". */
 static const char plain[] = "t:";

@@ -5,7 +5,11 @@
 #ifndef SHEARD_STORE_SUMS_TEXT_H
 #define SHEARD_STORE_SUMS_TEXT_H
 
-#include "shear/error.h"
+#include "shear/sums.h"
+
+/* Sums that the caller of the store gave: STORE_BAD_TEXT where too long or missing,
+ * SHEAR_E_INTERNAL where they cannot be read (SHEAR_E_FORMAT is for what the database holds). */
+int sums_parse_given(shear_field_sums **sums, const char *text, shear_error *err);
 
 /* Both results are malloc'd, the caller's. */
 int sums_pack(const char *text, char **packed, shear_error *err);

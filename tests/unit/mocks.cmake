@@ -18,5 +18,5 @@ mock_test(options)
 mock_test(write)
 
 set(client ${PROJECT_SOURCE_DIR}/client)
-mock_test(command ${client}/cmd_mock.c ${client}/message.c ${client}/options.c ${client}/progress.c)
+mock_test(command ${client}/cmd_mock.c ${client}/message.c ${client}/options.c ${client}/progress.c ${client}/bar.c)
 target_include_directories(test_mock_command PRIVATE ${client})

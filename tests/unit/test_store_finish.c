@@ -210,7 +210,7 @@ static void finish_wants_all_it_needs(void **state) {
     work.sums = NULL;
     FX_CODE(STORE_WRONG_STATE, store_finish(f->s, id, &work, &end, &err));
     work.sums = "shear-sums 1 nonsense";
-    FX_CODE(SHEAR_E_FORMAT, store_finish(f->s, id, &work, &end, &err));
+    FX_CODE(SHEAR_E_INTERNAL, store_finish(f->s, id, &work, &end, &err));
     work.sums = "";
     FX_CODE(STORE_BAD_TEXT, store_finish(f->s, id, &work, &end, &err));
     char *endless = calloc(1, STORE_RESULT_MAX + 2);
@@ -332,7 +332,7 @@ static void bad_checkpoints_are_refused(void **state) {
     char *sums = fx_sums(1);
     const int64_t id = fx_running(f, "a", "c");
     FX_CODE(SHEAR_E_INTERNAL, store_checkpoint(f->s, id, -1, sums, &err));
-    FX_CODE(SHEAR_E_FORMAT, store_checkpoint(f->s, id, 1, "nonsense", &err));
+    FX_CODE(SHEAR_E_INTERNAL, store_checkpoint(f->s, id, 1, "nonsense", &err));
     FX_CODE(STORE_BAD_TEXT, store_checkpoint(f->s, id, 1, NULL, &err));
     free(sums);
 }

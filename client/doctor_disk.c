@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The directories of the service: are they there, is there room, do their clocks agree. */
+#include "doctor.h"
+#include "human.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <linux/magic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statfs.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+static const int64_t little_bytes = INT64_C(1) << 30;
+static const int64_t too_little_bytes = INT64_C(100) << 20;
+static const double clock_tolerance_s = 2.0; /* some file systems have whole seconds */
+enum { CIFS_MAGIC = (int)0xFF534D42 };       /* not in linux/magic.h of all versions */
+
+static void check_room(struct doctor *d, const char *subject, const char *path) {
+    struct statvfs fs;
+    char bytes[HUMAN_SIZE];
+    if (statvfs(path, &fs) != 0) {
+        doctor_say(d, subject, SHEAR_FINDING_WARN, "run doctor as root or as the service's user",
+                   "%s cannot be looked at: %s", path, strerror(errno));
+        return;
+    }
+    const int64_t left = (int64_t)fs.f_bavail * (int64_t)fs.f_frsize;
+    human_bytes(left, bytes);
+    if (left < little_bytes) {
+        doctor_say(d, subject, left < too_little_bytes ? SHEAR_FINDING_FAIL : SHEAR_FINDING_WARN,
+                   "make room on that disk", "%s: only %s free", path, bytes);
+    } else {
+        doctor_say(d, subject, SHEAR_FINDING_OK, NULL, "%s: %s free", path, bytes);
+    }
+}
+
+/* The database's write-ahead log needs shared memory that no network file system has. */
+static void check_local(struct doctor *d, const char *path) {
+    struct statfs fs;
+    if (statfs(path, &fs) != 0) {
+        return; /* check_room has said why */
+    }
+    if (fs.f_type == NFS_SUPER_MAGIC || fs.f_type == SMB_SUPER_MAGIC ||
+        (int)fs.f_type == CIFS_MAGIC) {
+        doctor_say(d, "state", SHEAR_FINDING_FAIL, "put state_dir on a local disk",
+                   "%s is on a network file system", path);
+    }
+}
+
+static bool check_directory(struct doctor *d, const char *subject, const char *path,
+                            struct stat *st) {
+    if (stat(path, st) != 0) {
+        const bool hidden = errno == EACCES;
+        doctor_say(d, subject, hidden ? SHEAR_FINDING_WARN : SHEAR_FINDING_FAIL,
+                   hidden ? "run doctor as root or as the service's user"
+                          : "start the service once as its own user, or: systemd-tmpfiles --create",
+                   "%s: %s", path, strerror(errno));
+        return false;
+    }
+    if (!S_ISDIR(st->st_mode)) {
+        doctor_say(d, subject, SHEAR_FINDING_FAIL, "move it out of the way",
+                   "%s is not a directory", path);
+        return false;
+    }
+    return true;
+}
+
+static void check_folders(struct doctor *d) {
+    static const char *const names[] = {"incoming", "active", "done", "failed"};
+    struct stat spool;
+    if (!check_directory(d, "spool", d->spool, &spool)) {
+        return;
+    }
+    check_room(d, "spool", d->spool);
+    size_t good = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char path[4400];
+        struct stat st;
+        snprintf(path, sizeof path, "%s/%s", d->spool, names[i]);
+        if (!check_directory(d, "spool", path, &st)) {
+            continue;
+        }
+        if (st.st_dev != spool.st_dev) {
+            doctor_say(d, "spool", SHEAR_FINDING_FAIL,
+                       "all four folders must be on the disk of the spool",
+                       "%s is on another file system", path);
+        } else {
+            good++;
+        }
+    }
+    if (good == sizeof names / sizeof *names) {
+        doctor_say(d, "spool", SHEAR_FINDING_OK, NULL,
+                   "incoming, active, done and failed are there");
+    }
+}
+
+/* Is there a lock (flock) on the file? The kernel's list is read: asking for the lock could take it
+ * from a daemon that is just starting. */
+static bool is_locked(const struct stat *st) {
+    char line[256];
+    char inode[32];
+    bool found = false;
+    FILE *locks = fopen("/proc/locks", "re");
+    snprintf(inode, sizeof inode, ":%ju ", (uintmax_t)st->st_ino);
+    while (locks && !found && fgets(line, sizeof line, locks)) {
+        found = strstr(line, "FLOCK") && strstr(line, inode);
+    }
+    if (locks) {
+        fclose(locks);
+    }
+    return found;
+}
+
+/* A daemon holds a lock on its spool for as long as it runs. */
+static void check_lock(struct doctor *d) {
+    char path[4400];
+    struct stat st;
+    snprintf(path, sizeof path, "%s/.lock", d->spool);
+    const bool there = stat(path, &st) == 0;
+    const bool locked = there && is_locked(&st);
+    if (!there && errno != ENOENT) {
+        doctor_say(d, "lock", SHEAR_FINDING_WARN, "run doctor as root or as the service's user",
+                   "%s cannot be looked at: %s", path, strerror(errno));
+    } else if (!locked && d->reached) {
+        doctor_say(d, "lock", SHEAR_FINDING_WARN,
+                   "does the service that answers use another configuration?",
+                   "nobody holds the lock of the spool, though the service runs");
+    } else if (locked && !d->reached) {
+        doctor_say(d, "lock", SHEAR_FINDING_WARN,
+                   "look for a service that is stuck or has another socket: systemctl status "
+                   "sheard",
+                   "the spool is locked, though no service answers");
+    } else {
+        doctor_say(d, "lock", SHEAR_FINDING_OK, NULL, "the spool is %s",
+                   locked ? "locked by its service" : "not locked");
+    }
+}
+
+/* The times of a file server decide when a file has stood still. */
+static void check_clock(struct doctor *d) {
+    char path[4400];
+    struct stat st;
+    snprintf(path, sizeof path, "%s/incoming", d->spool);
+    int fd = open(path, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+    if (fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR)) {
+        snprintf(path, sizeof path, "%s/incoming/.doctor-XXXXXX", d->spool);
+        fd = mkostemp(path, O_CLOEXEC);
+        if (fd >= 0) {
+            unlink(path);
+        }
+    }
+    if (fd < 0 || write(fd, "x", 1) != 1 || fstat(fd, &st) != 0) {
+        doctor_say(d, "clock", SHEAR_FINDING_WARN, "run doctor as someone who may drop files",
+                   "the clock of the spool's file system cannot be read: %s", strerror(errno));
+    } else {
+        const double off =
+            (double)(human_now_ms() - st.st_mtim.tv_sec * 1000 - st.st_mtim.tv_nsec / 1000000) /
+            1000.0;
+        const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
+        doctor_say(d, "clock", good ? SHEAR_FINDING_OK : SHEAR_FINDING_WARN,
+                   good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",
+                   "the spool's file system is %.1f s %s this machine's clock",
+                   off < 0 ? -off : off, off < 0 ? "before" : "behind");
+    }
+    if (fd >= 0) {
+        close(fd);
+    }
+}
+
+static void check_root(struct doctor *d, const char *path) {
+    struct stat st;
+    if (!check_directory(d, "data root", path, &st)) {
+        return;
+    }
+    if (access(path, R_OK | X_OK) != 0) {
+        doctor_say(d, "data root", SHEAR_FINDING_WARN, "ask for read permission on it",
+                   "%s: you may not read it, so no file in it will be measured for you", path);
+    } else {
+        doctor_say(d, "data root", SHEAR_FINDING_OK, NULL, "%s is readable for you", path);
+    }
+}
+
+static void check_roots(struct doctor *d) {
+    if (!d->roots || !*d->roots) {
+        doctor_say(d, "data root", SHEAR_FINDING_WARN,
+                   "set [access] data_roots, if files are to be submitted by name",
+                   "none: files are taken from the watch folder alone");
+        return;
+    }
+    for (char *at = d->roots; at;) {
+        char *comma = strstr(at, ", ");
+        if (comma) {
+            *comma = '\0';
+        }
+        check_root(d, at);
+        at = comma ? comma + 2 : NULL;
+    }
+}
+
+void doctor_check_disks(struct doctor *d) {
+    struct stat st;
+    if (d->state_dir && check_directory(d, "state", d->state_dir, &st)) {
+        check_room(d, "state", d->state_dir);
+        check_local(d, d->state_dir);
+    }
+    if (d->spool && d->has_spool) {
+        check_folders(d);
+        check_lock(d);
+        check_clock(d);
+    }
+    if (d->state_dir) { /* the configuration is known */
+        check_roots(d);
+    }
+}

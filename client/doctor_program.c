@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The daemon's program and its configuration. The program itself is asked: the configuration's
+ * rules are its own. */
+#include "conf_text.h"
+#include "doctor.h"
+#include "run_program.h"
+#include "shear/version.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int ask(const struct doctor *d, char *program, const char *what, char **text) {
+    char *argv[] = {program, (char *)(uintptr_t)what, d->config ? "--config" : NULL,
+                    (char *)(uintptr_t)d->config, NULL};
+    return run_program(argv, text);
+}
+
+/* The first line that has `word`, cut; NULL: none. */
+static const char *line_with(const char *text, const char *word, char *buf, size_t size) {
+    const char *at = strstr(text, word);
+    if (!at) {
+        return NULL;
+    }
+    while (at > text && at[-1] != '\n') {
+        at--;
+    }
+    snprintf(buf, size, "%.*s", (int)strcspn(at, "\n"), at);
+    return buf;
+}
+
+static void check_version(struct doctor *d, char *program) {
+    char *text = NULL;
+    const int code = ask(&(struct doctor){.config = NULL}, program, "--version", &text);
+    if (code != 0 || !text) {
+        doctor_say(d, "program", SHEAR_FINDING_FAIL, "install sheard again",
+                   "%s cannot be run (exit code %d)", program, code);
+    } else if (!strstr(text, SHEAR_VERSION_STRING)) {
+        doctor_say(d, "program", SHEAR_FINDING_WARN,
+                   "install shearctl and sheard of the same release", "%s is %.*s, shearctl is %s",
+                   program, (int)strcspn(text, "\n"), text, SHEAR_VERSION_STRING);
+    } else {
+        doctor_say(d, "program", SHEAR_FINDING_OK, NULL, "%s, %.*s", program,
+                   (int)strcspn(text, "\n"), text);
+    }
+    free(text);
+}
+
+static void check_config(struct doctor *d, char *program) {
+    char line[400];
+    char *text = NULL;
+    const int code = ask(d, program, "--check-config", &text);
+    const char *said = text ? text : "";
+    if (code != 0) {
+        const char *why = line_with(said, "error", line, sizeof line);
+        doctor_say(d, "config", SHEAR_FINDING_FAIL,
+                   "correct the file; sheard --check-config tells all that is wrong in it",
+                   "the configuration is not valid: %s", why ? why : "no reason was given");
+    } else if (line_with(said, "warning", line, sizeof line)) {
+        doctor_say(d, "config", SHEAR_FINDING_WARN, "sheard --check-config tells more", "%s", line);
+    } else {
+        doctor_say(d, "config", SHEAR_FINDING_OK, NULL, "the configuration is valid");
+    }
+    free(text);
+}
+
+static void read_config(struct doctor *d, char *program) {
+    char *text = NULL;
+    if (ask(d, program, "--print-config", &text) == 0 && text) {
+        d->state_dir = conf_text_value(text, "daemon", "state_dir");
+        d->socket = conf_text_value(text, "daemon", "socket");
+        d->spool = conf_text_value(text, "spool", "directory");
+        d->roots = conf_text_value(text, "access", "data_roots");
+        char *enabled = conf_text_value(text, "spool", "enabled");
+        d->has_spool = enabled && strcmp(enabled, "true") == 0;
+        free(enabled);
+    }
+    free(text);
+}
+
+void doctor_check_program(struct doctor *d) {
+    char *program = run_program_find("sheard");
+    if (!program) {
+        doctor_say(d, "program", SHEAR_FINDING_WARN,
+                   "install sheard, or run doctor where the service runs",
+                   "sheard is not installed here: its configuration cannot be looked at");
+        return;
+    }
+    check_version(d, program);
+    check_config(d, program);
+    read_config(d, program);
+    free(program);
+}

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the service needs of the kernel: its readers' sandbox, and paths that stay beneath a root.
+ */
+#include "doctor.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <linux/landlock.h>
+#include <linux/openat2.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+static void check_seccomp(struct doctor *d) {
+    char actions[256] = "";
+    const int fd = open("/proc/sys/kernel/seccomp/actions_avail", O_RDONLY | O_CLOEXEC);
+    const ssize_t n = fd < 0 ? -1 : read(fd, actions, sizeof actions - 1);
+    const bool good = n > 0 && strstr(actions, "kill_process");
+    doctor_say(d, "seccomp", good ? SHEAR_FINDING_OK : SHEAR_FINDING_FAIL,
+               good ? NULL : "use a kernel with CONFIG_SECCOMP_FILTER",
+               good ? "system calls of readers can be filtered"
+                    : "system calls of readers cannot be filtered: files will not be read");
+    if (fd >= 0) {
+        close(fd);
+    }
+}
+
+static void check_landlock(struct doctor *d) {
+    const long version =
+        syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
+    if (version > 0) {
+        doctor_say(d, "landlock", SHEAR_FINDING_OK, NULL,
+                   "readers can be kept from the file system (version %ld)", version);
+    } else {
+        doctor_say(d, "landlock", SHEAR_FINDING_WARN,
+                   "boot with landlock among the security modules (lsm=landlock,...)",
+                   "no Landlock (%s): seccomp alone guards the readers", strerror(errno));
+    }
+}
+
+static void check_openat2(struct doctor *d) {
+    const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
+                                 .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
+    const long fd = syscall(SYS_openat2, AT_FDCWD, ".", &how, sizeof how);
+    const bool missing = fd < 0 && errno == ENOSYS;
+    doctor_say(d, "openat2", missing ? SHEAR_FINDING_FAIL : SHEAR_FINDING_OK,
+               missing ? "use Linux 5.6 or newer" : NULL,
+               missing ? "paths cannot be kept beneath the data roots: no file will be opened"
+                       : "paths can be kept beneath the data roots");
+    if (fd >= 0) {
+        close((int)fd);
+    }
+}
+
+void doctor_check_system(struct doctor *d) {
+    check_seccomp(d);
+    check_landlock(d);
+    check_openat2(d);
+}
