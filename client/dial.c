@@ -115,7 +115,7 @@ int dial_connect(const char *path, double deadline, int *fd, shear_rpc_error *er
                          "the path of a socket has at most %zu bytes: %s",
                          sizeof address.sun_path - 1, path);
     }
-    strcpy(address.sun_path, path);
+    memcpy(address.sun_path, path, strlen(path) + 1);
     const int s = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (s < 0) {
         return dial_fail(error, CONNECTION_FAILED, NULL, "cannot make a socket: %s",

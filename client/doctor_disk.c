@@ -156,9 +156,8 @@ static void check_clock(struct doctor *d) {
         doctor_say(d, "clock", SHEAR_FINDING_WARN, "run doctor as someone who may drop files",
                    "the clock of the spool's file system cannot be read: %s", strerror(errno));
     } else {
-        const double off =
-            (double)(human_now_ms() - st.st_mtim.tv_sec * 1000 - st.st_mtim.tv_nsec / 1000000) /
-            1000.0;
+        const int64_t theirs_ms = (int64_t)st.st_mtim.tv_sec * 1000 + st.st_mtim.tv_nsec / 1000000;
+        const double off = (double)(human_now_ms() - theirs_ms) / 1000.0;
         const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
         doctor_say(d, "clock", good ? SHEAR_FINDING_OK : SHEAR_FINDING_WARN,
                    good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",

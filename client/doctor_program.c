@@ -9,9 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int ask(const struct doctor *d, char *program, const char *what, char **text) {
-    char *argv[] = {program, (char *)(uintptr_t)what, d->config ? "--config" : NULL,
-                    (char *)(uintptr_t)d->config, NULL};
+static int ask(const char *config, const char *program, const char *what, char **text) {
+    const char *argv[] = {program, what, config ? "--config" : NULL, config, NULL};
     return run_program(argv, text);
 }
 
@@ -28,9 +27,9 @@ static const char *line_with(const char *text, const char *word, char *buf, size
     return buf;
 }
 
-static void check_version(struct doctor *d, char *program) {
+static void check_version(struct doctor *d, const char *program) {
     char *text = NULL;
-    const int code = ask(&(struct doctor){.config = NULL}, program, "--version", &text);
+    const int code = ask(NULL, program, "--version", &text);
     if (code != 0 || !text) {
         doctor_say(d, "program", SHEAR_FINDING_FAIL, "install sheard again",
                    "%s cannot be run (exit code %d)", program, code);
@@ -45,10 +44,10 @@ static void check_version(struct doctor *d, char *program) {
     free(text);
 }
 
-static void check_config(struct doctor *d, char *program) {
+static void check_config(struct doctor *d, const char *program) {
     char line[400];
     char *text = NULL;
-    const int code = ask(d, program, "--check-config", &text);
+    const int code = ask(d->config, program, "--check-config", &text);
     const char *said = text ? text : "";
     if (code != 0) {
         const char *why = line_with(said, "error", line, sizeof line);
@@ -63,9 +62,9 @@ static void check_config(struct doctor *d, char *program) {
     free(text);
 }
 
-static void read_config(struct doctor *d, char *program) {
+static void read_config(struct doctor *d, const char *program) {
     char *text = NULL;
-    if (ask(d, program, "--print-config", &text) == 0 && text) {
+    if (ask(d->config, program, "--print-config", &text) == 0 && text) {
         d->state_dir = conf_text_value(text, "daemon", "state_dir");
         d->socket = conf_text_value(text, "daemon", "socket");
         d->spool = conf_text_value(text, "spool", "directory");

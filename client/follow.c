@@ -2,7 +2,6 @@
 #include "follow.h"
 
 #include "dial.h"
-#include "follow_sum.h"
 #include "message.h"
 #include "progress.h"
 
@@ -25,19 +24,6 @@ struct follow {
     double deadline;
     struct follow_tally tally;
 };
-
-int follow_exit_code(const struct follow_tally *t) {
-    if (t->unfinished > 0) {
-        return EXIT_CODE_TIMED_OUT;
-    }
-    if (t->failed + t->cancelled == 0) {
-        return EXIT_CODE_DONE;
-    }
-    if (t->done > 0) {
-        return EXIT_CODE_PARTLY;
-    }
-    return t->failed > 0 ? EXIT_CODE_JOB_FAILED : EXIT_CODE_CANCELLED;
-}
 
 static void show(const struct follow *f) {
     char label[40];

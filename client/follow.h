@@ -4,17 +4,10 @@
 #ifndef CLIENT_FOLLOW_H
 #define CLIENT_FOLLOW_H
 
+#include "follow_sum.h"
 #include "service.h"
 
 #include <stddef.h>
-
-/* How jobs ended. */
-struct follow_tally {
-    size_t done, failed, cancelled, unfinished;
-};
-
-/* What a command that waited for them exits with. */
-int follow_exit_code(const struct follow_tally *tally);
 
 struct follow_options {
     double timeout_s; /* NAN: as long as it takes */

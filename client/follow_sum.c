@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "follow_sum.h"
 
+#include "command.h"
+
 #include <math.h>
 
 struct follow_sum follow_sum(const struct follow_entry *entries, size_t n) {
@@ -50,4 +52,17 @@ void follow_note_progress(struct follow_entry *entries, size_t n, int64_t id,
         e->state = SHEAR_JOB_RUNNING;
         e->progress = *progress;
     }
+}
+
+int follow_exit_code(const struct follow_tally *t) {
+    if (t->unfinished > 0) {
+        return EXIT_CODE_TIMED_OUT;
+    }
+    if (t->failed + t->cancelled == 0) {
+        return EXIT_CODE_DONE;
+    }
+    if (t->done > 0) {
+        return EXIT_CODE_PARTLY;
+    }
+    return t->failed > 0 ? EXIT_CODE_JOB_FAILED : EXIT_CODE_CANCELLED;
 }

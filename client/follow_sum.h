@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* follow_sum.h: the progress of several jobs as that of one. */
+/* follow_sum.h: the progress of several jobs as that of one, and how they ended. */
 #ifndef CLIENT_FOLLOW_SUM_H
 #define CLIENT_FOLLOW_SUM_H
 
@@ -24,5 +24,13 @@ struct follow_sum follow_sum(const struct follow_entry *entries, size_t n);
 void follow_note_job(struct follow_entry *entries, size_t n, const shear_msg_job *job);
 void follow_note_progress(struct follow_entry *entries, size_t n, int64_t id,
                           const shear_msg_progress *progress);
+
+/* How jobs ended. */
+struct follow_tally {
+    size_t done, failed, cancelled, unfinished;
+};
+
+/* What a command that waited for them exits with. */
+int follow_exit_code(const struct follow_tally *tally);
 
 #endif

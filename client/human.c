@@ -57,7 +57,7 @@ char *human_age(int64_t since_ms, int64_t now_ms, char buf[HUMAN_SIZE]) {
         snprintf(buf, HUMAN_SIZE, "%" PRId64 " s", age / 1000);
         return buf;
     }
-    return human_duration((double)(age / 1000), buf);
+    return human_duration((double)age / 1000.0, buf);
 }
 
 char *human_bytes(int64_t bytes, char buf[HUMAN_SIZE]) {

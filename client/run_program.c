@@ -43,7 +43,7 @@ static bool collect(int fd, char *buf, size_t size) {
     }
 }
 
-static int start(char *const argv[], int output, pid_t *pid) {
+static int start(const char *const argv[], int output, pid_t *pid) {
     posix_spawn_file_actions_t actions;
     if (posix_spawn_file_actions_init(&actions)) {
         return -1;
@@ -51,12 +51,13 @@ static int start(char *const argv[], int output, pid_t *pid) {
     int failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     failed = failed ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     failed = failed ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
-    failed = failed ? failed : posix_spawn(pid, argv[0], &actions, NULL, argv, environ);
+    failed =
+        failed ? failed : posix_spawn(pid, argv[0], &actions, NULL, (char *const *)argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     return failed ? -1 : 0;
 }
 
-int run_program(char *const argv[], char **text) {
+int run_program(const char *const argv[], char **text) {
     int ends[2];
     int state = 0;
     pid_t pid = 0;
@@ -113,7 +114,7 @@ char *run_program_find(const char *name) {
         *slash = '\0';
         found = try(own, strlen(own), name);
         if (!found && (size_t)(slash - own) + sizeof "/../sbin" < sizeof own) {
-            strcpy(slash, "/../sbin");
+            memcpy(slash, "/../sbin", sizeof "/../sbin");
             found = try(own, strlen(own), name);
         }
     }

@@ -3,10 +3,10 @@
 #ifndef CLIENT_RUN_PROGRAM_H
 #define CLIENT_RUN_PROGRAM_H
 
-/* Run argv[0] (an absolute path) and collect what it writes to standard output and error, up to 1
- * MiB, in *text (malloc'd, the caller's). Returns its exit code; -1 where it could not be run, was
- * killed, or took longer than 10 s; *text may be NULL then. */
-int run_program(char *const argv[], char **text);
+/* Run argv[0] (an absolute path; the list ends with NULL) and collect what it writes to standard
+ * output and error, up to 1 MiB, in *text (malloc'd, the caller's). Returns its exit code; -1 where
+ * it could not be run, was killed, or took longer than 10 s; *text may be NULL then. */
+int run_program(const char *const argv[], char **text);
 
 /* The path of `name`: beside this program, in ../sbin of it, or in PATH and the directories of
  * system programs. malloc'd; NULL: not found. */

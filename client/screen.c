@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "screen.h"
 
+#include "dial.h"
 #include "progress.h"
 #include "style.h"
 
@@ -16,12 +17,14 @@
 enum { DEFAULT_COLUMNS = 80, DEFAULT_ROWS = 24, N_SIGNALS = 4 };
 
 static const int signals[N_SIGNALS] = {SIGINT, SIGTERM, SIGHUP, SIGWINCH};
-static volatile sig_atomic_t ended;
+static volatile sig_atomic_t ended, resized;
 static struct sigaction old_actions[N_SIGNALS];
 static struct termios old_terminal;
 
 static void on_signal(int number) {
-    if (number != SIGWINCH) { /* which only has to interrupt the waiting */
+    if (number == SIGWINCH) {
+        resized = 1;
+    } else {
         ended = 1;
         progress_interrupt(); /* ends what the service is asked at the moment */
     }
@@ -64,7 +67,7 @@ void screen_draw(const char *text) {
         const size_t n = strcspn(text, "\n");
         snprintf(line, sizeof line, "%.*s", (int)n, text);
         /* The last row ends without a new line: the screen must not scroll. */
-        printf("%s%.*s\x1b[0m\x1b[K", row ? "\r\n" : "", (int)style_fit(line, columns), line);
+        printf("%s%.*s\x1b[0m\x1b[K", row ? "\n" : "", (int)style_fit(line, columns), line);
         text += n + (text[n] == '\n');
     }
     fputs("\x1b[J", stdout);
@@ -77,18 +80,29 @@ static bool wants_end(void) {
     return n == 0 || (n > 0 && (memchr(keys, 'q', (size_t)n) || memchr(keys, 'Q', (size_t)n)));
 }
 
-bool screen_wait(double seconds) {
-    struct pollfd p = {.fd = STDIN_FILENO, .events = POLLIN};
-    if (ended) {
-        return true;
+/* A signal that comes just before poll() is noticed after one slice. */
+enum { SLICE_MS = 200 };
+
+static bool wait_for(int fd, double seconds) {
+    struct pollfd p = {.fd = fd, .events = POLLIN};
+    const double end = dial_now() + seconds;
+    resized = 0;
+    while (!ended && !resized) {
+        const double left_ms = 1000.0 * (end - dial_now());
+        if (left_ms <= 0.0) {
+            break;
+        }
+        if (poll(&p, 1, left_ms < SLICE_MS ? (int)left_ms + 1 : SLICE_MS) > 0) {
+            return wants_end();
+        }
     }
-    const int n = poll(&p, 1, (int)(1000.0 * seconds));
-    return ended || (n > 0 && wants_end());
+    return ended != 0;
+}
+
+bool screen_wait(double seconds) {
+    return wait_for(STDIN_FILENO, seconds);
 }
 
 bool screen_sleep(double seconds) {
-    if (!ended) {
-        poll(NULL, 0, (int)(1000.0 * seconds));
-    }
-    return ended != 0;
+    return wait_for(-1, seconds);
 }

@@ -17,7 +17,7 @@ void screen_draw(const char *text);
 
 /* Wait for `seconds`, a key or a new size. True: the user wants to end (q, ^C, a signal). */
 bool screen_wait(double seconds);
-/* The same, anywhere, without a terminal: true after SIGINT or SIGTERM. */
+/* Only wait. */
 bool screen_sleep(double seconds);
 
 #endif

@@ -32,7 +32,7 @@ static int ask_jobs(struct service *s, unsigned states, int64_t n, shear_reply *
 
 static bool is_known(const struct watch_view *v, const char *const *names, const char *name) {
     for (size_t i = 0; i < v->n_fields; i++) {
-        if (strcmp(names[i], name) == 0) {
+        if (names[i] && strcmp(names[i], name) == 0) {
             return true;
         }
     }

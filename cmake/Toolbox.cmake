@@ -43,7 +43,7 @@ function(shear_add_test name)
   add_executable(test_${name} ${T_SOURCES})
   target_link_libraries(test_${name} PRIVATE shear_flags ${T_LIBRARIES} PkgConfig::CMOCKA m)
   # What gcc believes of the lengths of names in a test depends on how it inlines: no error in one preset only.
-  target_compile_options(test_${name} PRIVATE -Wno-format-truncation)
+  target_compile_options(test_${name} PRIVATE $<$<C_COMPILER_ID:GNU>:-Wno-format-truncation>)
   set_target_properties(test_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND test_${name} WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(NOT T_TIMEOUT)

@@ -148,6 +148,8 @@ int rpc_from_access(shear_rpc_error *error, int code, const shear_error *err);
 /* present.c: records of the store as messages. Texts are borrowed from the record. */
 void present_job(service *s, const store_job *job, shear_msg_job *out);
 void present_job_free(shear_msg_job *out);
+/* Add the rows of a field that have no contribution yet, but running jobs. */
+int present_begun(service *s, const char *name, store_field_page *page, shear_error *err);
 int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err);
 void present_field_free(shear_msg_field_row *out);
 void present_summary(const store_field *f, shear_msg_summary *out);

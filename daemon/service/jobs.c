@@ -211,6 +211,11 @@ static int open_source(service *s, const store_job *job, active_job *j, int *fd,
     j->path = strdup(source.path != NULL ? source.path : "");
     int code;
     if (own_file) {
+        /* By the name that its owner gave it: in messages, and where the field is named after it.
+         */
+        const char *dash = strchr(spooled, '-');
+        free(j->path);
+        j->path = strdup(dash != NULL ? dash + 1 : spooled);
         j->active_name = strdup(spooled);
         code = spool_open_file(s->spool, spooled, fd, err);
         *name = code == SPOOL_GONE ? shear_rpc_code_get(SHEAR_RPC_FILE_VANISHED)->name : *name;

@@ -88,10 +88,15 @@ void life_drain(service *s, double timeout_s) {
 
 /* ---- reload ---- */
 
+/* "section.key" of each, in one block of memory. */
 static const char **names_of(const size_t *indices, size_t n) {
-    const char **names = calloc(n + 1, sizeof *names);
-    for (size_t i = 0; names != NULL && i < n; i++) {
-        names[i] = sheard_setting_at(indices[i]).key;
+    enum { NAME_SIZE = 80 };
+    const char **names = calloc(n + 1, sizeof *names + NAME_SIZE);
+    char *text = (char *)(names + n + 1);
+    for (size_t i = 0; names != NULL && i < n; i++, text += NAME_SIZE) {
+        const sheard_setting setting = sheard_setting_at(indices[i]);
+        snprintf(text, NAME_SIZE, "%s.%s", setting.section, setting.key);
+        names[i] = text;
     }
     return names;
 }

@@ -284,6 +284,9 @@ static void do_field(service *s, const server_request *r) {
         refuse(s, r->handle, SHEAR_RPC_NO_SUCH_FIELD, err.message);
         return;
     }
+    if (code == SHEAR_OK) {
+        code = present_begun(s, p->field, &page, &err);
+    }
     shear_msg_field_row *rows = code == SHEAR_OK ? calloc(page.n + 1, sizeof *rows) : NULL;
     store_contribution_page *lists = rows != NULL ? calloc(page.n + 1, sizeof *lists) : NULL;
     size_t n = 0;

@@ -91,6 +91,58 @@ static int sums_now(service *s, const store_field *f, shear_field_sums **sums, i
     return code;
 }
 
+static bool has_row(const store_field_page *page, const char *digest) {
+    for (size_t i = 0; i < page->n; i++) {
+        if (strcmp(page->fields[i].settings_digest, digest) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int add_row(store_field_page *page, const char *name, const active_job *j,
+                   shear_error *err) {
+    char settings[SHEAR_MSG_SETTINGS_SIZE];
+    const int code = shear_settings_write(&j->settings, settings, sizeof settings, err);
+    store_field *grown =
+        code == SHEAR_OK ? realloc(page->fields, (page->n + 1) * sizeof *grown) : NULL;
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (grown != NULL) {
+        page->fields = grown;
+        store_field *f = &grown[page->n++];
+        *f = (store_field){.name = strdup(name),
+                           .settings_digest = strdup(j->digest),
+                           .settings = strdup(settings),
+                           .sums = strdup("")};
+        if (f->name != NULL && f->settings_digest != NULL && f->settings != NULL &&
+            f->sums != NULL) {
+            return SHEAR_OK;
+        }
+    }
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the rows of a field");
+}
+
+int present_begun(service *s, const char *name, store_field_page *page, shear_error *err) {
+    const size_t counted = page->n;
+    int code = SHEAR_OK;
+    for (const active_job *j = s->active; code == SHEAR_OK && j != NULL; j = j->next) {
+        if (!j->ended && j->field != NULL && strcmp(j->field, name) == 0 &&
+            !has_row(page, j->digest)) {
+            code = add_row(page, name, j, err);
+        }
+    }
+    for (size_t i = counted; code == SHEAR_OK && i < page->n; i++) {
+        for (const active_job *j = s->active; j != NULL; j = j->next) {
+            page->fields[i].unfinished += !j->ended && j->field != NULL &&
+                                          strcmp(j->field, name) == 0 &&
+                                          strcmp(j->digest, page->fields[i].settings_digest) == 0;
+        }
+    }
+    return code;
+}
+
 int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_result result;

@@ -66,7 +66,9 @@ static void move(service *s, const char *active_name, bool good, const shear_msg
     char *text = NULL;
     int code = shear_side_text(&text, side, &error) == SHEAR_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
     if (code == SHEAR_OK) {
+        /* Twice: the file may be there, and only an fsync missing; then it is not told again. */
         code = spool_end(s->spool, active_name, good, text, &err);
+        code = code == SHEAR_E_IO ? spool_end(s->spool, active_name, good, text, &err) : code;
     }
     free(text);
     if (code != SHEAR_OK) {

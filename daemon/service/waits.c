@@ -82,7 +82,7 @@ void waits_add(service *s, server_handle to, int method, bool known, const int64
         return;
     }
     memcpy(w->ids, ids, n * sizeof *ids);
-    if (answer(s, w, false)) {
+    if (answer(s, w, w->until_ms <= (int64_t)uv_now(&s->loop))) {
         waiter_free(w);
         return;
     }

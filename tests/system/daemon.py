@@ -144,10 +144,8 @@ class Daemon:
     # ---- life ----
 
     def spawn(self):
-        """Start it, and do not wait. A kill leaves the old socket file, which says nothing."""
+        """Start it, and do not wait."""
         assert not self.alive()
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(self.socket)
         self.starts += 1
         with open(self.log, "ab") as log:
             self.process = subprocess.Popen([SHEARD, "--config", self.config], env=self.env,
@@ -239,7 +237,7 @@ class Daemon:
         def idle():
             states = self.call("status")["states"]
             return not (states["queued"] or states["running"] or states["waiting"] or
-                        self.dropped("incoming") or os.listdir(self.folder("active")))
+                        self.dropped("incoming") or self.dropped("active"))
         return until(idle, "the service is idle", limit, 0.05)
 
     # ---- the watch folder ----

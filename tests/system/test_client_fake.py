@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """shearctl's subcommands that talk to the service, against a service that says what each test wants."""
+import fcntl
 import json
 import os
 import pty
 import re
 import select
+import shutil
 import signal
 import socket
 import subprocess
@@ -457,7 +459,7 @@ class Lists(ServiceTest):
         answer = self.ctl("jobs", "--limit", "450", "--brief")
         self.assertCode(answer, DONE)
         self.assertEqual(answer.out.split(), [str(i) for i in range(1000, 550, -1)])
-        self.assertEqual([p["limit"] for p in service.named("jobs")], [200, 200, 50])
+        self.assertEqual([p.get("limit", 50) for p in service.named("jobs")], [200, 200, 50])
         self.assertIn("--cursor 550", answer.err)
 
     def test_empty_pages_end(self):
@@ -700,35 +702,48 @@ esac
         os.chmod(path, 0o755)
         return {"PATH": self.path("bin") + ":" + os.environ["PATH"]}
 
-    def beside(self):
-        """A copy of the tool that has no sheard beside it: the one of PATH is found."""
-        return os.path.exists(os.path.join(os.path.dirname(SHEARCTL), "sheard"))
+    def alone(self, env):
+        """Findings of a copy of the tool that has no sheard beside it: the one of PATH is found."""
+        os.makedirs(self.path("alone"), exist_ok=True)
+        tool = shutil.copy(SHEARCTL, self.path("alone/shearctl"))
+        process = subprocess.run([tool, "doctor", "--json"], capture_output=True, text=True, check=False, timeout=60,
+                                 env={**os.environ, **SANITIZERS, "SHEARD_SOCKET": self.socket, **env})
+        found = [json.loads(line) for line in process.stdout.splitlines()]
+        return process.returncode, found, {f["subject"]: f for f in found}
 
     def test_configuration_and_disks(self):
-        if self.beside():
-            self.skipTest("a sheard is beside the tool: it is asked, and not ours")
         self.serve(status=status())
         os.mkdir(self.path("state"))
         for name in ("incoming", "active", "done", "failed"):
             os.makedirs(self.path(f"spool/{name}"))
         os.mkdir(self.path("data"))
         env = self.program(roots=f" {self.path('data')},\n    {self.path('gone')}")
-        answer, found = self.findings(env=env)
-        for name in ("program", "config", "clock"):
+        code, _, found = self.alone(env)
+        for name in ("program", "config", "clock", "state"):
             self.assertEqual(found[name]["level"], "ok", found[name])
         self.assertIn("nobody holds the lock", found["lock"]["message"])
         self.assertIn("gone", found["data root"]["message"])
-        self.assertCode(answer, OTHER)
+        self.assertEqual(code, OTHER)
+        with open(self.path("spool/.lock"), "w", encoding="ascii") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.assertEqual(self.alone(env)[2]["lock"]["level"], "ok")
         os.rmdir(self.path("spool/done"))
-        self.assertIn(self.path("spool/done"), self.ctl("doctor", env=env).out)
+        _, found, _ = self.alone(env)
+        self.assertIn(("fail", "spool"), [(f["level"], f["subject"]) for f in found if "spool/done" in f["message"]])
 
     def test_a_bad_configuration(self):
-        if self.beside():
-            self.skipTest("a sheard is beside the tool: it is asked, and not ours")
         self.serve(status=status())
-        answer, found = self.findings(env=self.program(3, "sheard.conf:7: error: unknown key"))
-        self.assertCode(answer, OTHER)
+        code, _, found = self.alone(self.program(3, "sheard.conf:7: error: unknown key"))
+        self.assertEqual(code, OTHER)
         self.assertIn("sheard.conf:7: error: unknown key", found["config"]["message"])
+
+    def test_no_program(self):
+        self.serve(status=status())
+        os.makedirs(self.path("empty"))
+        _, _, found = self.alone({"PATH": self.path("empty")})
+        if not any(os.path.exists(f"{d}/sheard") for d in ("/usr/local/sbin", "/usr/sbin", "/usr/bin")):
+            self.assertEqual(found["program"]["level"], "warn")
+            self.assertNotIn("state", found)
 
     def test_lines(self):
         self.serve(status=status())
@@ -836,7 +851,7 @@ class OnATerminal(ServiceTest):
     def test_watch_resizes(self):
         self.watched()
         process, main = self.start("watch", "--interval", "1h", columns=200)
-        wide = self.read(main, until="q ends")
+        wide = self.read(main, until="\x1b[J")  # the end of a picture
         subprocess.run(["stty", "cols", "40", "rows", "10"], stdin=main, check=True)
         process.send_signal(signal.SIGWINCH)
         text = self.read(main, until="\x1b[J")

@@ -12,7 +12,7 @@ import unittest
 from daemon import (DaemonTest, RpcError, content_of, measured, mock, named, until)
 
 SHIM = os.path.abspath(os.environ["FAULTSHIM"])
-FAULTS = os.environ.get("SHEARD_FAULTS", "6")
+FAULTS = os.environ.get("SHEARD_FAULTS", "4")
 SEED = int(os.environ.get("SHEARD_SEED", "5"))
 FIELDS = ("one", "two")
 DROPPED = ["one-0.fits", "two-0.fits"]
@@ -91,7 +91,7 @@ class Faults(DaemonTest):
     def idle(self, daemon):
         states = daemon.call("status")["states"]
         return not (states["queued"] or states["running"] or states["waiting"] or
-                    daemon.dropped("incoming") or os.listdir(daemon.folder("active")))
+                    daemon.dropped("incoming") or daemon.dropped("active"))
 
     def check(self, daemon, acknowledged):
         message = self.point
@@ -125,6 +125,7 @@ class Faults(DaemonTest):
         self.submit(daemon, acknowledged)
         daemon.wait_idle(30)
         self.check(daemon, acknowledged)
+        self.assertEqual(os.listdir(daemon.folder("active")), [], self.point)
         daemon.close()
         return counted
 

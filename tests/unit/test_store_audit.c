@@ -36,8 +36,8 @@ static void contradictions_are_found(void **state) {
         "UPDATE contributions SET job = 2 WHERE job = 1",
         "UPDATE contributions SET content = 'other' WHERE job = 1",
         "UPDATE contributions SET n_stamps = 17 WHERE job = 1",
-        "UPDATE contributions SET sums = (SELECT sums FROM contributions WHERE job = 3) WHERE job "
-        "= 1",
+        ("UPDATE contributions SET sums = (SELECT sums FROM contributions WHERE job = 3) WHERE job "
+         "= 1"),
         "UPDATE fields SET sums = (SELECT sums FROM contributions WHERE job = 3)",
         "UPDATE fields SET sums = 'shear-sums 2'",
         "UPDATE fields SET jobs = jobs + 1",
