@@ -38,7 +38,7 @@ static const shear_rpc_code_info table[SHEAR_N_RPC_CODES] = {
     [SHEAR_RPC_BAD_PARAMETER] = {"bad_parameter", -32602, false, NONE,
                                  "correct the parameter; docs/protocol.md tells what it may be"},
     [SHEAR_RPC_BAD_SETTING] = {"bad_setting", -32007, false, DATA,
-                               "shearctl help settings lists the settings and their values"},
+                               "shearctl help measure lists the settings and their values"},
     [SHEAR_RPC_BAD_CURSOR] =
         {"bad_cursor", -32008, false, NONE,
          "give the cursor of the page before, unchanged, with the same filter"},

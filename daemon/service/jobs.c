@@ -175,8 +175,8 @@ static void fail_job(service *s, int64_t id, int64_t failures, int class, const 
     int state = 0;
     const store_failure f = {.failure_class = class,
                              .code = name,
-                             .message = error->message,
-                             .advice = error->advice,
+                             .message = error->message[0] != '\0' ? error->message : name,
+                             .advice = error->advice[0] != '\0' ? error->advice : NULL,
                              .retry_at_ms = retry_at(s, class, failures, now),
                              .now_ms = now};
     int code = group_begin(s, &err);
