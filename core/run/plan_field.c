@@ -50,8 +50,8 @@ int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF of %d x %d samples",
                           info->geometry.psf_nx, info->geometry.psf_ny);
     }
-    int code = one ? psfs.read(psfs.self, 0, psf, err)
-                   : median_radius(psfs, info, psf, &r_psf, err);
+    int code =
+        one ? psfs.read(psfs.self, 0, psf, err) : median_radius(psfs, info, psf, &r_psf, err);
     if (code == SHEAR_OK) {
         code = shear_plan_new(plan, settings, &info->geometry, one ? psf : NULL, r_psf, has_r_gal,
                               err);

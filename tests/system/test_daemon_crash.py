@@ -151,9 +151,9 @@ class Checkpoint(DaemonTest):
         return saved
 
     def test_resume(self):
-        daemon = self.daemon()
-        path = mock(os.path.join(daemon.data, "large.fits"), 3200, 32, 9)
-        settings = {"interpolation": "bicubic", "oversample": 16}
+        daemon = self.daemon({"daemon.workers": 1})
+        path = mock(os.path.join(daemon.data, "large.fits"), 800, 32, 9)
+        settings = {"interpolation": "bicubic", "oversample": 32}
         job = daemon.submit(path, settings=settings)["id"]
         daemon.wait_state(job, "running")
         saved = self.interrupt(daemon, job)
@@ -162,7 +162,7 @@ class Checkpoint(DaemonTest):
         progress = until(lambda: (p := daemon.job(job)["progress"]) and p["done"] and p, "it goes on")
         self.assertGreaterEqual(progress["done"], saved[0] * BLOCK, "it began anew")
         daemon.wait_state(job, "done")
-        expected = measured([path], "--interpolation", "bicubic", "--oversample", "16")
+        expected = measured([path], "--interpolation", "bicubic", "--oversample", "32")
         self.assertRow(daemon, "large", expected, 1)
         endings = [a["ending"] for a in daemon.call("job", id=job)["history"]]
         self.assertEqual(endings, ["interrupted", "done"])

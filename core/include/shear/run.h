@@ -16,8 +16,8 @@ typedef struct shear_psf_source {
     int (*read)(void *self, int64_t index, double *out, shear_error *err);
 } shear_psf_source;
 
-/* Make the plan for a field: reads its PSF (the median radius of up to 256 of them, evenly spaced, where
- * it has many), and resolves the settings. */
+/* Make the plan for a field: reads its PSF (the median radius of up to 256 of them, evenly spaced,
+ * where it has many), and resolves the settings. */
 int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
                         const shear_field_info *info, shear_psf_source psfs, shear_error *err);
 /* The same for an open field file. */

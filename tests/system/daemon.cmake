@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The service as a real process: killed, starved, lied to. tests/soak/run does the same at full length.
+add_library(faultshim MODULE ${CMAKE_CURRENT_LIST_DIR}/faultshim.c)
+target_link_libraries(faultshim PRIVATE shear_flags ${CMAKE_DL_LIBS})
+set_target_properties(faultshim PROPERTIES C_VISIBILITY_PRESET default)
+add_dependencies(faultshim sheard sheard-reader shearctl)
+
+foreach(name basic crash faults hostile disk access)
+  add_test(NAME system_daemon_${name}
+    COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_daemon_${name}.py)
+  set_tests_properties(system_daemon_${name} PROPERTIES
+    LABELS "system;daemon" TIMEOUT 600
+    ENVIRONMENT "SHEARD=$<TARGET_FILE:sheard>;SHEARCTL=$<TARGET_FILE:shearctl>;FAULTSHIM=$<TARGET_FILE:faultshim>;SHEAR_SANITIZED=${sanitized}")
+endforeach()
