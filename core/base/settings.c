@@ -56,8 +56,8 @@ const shear_setting_def *shear_settings_table(size_t *n) {
 
 static bool same_name(const char *a, const char *b) {
     for (; *a != '\0' && *b != '\0'; a++, b++) {
-        const char ca = *a == '_' ? '-' : *a;
-        const char cb = *b == '_' ? '-' : *b;
+        const int ca = *a == '_' ? '-' : *a;
+        const int cb = *b == '_' ? '-' : *b;
         if (ca != cb) {
             return false;
         }

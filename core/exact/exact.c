@@ -78,7 +78,10 @@ double exact_value(const exact_sum *sums, int i) {
 
 char *exact_format(const exact_sum *sums, int i) {
     char *text = malloc(mpz_sizeinbase(sums[i].units, 16) + 2);
-    return text != NULL ? mpz_get_str(text, 16, sums[i].units) : NULL;
+    if (text != NULL) {
+        mpz_get_str(text, 16, sums[i].units);
+    }
+    return text;
 }
 
 bool exact_parse(exact_sum *sums, int i, const char *text) {

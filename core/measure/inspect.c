@@ -81,7 +81,7 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     if (code == SHEAR_OK && row.flags != 0) {
         code = shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "stamp %lld is flagged (0x%x) and cannot be shown",
-                          (long long)(stamps->first + i), row.flags);
+                          (long long)stamps->first + i, row.flags);
     }
     if (code == SHEAR_OK && !allocate(out)) {
         code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an inspection");

@@ -160,7 +160,7 @@ static int negative_pixel(const shear_plan *plan, const shear_stamps *stamps, in
         "give a pedestal above the most negative pixel, or an interpolation that is not "
         "logarithmic",
         "%s stamp %lld (from 0) is negative at pixel (%d, %d), and %s takes logarithms",
-        where->in_noise ? "noise" : "galaxy", (long long)(stamps->first + i), where->x + 1,
+        where->in_noise ? "noise" : "galaxy", (long long)stamps->first + i, where->x + 1,
         where->y + 1, shear_interpolation_name(plan->info.interpolation));
 }
 

@@ -244,9 +244,10 @@ static int join_waiting(shear_work *work, shear_error *err) {
             i++;
             continue;
         }
-        code = join_blocks(work, work->waiting[i].sums, work->waiting[i].n, err);
-        free(work->waiting[i].sums);
+        const finished next = work->waiting[i];
         work->waiting[i] = work->waiting[--work->n_waiting];
+        code = join_blocks(work, next.sums, next.n, err);
+        free(next.sums);
         i = 0;
     }
     return code;

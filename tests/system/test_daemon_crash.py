@@ -155,7 +155,7 @@ class Checkpoint(DaemonTest):
         path = mock(os.path.join(daemon.data, "large.fits"), 800, 32, 9)
         settings = {"interpolation": "bicubic", "oversample": 32}
         job = daemon.submit(path, settings=settings)["id"]
-        daemon.wait_state(job, "running")
+        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
         saved = self.interrupt(daemon, job)
         self.assertEqual(len(saved), 1, "no checkpoint")
         self.assertGreater(saved[0], 0)
