@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The service as a real process: killed, starved, lied to. tests/soak/run does the same at full length.
 add_library(faultshim MODULE ${CMAKE_CURRENT_LIST_DIR}/faultshim.c)
-target_link_libraries(faultshim PRIVATE shear_flags ${CMAKE_DL_LIBS})
+target_compile_definitions(faultshim PRIVATE _GNU_SOURCE)
+if(SHEAR_SANITIZE) # preloaded into a sanitized program, it must not bring a sanitizer of its own
+  target_link_libraries(faultshim PRIVATE ${CMAKE_DL_LIBS})
+else()
+  target_link_libraries(faultshim PRIVATE shear_flags ${CMAKE_DL_LIBS})
+endif()
 set_target_properties(faultshim PROPERTIES C_VISIBILITY_PRESET default)
 add_dependencies(faultshim sheard sheard-reader shearctl)
 

@@ -88,7 +88,8 @@ class Access(DaemonTest):
         os.symlink(self.directory, self.d.data + "/folder")
         os.symlink("a.fits", self.d.data + "/within.fits")
         os.symlink("loop.fits", self.d.data + "/loop.fits")
-        for path in (outside, "/etc/passwd", self.d.data + "/link.fits", self.d.data + "/relative.fits",
+        for path in (outside, "/etc/passwd", self.d.data + "/link.fits",
+                     self.d.data + "/relative.fits",
                      self.d.data + "/folder/outside.fits", self.directory + "/none.fits",
                      f"/proc/{os.getpid()}/root{inside}", self.d.data + "x/a.fits"):
             with self.subTest(path=path), self.assertRefused("outside_roots"):

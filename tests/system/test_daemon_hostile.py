@@ -9,7 +9,6 @@ import random
 import resource
 import shutil
 import signal
-import socket
 import subprocess
 import threading
 import unittest
@@ -152,8 +151,8 @@ class BadFiles(DaemonTest):
         path = mock(os.path.join(daemon.data, "a.fits"), 4000, 32)
         job = daemon.submit(path, settings={"interpolation": "bicubic", "oversample": 16})["id"]
         for attempt in (1, 2):
-            until(lambda: (j := daemon.job(job))["attempts"] == attempt and j["progress"]["done"] and
-                  daemon.children(), "it measures")
+            until(lambda: (j := daemon.job(job))["attempts"] == attempt and
+                  j["progress"]["done"] and daemon.children(), "it measures")
             for pid in daemon.children():
                 os.kill(pid, signal.SIGSTOP)
             until(lambda: daemon.job(job)["state"] != "running" or
