@@ -103,9 +103,6 @@ struct service {
     int64_t started_ms;                                 /* wall clock */
     int64_t stamps_at[RATE_SLOTS], jobs_at[RATE_SLOTS]; /* a ring of the last minute */
     int64_t ticks, jobs_ended;
-    int64_t *orphans; /* [n_orphans] jobs whose state on disk may be behind: put back when the disk
-                         allows */
-    size_t n_orphans, orphan_room;
     int64_t store_trouble_ms; /* loop time of the last failed commit; 0: none lately */
     char trouble[200];
 };
@@ -122,7 +119,6 @@ void group_start(service *s);
 void jobs_fill(service *s);
 void jobs_take_events(service *s);
 void jobs_stop_all(service *s);
-void jobs_put_back(service *s); /* the orphans, once the store works again */
 active_job *jobs_find(service *s, int64_t id);
 
 /* spooled.c: files of the watch folder */

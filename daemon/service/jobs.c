@@ -40,38 +40,6 @@ static void forget(service *s, active_job *j) {
 
 /* ---- the end of an attempt ---- */
 
-/* What the store says of the job may be behind what has happened: as soon as the store works again,
- * the job is given back and runs anew (its sums did not count, or the store will say so). */
-static void orphan(service *s, int64_t id) {
-    if (s->n_orphans == s->orphan_room) {
-        const size_t room = s->orphan_room > 0 ? 2 * s->orphan_room : 16;
-        int64_t *orphans = realloc(s->orphans, room * sizeof *orphans);
-        if (orphans == NULL) {
-            log_error("job %lld: out of memory; it goes on after a restart", (long long)id);
-            return;
-        }
-        s->orphans = orphans;
-        s->orphan_room = room;
-    }
-    s->orphans[s->n_orphans++] = id;
-}
-
-void jobs_put_back(service *s) {
-    shear_error err = {0};
-    int state = 0;
-    while (s->n_orphans > 0 && s->store_trouble_ms == 0 && group_begin(s, &err) == SHEAR_OK) {
-        const int64_t id = s->orphans[s->n_orphans - 1];
-        const int code = jobs_find(s, id) == NULL
-                             ? store_release(s->store, id, wall_ms(), &state, &err)
-                             : SHEAR_OK;
-        if (code != SHEAR_OK && store_is_transient(code)) {
-            return;
-        }
-        s->n_orphans--; /* given back, or not running any more: then the change had reached the disk
-                         */
-    }
-}
-
 static void publish_field(service *s, const store_job *job) {
     store_field_page page = {0};
     shear_error ignored;
@@ -98,7 +66,7 @@ static void settled(service *s, after *a, int code, const shear_error *err) {
     if (code != SHEAR_OK) {
         log_error("job %lld: its end is not on disk (%s); it will run again", (long long)a->job,
                   err->message);
-        orphan(s, a->job);
+        s->strays = true;
         return;
     }
     if (store_job_get(s->store, a->job, &job, &ignored) != SHEAR_OK) {
@@ -187,7 +155,7 @@ static void fail_job(service *s, int64_t id, int64_t failures, int class, const 
         settle_later(s, id);
     } else {
         log_error("job %lld: its failure cannot be stored: %s", (long long)id, err.message);
-        orphan(s, id);
+        s->strays = true;
     }
 }
 
@@ -300,7 +268,7 @@ static void start_marked(service *s, after *a, int code, const shear_error *err)
     store_job job = {0};
     shear_error ignored;
     if (code != SHEAR_OK || store_job_get(s->store, a->job, &job, &ignored) != SHEAR_OK) {
-        orphan(s, a->job); /* most likely nothing was marked */
+        s->strays = true; /* most likely nothing was marked */
         return;
     }
     if (job.state == STORE_RUNNING && jobs_find(s, job.id) == NULL) {
@@ -489,7 +457,7 @@ static void stopped(service *s, active_job *j) {
     if (code == SHEAR_OK) {
         settle_later(s, j->id);
     } else {
-        orphan(s, j->id);
+        s->strays = true;
     }
 }
 

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { FLUSH_MS = 2000, CHECKPOINT_MS = 5000 };
@@ -233,7 +234,6 @@ static void on_tick(uv_timer_t *timer) {
         shear_error ignored;
         group_begin(s, &ignored);
     }
-    jobs_put_back(s);
     if (s->config.retention.jobs_max_age_ms > 0 || s->config.retention.jobs_max_count > 0) {
         shear_error err = {0};
         int64_t retired = 0;
@@ -347,6 +347,20 @@ static int open_server(service *s, shear_error *err) {
     return code == SHEAR_OK ? server_open(&s->server, &s->loop, &options, err) : code;
 }
 
+/* A service that was killed while it started a reader may leave a child that holds its socket and
+ * its locks until it has become the reader: a moment, but a restart comes as soon. */
+static int open_when_left(service *s, int (*open_it)(service *, shear_error *), int taken,
+                          shear_error *err) {
+    enum { PATIENCE_MS = 2000, STEP_MS = 50 };
+    const struct timespec step = {.tv_nsec = STEP_MS * 1000000L};
+    int code = open_it(s, err);
+    for (int waited = 0; code == taken && waited < PATIENCE_MS; waited += STEP_MS) {
+        nanosleep(&step, NULL);
+        code = open_it(s, err);
+    }
+    return code;
+}
+
 static void start_handles(service *s) {
     static const int numbers[3] = {SIGTERM, SIGINT, SIGHUP};
     uv_async_init(&s->loop, &s->engine_wake, on_engine);
@@ -393,10 +407,10 @@ int service_open(service **out, sheard_config *config, const char *config_path,
         code = open_engine(s, err);
     }
     if (code == SHEAR_OK) {
-        code = open_server(s, err);
+        code = open_when_left(s, open_server, SHEAR_E_EXISTS, err);
     }
     if (code == SHEAR_OK) {
-        code = spooled_open(s, err);
+        code = open_when_left(s, spooled_open, SPOOL_LOCKED, err);
     }
     if (code != SHEAR_OK) {
         service_close(s);
@@ -438,7 +452,6 @@ void service_close(service *s) {
     uv_loop_close(&s->loop);
     sheard_list_free(&s->assignments);
     sheard_config_free(&s->config);
-    free(s->orphans);
     free(s->config_path);
     free(s);
 }
