@@ -59,6 +59,7 @@ void screen_end(void) {
 }
 
 void screen_draw(const char *text) {
+    resized = 0; /* before the size is asked: a change from here on asks for another picture */
     const int columns = style_columns(STDOUT_FILENO, DEFAULT_COLUMNS);
     const int rows = style_rows(STDOUT_FILENO, DEFAULT_ROWS);
     fputs("\x1b[H", stdout);
@@ -86,7 +87,6 @@ enum { SLICE_MS = 200 };
 static bool wait_for(int fd, double seconds) {
     struct pollfd p = {.fd = fd, .events = POLLIN};
     const double end = dial_now() + seconds;
-    resized = 0;
     while (!ended && !resized) {
         const double left_ms = 1000.0 * (end - dial_now());
         if (left_ms <= 0.0) {
