@@ -105,13 +105,16 @@ static void print_row(const bench_case *c, const timing *t, bool json) {
 int main(int argc, char **argv) {
     bool json = false;
     int rounds = 21;
+    const char *only = "";
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--json") == 0) {
             json = true;
         } else if (strcmp(argv[i], "--rounds") == 0 && i + 1 < argc) {
             rounds = atoi(argv[++i]);
+        } else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) {
+            only = argv[++i];
         } else {
-            fprintf(stderr, "usage: shear-bench [--rounds N] [--json]\n");
+            fprintf(stderr, "usage: shear-bench [--rounds N] [--json] [--only CASE]\n");
             return 2;
         }
     }
@@ -126,6 +129,9 @@ int main(int argc, char **argv) {
     }
     for (int i = 0; i < bench_n_cases; i++) {
         timing t;
+        if (strstr(bench_cases[i].name, only) == NULL) {
+            continue;
+        }
         if (time_case(&bench_cases[i], rounds, &t) != SHEAR_OK) {
             return 1;
         }

@@ -216,8 +216,11 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     if (!pack_pair(plan, ws, fine, galaxy, noise, &failure)) {
         return negative_pixel(plan, stamps, i, &failure, err);
     }
-    transform_pair(plan, ws, fine, t);
-    const moments m = moments_of(ws->pair, plan->stride, &plan->transfer_plan, t);
+    moments m = {0};
+    for (int group = 0; group * FFT_LINES <= t->jx; group++) {
+        const mode_columns columns = transform_columns(plan, ws, group);
+        moments_add(&m, &columns, &plan->transfer_plan, t);
+    }
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;
 }

@@ -136,8 +136,14 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
         image_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
     const bool transfer_made = transfer_plan_init(tp);
     plan->stride = fft_row_stride(info->fine_nx);
-    plan->fft = fft_image_new(info->fine_nx, info->fine_ny);
-    return grid_made && psf_grid_made && transfer_made && plan->fft != NULL;
+    const fft_layout lines = {.step = 1, .apart = info->fine_nx};
+    const fft_layout rows = {.step = 1, .apart = (int)plan->stride};
+    const fft_layout across = {.step = (int)plan->stride, .apart = 1};
+    const fft_layout columns = {.step = FFT_LINES, .apart = 1};
+    plan->rows = fft_complex_new(info->fine_nx, lines, rows);
+    plan->columns = fft_complex_new(info->fine_ny, across, columns);
+    return grid_made && psf_grid_made && transfer_made && plan->rows != NULL &&
+           plan->columns != NULL;
 }
 
 static bool make_filter(shear_plan *plan) {
@@ -245,7 +251,8 @@ void shear_plan_free(shear_plan *plan) {
         return;
     }
     image_grid_deinit(&plan->grid);
-    fft_image_free(plan->fft);
+    fft_batch_free(plan->rows);
+    fft_batch_free(plan->columns);
     transfer_plan_deinit(&plan->transfer_plan);
     transfer_deinit(&plan->transfer);
     filter_map_deinit(&plan->fine);
