@@ -53,6 +53,7 @@ static void copy_spectra(const shear_plan *plan, const shear_workspace *ws, cons
     const transfer_plan *p = &plan->transfer_plan;
     const double s2 = (double)p->s * p->s;
     const double norm = (double)p->nx * p->ny * s2 * s2;
+    const double flat = shot_power(plan, ws);
     for (int jy = -t->jy; jy <= t->jy; jy++) {
         for (int jx = -t->jx; jx <= t->jx; jx++) {
             const size_t at =
@@ -62,7 +63,7 @@ static void copy_spectra(const shear_plan *plan, const shear_workspace *ws, cons
             const int ty = jx < 0 ? -jy : jy;
             const double weight = tx > 0 ? 2.0 : 1.0;
             const double both = t->t[(size_t)(ty + p->max_jy) * p->stride + (size_t)tx];
-            out->power[at] = moments_power(ws->pair, plan->stride, p, jx, jy) / norm;
+            out->power[at] = (moments_power(ws->pair, plan->stride, p, jx, jy) - flat) / norm;
             out->transfer[at] = both / weight * norm;
             out->target_power[at] = out->transfer[at] * out->power[at];
         }

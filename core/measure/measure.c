@@ -217,7 +217,8 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
         return negative_pixel(plan, stamps, i, &failure, err);
     }
     transform_pair(plan, ws, fine, t);
-    const moments m = moments_of(ws->pair, plan->stride, &plan->transfer_plan, t);
+    const moments m =
+        moments_of(ws->pair, plan->stride, &plan->transfer_plan, t, shot_power(plan, ws));
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;
 }

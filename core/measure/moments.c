@@ -25,8 +25,8 @@ typedef struct row_sums {
 /* here: modes (0 .. jx, jy); there: the row of -jy, whose mode -jx lies at [nx - jx]. Interleaved
  * re, im. */
 SHEAR_SIMD static row_sums sum_row(const double *here, const double *there, const double *t, int nx,
-                                   int last) {
-    const double power0 = here[0] * there[0] - here[1] * there[1];
+                                   int last, double flat) {
+    const double power0 = here[0] * there[0] - here[1] * there[1] - flat;
     double s0 = t[0] * power0;
     double s1 = 0.0;
     double s2 = 0.0;
@@ -35,7 +35,7 @@ SHEAR_SIMD static row_sums sum_row(const double *here, const double *there, cons
 #pragma omp simd reduction(+ : s0, s1, s2, s3, s4)
     for (int jx = 1; jx <= last; jx++) {
         const double *b = there + 2 * (ptrdiff_t)(nx - jx);
-        const double tp = t[jx] * (here[2 * jx] * b[0] - here[2 * jx + 1] * b[1]);
+        const double tp = t[jx] * (here[2 * jx] * b[0] - here[2 * jx + 1] * b[1] - flat);
         const double x = jx;
         const double x2 = x * x;
         s0 += tp;
@@ -48,7 +48,7 @@ SHEAR_SIMD static row_sums sum_row(const double *here, const double *there, cons
 }
 
 moments moments_of(const double complex *z, size_t stride, const transfer_plan *p,
-                   const transfer *t) {
+                   const transfer *t, double flat) {
     const int nx = p->nx * p->s;
     const int ny = p->ny * p->s;
     const double ux = 2.0 * M_PI / p->nx;
@@ -58,7 +58,7 @@ moments moments_of(const double complex *z, size_t stride, const transfer_plan *
         const double *here = (const double *)(z + wrap(jy, ny) * stride);
         const double *there = (const double *)(z + wrap(-jy, ny) * stride);
         const row_sums r =
-            sum_row(here, there, t->t + (size_t)(jy + p->max_jy) * p->stride, nx, t->jx);
+            sum_row(here, there, t->t + (size_t)(jy + p->max_jy) * p->stride, nx, t->jx, flat);
         const double y = uy * jy;
         const double xx = ux * ux * r.s2;
         const double x4 = ux * ux * ux * ux * r.s4;

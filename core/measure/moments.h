@@ -17,9 +17,10 @@ typedef struct moments {
     double m20, m02, m11, m4, u, v;
 } moments;
 
-/* Z: [ny s][stride] with columns -t->jx .. t->jx (mod nx s) transformed. */
+/* Z: [ny s][stride] with columns -t->jx .. t->jx (mod nx s) transformed; `flat` is taken off the
+ * corrected power of every mode. */
 moments moments_of(const double complex *z, size_t stride, const transfer_plan *p,
-                   const transfer *t);
+                   const transfer *t, double flat);
 
 /* The corrected power of one mode, |jx| and |jy| within the transformed columns. For pictures. */
 double moments_power(const double complex *z, size_t stride, const transfer_plan *p, int jx,

@@ -67,6 +67,14 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     return true;
 }
 
+static bool wants_plateau(const shear_plan *plan) {
+    return plan->settings.shot_noise == SHEAR_SHOT_PLATEAU;
+}
+
+double shot_power(const shear_plan *plan, const shear_workspace *ws) {
+    return wants_plateau(plan) ? plateau_of(&plan->plateau, ws->pair, plan->stride) : 0.0;
+}
+
 void transform_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                     const transfer *t) {
     for (int y = 0; y < plan->info.fine_ny; y++) {
@@ -77,8 +85,9 @@ void transform_pair(const shear_plan *plan, shear_workspace *ws, const filter_ma
     /* Only columns with |jx| <= t->jx carry information: groups from the left, then those from the
      * right. */
     const int last = (plan->info.fine_nx - 1) / FFT_COLUMNS;
-    const int left = t->jx / FFT_COLUMNS;
-    const int right = (plan->info.fine_nx - t->jx) / FFT_COLUMNS;
+    const int jx = wants_plateau(plan) ? plan->info.fine_nx / 2 : t->jx;
+    const int left = jx / FFT_COLUMNS;
+    const int right = (plan->info.fine_nx - jx) / FFT_COLUMNS;
     for (int group = 0; group <= left; group++) {
         fft_image_columns(plan->fft, ws->pair, group);
     }

@@ -6,6 +6,7 @@
 #include "fft/fft.h"
 #include "measure/filter.h"
 #include "measure/image.h"
+#include "measure/plateau.h"
 #include "measure/transfer.h"
 #include "shear/plan.h"
 
@@ -20,6 +21,7 @@ struct shear_plan {
     transfer transfer;
     bool filtered;           /* info.filter is not NONE */
     filter_map fine, coarse; /* the filter on both grids, unless it differs from stamp to stamp */
+    plateau plateau;         /* where shot_noise is PLATEAU */
 };
 
 struct shear_workspace {
@@ -42,9 +44,12 @@ typedef struct pack_failure {
 } pack_failure;
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                const double *galaxy, const double *noise, pack_failure *failure);
-/* Transform the packed pair for the columns that `t` needs. */
+/* Transform the packed pair for the columns that `t` needs: all of them for a plateau. */
 void transform_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                     const transfer *t);
+/* What the transformed pair's power holds of shot noise, at every mode: 0 where shot_noise is NONE.
+ */
+double shot_power(const shear_plan *plan, const shear_workspace *ws);
 
 /* The filter and the transfer of stamp i; NULL filter: none. Flags in *flags where they cannot be
  * had. */
