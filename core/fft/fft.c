@@ -32,26 +32,32 @@ size_t fft_row_stride(int nx) {
     return FFT_LINES * (groups | 1u);
 }
 
-/* Numbers that a batch's lines span. */
+/* Numbers that a batch's lines span, and how many of them lie before the first one. */
 static size_t span(int n, fft_layout layout) {
-    return (size_t)(n - 1) * (size_t)layout.step + (FFT_LINES - 1) * (size_t)layout.apart + 1;
+    return (size_t)(n - 1) * (size_t)layout.step + (FFT_LINES - 1) * (size_t)abs(layout.apart) + 1;
+}
+
+static size_t before(fft_layout layout) {
+    return layout.apart < 0 ? (FFT_LINES - 1) * (size_t)-layout.apart : 0;
 }
 
 static fft_batch *make_batch(bool real, int n, fft_layout in, fft_layout out) {
     fft_batch *batch = calloc(1, sizeof *batch);
-    void *from = fft_alloc(span(n, in) * (real ? sizeof(double) : sizeof(fftw_complex)));
+    double *memory = fft_alloc(span(n, in) * (real ? sizeof(double) : sizeof(fftw_complex)));
     fftw_complex *to = fft_alloc(span(n, out) * sizeof *to);
-    if (batch != NULL && from != NULL && to != NULL) {
+    if (batch != NULL && memory != NULL && to != NULL) {
+        double *real_from = memory + before(in);
+        fftw_complex *from = (fftw_complex *)memory + before(in);
         pthread_mutex_lock(&planner);
-        batch->plan =
-            real ? fftw_plan_many_dft_r2c(1, &n, FFT_LINES, from, NULL, in.step, in.apart, to, NULL,
-                                          out.step, out.apart, FFTW_ESTIMATE | FFTW_PRESERVE_INPUT)
-                 : fftw_plan_many_dft(1, &n, FFT_LINES, from, NULL, in.step, in.apart, to, NULL,
-                                      out.step, out.apart, FFTW_FORWARD,
-                                      FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
+        batch->plan = real ? fftw_plan_many_dft_r2c(1, &n, FFT_LINES, real_from, NULL, in.step,
+                                                    in.apart, to, NULL, out.step, out.apart,
+                                                    FFTW_ESTIMATE | FFTW_PRESERVE_INPUT)
+                           : fftw_plan_many_dft(1, &n, FFT_LINES, from, NULL, in.step, in.apart, to,
+                                                NULL, out.step, out.apart, FFTW_FORWARD,
+                                                FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
         pthread_mutex_unlock(&planner);
     }
-    fft_free(from);
+    fft_free(memory);
     fft_free(to);
     if (batch != NULL && batch->plan == NULL) {
         free(batch);

@@ -25,7 +25,8 @@ size_t fft_padded(int lines);
  * share cache sets. */
 size_t fft_row_stride(int nx);
 
-/* Where the lines of a batch are: line l, element i at [l * apart + i * step]. */
+/* Where the lines of a batch are: line l, element i at [l * apart + i * step]; apart may be
+ * negative for the input. */
 typedef struct fft_layout {
     int step, apart;
 } fft_layout;

@@ -64,15 +64,29 @@ static void put_mode(const transfer_plan *p, const transfer *t, int jx, int jy, 
     }
 }
 
+/* What every mode holds of shot noise. */
+static double shot_power(const shear_plan *plan, shear_workspace *ws) {
+    double power = 0.0;
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
+        for (int group = 0; group <= plan->plateau.last_group; group++) {
+            const mode_columns columns = transform_columns(plan, ws, group);
+            power += plateau_part(&plan->plateau, &columns);
+        }
+    }
+    return power;
+}
+
 static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const transfer *t,
                          shear_inspection *out) {
     const transfer_plan *p = &plan->transfer_plan;
+    const double flat = shot_power(plan, ws);
     for (int group = 0; group * FFT_LINES <= t->jx; group++) {
         const mode_columns columns = transform_columns(plan, ws, group);
         const int left = t->jx - group * FFT_LINES;
         for (int l = 0; l < FFT_LINES && l <= left; l++) {
             for (int jy = -t->jy; jy <= t->jy; jy++) {
-                put_mode(p, t, group * FFT_LINES + l, jy, moments_power(&columns, p, l, jy), out);
+                put_mode(p, t, group * FFT_LINES + l, jy, moments_power(&columns, p, l, jy) - flat,
+                         out);
             }
         }
     }

@@ -117,6 +117,27 @@ static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double wei
            (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
 }
 
+/* METHOD step 4, of the difference of galaxy and noise: the columns of modes that the transfer lets
+ * through, and for a plateau the others, too. */
+static moments moments_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
+    const bool shot = plan->settings.shot_noise == SHEAR_SHOT_PLATEAU;
+    const int last = shot ? plan->plateau.last_group : t->jx / FFT_LINES;
+    moments m = {0};
+    double shot_power = 0.0;
+    for (int group = 0; group <= last; group++) {
+        const mode_columns columns = transform_columns(plan, ws, group);
+        if (group * FFT_LINES <= t->jx) {
+            moments_add(&m, &columns, &plan->transfer_plan, t);
+        }
+        shot_power += shot ? plateau_part(&plan->plateau, &columns) : 0.0;
+    }
+    if (shot) {
+        const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
+        moments_subtract(&m, shot_power, &flat);
+    }
+    return m;
+}
+
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
@@ -145,11 +166,7 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     if (!pack_pair(plan, ws, fine, galaxy, noise, &failure)) {
         return negative_pixel(plan, stamps, i, &failure, err);
     }
-    moments m = {0};
-    for (int group = 0; group * FFT_LINES <= t->jx; group++) {
-        const mode_columns columns = transform_columns(plan, ws, group);
-        moments_add(&m, &columns, &plan->transfer_plan, t);
-    }
+    const moments m = moments_of(plan, ws, t);
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;
 }

@@ -100,8 +100,8 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
 }
 
 mode_columns transform_columns(const shear_plan *plan, shear_workspace *ws, int group) {
-    const int mirror = plan->info.fine_nx - group * FFT_LINES - (FFT_LINES - 1);
-    fft_complex(plan->columns, ws->pair + group * FFT_LINES, ws->left);
-    fft_complex(plan->columns, ws->pair + mirror, ws->right);
+    const int first = group * FFT_LINES;
+    fft_complex(plan->columns, ws->pair + first, ws->left);
+    fft_complex(plan->mirrored, ws->pair + plan->info.fine_nx - first, ws->right);
     return (mode_columns){.left = ws->left, .right = ws->right, .group = group};
 }

@@ -7,6 +7,7 @@
 #include "measure/filter.h"
 #include "measure/image.h"
 #include "measure/moments.h"
+#include "measure/plateau.h"
 #include "measure/transfer.h"
 #include "shear/plan.h"
 
@@ -16,11 +17,14 @@ struct shear_plan {
     image_grid grid;           /* stamps to the fine grid */
     size_t stride;             /* of a fine row of the packed pair */
     fft_batch *rows, *columns; /* the packed pair's */
+    fft_batch *mirrored;       /* columns counted from right to left */
     transfer_plan transfer_plan;
     bool has_psf; /* `transfer` serves all stamps */
     transfer transfer;
     bool filtered;           /* info.filter is not NONE */
     filter_map fine, coarse; /* the filter on both grids, unless it differs from stamp to stamp */
+    plateau plateau;         /* where shot_noise is PLATEAU */
+    moments flat;            /* what `transfer` makes of it */
 };
 
 struct shear_workspace {
