@@ -98,11 +98,17 @@ static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_erro
     return rc;
 }
 
-/* As a field file has it. */
+/* As a field file has it. What is missing is told when its turn comes (sf_part_require). */
 static int choose_by_name(sf_parts *p, int i, const sf_file *file, shear_error *err) {
     p->of[i].file = file;
     snprintf(p->of[i].label, sizeof p->of[i].label, "%s", extnames[i]);
-    return sf_survey_find(&file->survey, extnames[i], i != SHEAR_PART_CATALOG, &p->of[i].hdu, err);
+    return sf_survey_find(&file->survey, extnames[i], false, &p->of[i].hdu, err);
+}
+
+int sf_part_require(const sf_part *part, shear_error *err) {
+    const sf_hdu *hdu = part->hdu;
+    return hdu != NULL ? SHEAR_OK
+                       : sf_survey_find(&part->file->survey, part->label, true, &hdu, err);
 }
 
 /* One image cannot be two parts: the galaxies minus themselves have no power. */

@@ -26,6 +26,9 @@ typedef struct sf_parts {
 int sf_parts_init(sf_parts *p, const shear_input *input, const int *fds, shear_error *err);
 void sf_parts_deinit(sf_parts *p);
 
+/* SHEAR_E_FORMAT where the file has no such part. */
+int sf_part_require(const sf_part *part, shear_error *err);
+
 /* Are the parts those of one field file? */
 bool sf_parts_are_whole(const sf_parts *p);
 

@@ -66,7 +66,10 @@ static int assign(shear_field *f, shear_error *err) {
 
 int sf_field_open_psf(shear_field *f, shear_error *err) {
     const sf_part *part = &f->parts.of[SHEAR_PART_PSF];
-    int rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
+    int rc = sf_part_require(part, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
+    }
     if (rc == SHEAR_OK) {
         rc = check_sides(f, err);
     }

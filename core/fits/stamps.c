@@ -76,7 +76,10 @@ static int lay_out(sf_stamps *s, shear_error *err) {
 
 int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err) {
     *s = (sf_stamps){0};
-    const int rc = sf_image_init(&s->image, part->file, part->hdu, part->label, err);
+    int rc = sf_part_require(part, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_image_init(&s->image, part->file, part->hdu, part->label, err);
+    }
     return rc != SHEAR_OK ? rc : lay_out(s, err);
 }
 

@@ -10,6 +10,7 @@ function(fits_test name)
 endfunction()
 
 fits_test(field_layouts)
+fits_test(field_parts)
 fits_test(field_types)
 fits_test(field_errors)
 fits_test(field_tiles)
