@@ -14,22 +14,23 @@ double engine_now_s(void) {
 
 job *job_new(const engine_job *spec, const engine_options *options) {
     job *j = calloc(1, sizeof *j);
+    job_files files;
+    const bool taken = job_files_take(&files, spec->input, spec->fds);
     if (j != NULL) {
         *j = (job){.id = spec->id,
                    .priority = spec->priority,
-                   .fd = spec->fd,
                    .settings = spec->settings,
                    .limits = options->limits,
                    .workers = options->workers,
+                   .files = files,
                    .started_s = engine_now_s()};
-        j->name = strdup(spec->name);
         j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
         j->team = calloc((size_t)options->workers, sizeof(shear_worker *));
     }
-    if (j == NULL || j->name == NULL || j->team == NULL ||
+    if (j == NULL || !taken || j->team == NULL ||
         (spec->catalogue != NULL && j->catalogue_path == NULL)) {
         if (j == NULL) {
-            close(spec->fd);
+            job_files_close(&files);
         }
         job_free(j);
         return NULL;
@@ -50,10 +51,7 @@ void job_free(job *j) {
     shear_catalog_abort(j->catalogue);
     shear_field_sums_free(j->before);
     shear_plan_free(j->plan);
-    if (j->fd >= 0) {
-        close(j->fd);
-    }
-    free(j->name);
+    job_files_close(&j->files);
     free(j->catalogue_path);
     free(j);
 }
@@ -71,12 +69,13 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
 }
 
 static int open_file(job *j, engine_event *event, shear_error *err) {
-    int code = shear_fd_checksum(j->fd, j->name, event->checksum, err);
-    if (code == SHEAR_OK) {
-        code = reader_start(&j->reader, j->fd, j->name, &j->limits, err);
-    }
+    int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
     if (code == SHEAR_OK) {
         event->info = *reader_get_info(j->reader);
+        code = shear_input_checksum(&j->files.input, j->files.fds, &event->info, j->checksum, err);
+        memcpy(event->checksum, j->checksum, sizeof event->checksum);
+    }
+    if (code == SHEAR_OK) {
         j->size = shear_turn_size_for(&event->info, j->workers);
         code = reader_map(j->reader, j->workers, j->size.stamps, err);
     }
@@ -94,6 +93,7 @@ void job_prepare(job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
     if (open_file(j, event, &event->error) != SHEAR_OK) {
         event->kind = ENGINE_FAILED;
+        job_files_check(&j->files, &event->error); /* the better reason, where there is one */
     }
 }
 
@@ -155,6 +155,12 @@ int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
     shear_field_sums *sums = NULL;
     int code = sums_so_far(j, &sums, next_block, err);
     if (code == SHEAR_OK) {
+        code = job_files_check(&j->files, err); /* after the blocks have been read */
+        if (code != SHEAR_OK) {
+            shear_work_fail(j->work, err);
+        }
+    }
+    if (code == SHEAR_OK) {
         code = shear_field_sums_format(sums, text, err);
     }
     shear_field_sums_free(sums);
@@ -163,19 +169,20 @@ int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
 
 static int complete(job *j, engine_event *event, shear_error *err) {
     shear_field_sums *sums = NULL;
-    int code = sums_so_far(j, &sums, &event->next_block, err);
+    int code = job_files_check(&j->files, err);
+    if (code == SHEAR_OK) {
+        code = sums_so_far(j, &sums, &event->next_block, err);
+    }
     if (code == SHEAR_OK) {
         shear_field_result(sums, &event->result);
         code = shear_field_sums_format(sums, &event->sums, err);
     }
     if (code == SHEAR_OK && j->catalogue != NULL) {
-        char checksum[SHEAR_CHECKSUM_SIZE] = "";
-        code = shear_fd_checksum(j->fd, j->name, checksum, err);
-        if (code == SHEAR_OK) {
-            code =
-                shear_catalog_finish(j->catalogue, j->plan, &event->result, j->name, checksum, err);
-            j->catalogue = NULL;
-        }
+        char name[SHEAR_INPUT_TEXT_SIZE];
+        code = shear_catalog_finish(j->catalogue, j->plan, &event->result,
+                                    shear_input_text(&j->files.input, name, sizeof name),
+                                    j->checksum, err);
+        j->catalogue = NULL;
     }
     shear_field_sums_free(sums);
     return code;
@@ -188,6 +195,7 @@ void job_finish(job *j, engine_event *event) {
     int code = status.code;
     if (code != SHEAR_OK) {
         shear_work_get_error(j->work, &event->error);
+        job_files_check(&j->files, &event->error);
     } else if (status.complete) {
         event->kind = ENGINE_DONE;
         code = complete(j, event, &event->error);
