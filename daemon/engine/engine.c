@@ -163,8 +163,7 @@ static void prepare(engine *e, job *j) {
 static void save(engine *e, job *j) {
     engine_event event = {.kind = ENGINE_CHECKPOINT, .job = j->id};
     shear_error ignored;
-    if (j->catalogue_path == NULL &&
-        job_checkpoint(j, &event.next_block, &event.sums, &ignored) == SHEAR_OK) {
+    if (job_checkpoint(j, &event.next_block, &event.sums, &ignored) == SHEAR_OK) {
         emit(e, &event);
     }
 }

@@ -47,7 +47,9 @@ typedef struct engine_job {
     const int *fds;           /* its open files, as of shear_field_open_input: the engine closes
                                  them, also when engine_add fails */
     shear_settings settings;
-    const char *catalogue; /* path, or NULL; copied. Replaced where it exists */
+    const char *catalogue; /* path, or NULL; copied. Replaced where it exists. Its temporary file
+                              (shear_catalog_begin) stays unless the job is DONE: the owner's to
+                              forget when the job is over */
 } engine_job;
 
 /* Where a resumed job goes on: the sums of blocks [0, next_block). */

@@ -48,7 +48,7 @@ void job_free(job *j) {
     free(j->team);
     shear_work_free(j->work);
     reader_stop(j->reader);
-    shear_catalog_abort(j->catalogue);
+    shear_catalog_leave(j->catalogue); /* for the next attempt, if there is one */
     shear_field_sums_free(j->before);
     shear_plan_free(j->plan);
     job_files_close(&j->files);
@@ -102,27 +102,43 @@ static int write_rows(void *self, int64_t first, int count, const shear_row *row
     return shear_catalog_write(self, first, count, rows, block, err);
 }
 
+static int keep_rows(void *self, int64_t rows, shear_error *err) {
+    return shear_catalog_keep(self, rows, err);
+}
+
+/* The rows before the checkpoint must be there: where they are not, *first_block becomes 0 and the
+ * work begins anew. */
+static int open_catalogue(job *j, int64_t *first_block, shear_error *err) {
+    const shear_field_info *info = reader_get_info(j->reader);
+    const int64_t rows = *first_block * SHEAR_BLOCK;
+    if (j->catalogue_path == NULL) {
+        return SHEAR_OK;
+    }
+    if (*first_block > 0 &&
+        shear_catalog_resume(&j->catalogue, j->catalogue_path, info, j->checksum,
+                             rows < info->n_stamps ? rows : info->n_stamps, err) == SHEAR_OK) {
+        return SHEAR_OK;
+    }
+    *first_block = 0;
+    return shear_catalog_begin(&j->catalogue, j->catalogue_path, info, j->checksum, err);
+}
+
 int job_begin(job *j, const engine_checkpoint *checkpoint, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
-    int64_t first_block = 0;
-    int code = SHEAR_OK;
-    /* A catalogue needs every row, and those before the checkpoint are gone with the process that
-     * made them: with a catalogue the work begins anew. */
-    if (checkpoint != NULL && j->catalogue_path == NULL) {
+    int64_t first_block = checkpoint != NULL ? checkpoint->next_block : 0;
+    int code = open_catalogue(j, &first_block, err);
+    if (code == SHEAR_OK && first_block > 0) {
         code = shear_field_sums_parse(&j->before, checkpoint->sums, err);
-        first_block = checkpoint->next_block;
-    }
-    if (code == SHEAR_OK && j->catalogue_path != NULL) {
-        code = shear_catalog_create(&j->catalogue, j->catalogue_path, info, true, err);
     }
     if (code == SHEAR_OK) {
-        const shear_work_spec spec = {
-            .info = info,
-            .plan = j->plan,
-            .source = {.self = j->reader, .read = reader_read},
-            .size = j->size,
-            .first_block = first_block,
-            .sink = {.self = j->catalogue, .write = j->catalogue != NULL ? write_rows : NULL}};
+        const shear_work_spec spec = {.info = info,
+                                      .plan = j->plan,
+                                      .source = {.self = j->reader, .read = reader_read},
+                                      .size = j->size,
+                                      .first_block = first_block,
+                                      .sink = {.self = j->catalogue,
+                                               .write = j->catalogue != NULL ? write_rows : NULL,
+                                               .keep = j->catalogue != NULL ? keep_rows : NULL}};
         code = shear_work_new(&j->work, &spec, err);
     }
     j->checkpoint_block = first_block;
@@ -159,6 +175,9 @@ int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
         if (code != SHEAR_OK) {
             shear_work_fail(j->work, err);
         }
+    }
+    if (code == SHEAR_OK) {
+        code = shear_work_keep(j->work, *next_block, err);
     }
     if (code == SHEAR_OK) {
         code = shear_field_sums_format(sums, text, err);

@@ -54,12 +54,13 @@ void job_free(job *j);
 
 /* Hash, open, plan: fills OPENED, or FAILED, into *event. */
 void job_prepare(job *j, engine_event *event);
-/* Make its work, from the checkpoint where sums is not NULL. SHEAR_OK or an error. */
+/* Make its work, from the checkpoint where there is one, and the rows before it are in the
+ * catalogue. SHEAR_OK or an error. */
 int job_begin(job *j, const engine_checkpoint *checkpoint, shear_error *err);
 /* One turn on behalf of worker thread `slot`; false where nothing is left to take. */
 bool job_step(job *j, int slot, shear_error *err);
-/* The sums of all blocks so far, as text, and the next block. Where a file has changed, the work
- * fails. */
+/* The sums of all blocks so far, as text, and the next block; their rows in the catalogue are on
+ * disk then. Where a file has changed, the work fails. */
 int job_checkpoint(job *j, int64_t *next_block, char **sums, shear_error *err);
 /* All turns are over: DONE, FAILED or STOPPED into *event. */
 void job_finish(job *j, engine_event *event);
