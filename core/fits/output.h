@@ -40,8 +40,8 @@ void sf_output_discard(sf_output *out);
 /* As sf_output_create, replacing what is there, with a temporary file of lasting name; one that is
  * there is replaced as well. */
 int sf_output_create_kept(sf_output *out, const char *path, shear_error *err);
-/* The one that is there, open for writing. SHEAR_E_IO where there is none, or it is no FITS file
- * that is complete as far as its headers say. Leave or discard it after an error, too. */
+/* The one that is there, open for writing. SHEAR_E_IO where there is none, SHEAR_E_FORMAT where it
+ * is not as long as its headers say. Leave or discard it after an error, too. */
 int sf_output_reopen(sf_output *out, const char *path, shear_error *err);
 /* Bring all that was written to disk, headers and all; it goes on being written. */
 int sf_output_sync(sf_output *out, shear_error *err);

@@ -86,8 +86,10 @@ int engine_new(engine **e, const engine_options *options, shear_error *err);
 void engine_free(engine *e);
 
 int engine_add(engine *e, const engine_job *job, shear_error *err);
-/* After OPENED: measure it, from the checkpoint if there is one. */
-void engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
+/* After OPENED: measure it, from the checkpoint if there is one. Returns the block that it begins
+ * with: 0 where the rows before the checkpoint are missing in the catalogue, or the job was stopped
+ * or has failed. */
+int64_t engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
 /* Stop a job: its last event is STOPPED (after a CHECKPOINT where there is something to save),
  * unless it was DONE or FAILED already. Turns under way are finished. */
 void engine_stop_job(engine *e, int64_t job);

@@ -76,6 +76,7 @@ static void settled(service *s, after *a, int code, const shear_error *err) {
     publish_job(s, &job);
     if (shear_job_state_is_final(job.state)) {
         s->jobs_ended++;
+        catalogue_forget(s, job.id);
         const char *name = spooled_name(s, job.key);
         if (name != NULL) {
             spooled_end(s, name, &job);
@@ -164,16 +165,6 @@ static void fail_job(service *s, int64_t id, int64_t failures, int class, const 
 
 /* ---- starting ---- */
 
-static char *catalogue_path(const service *s, const store_job *job) {
-    char *path = NULL;
-    if (s->config.catalogues.enabled &&
-        asprintf(&path, "%s/%lld.shear.fits", s->config.catalogues.directory, (long long)job->id) <
-            0) {
-        path = NULL;
-    }
-    return path;
-}
-
 static void start(service *s, const store_job *job) {
     active_job *j = calloc(1, sizeof *j);
     shear_error err = {0};
@@ -203,7 +194,7 @@ static void start(service *s, const store_job *job) {
         j->active_name = o.active_name;
         o.active_name = NULL;
     }
-    char *catalogue = code == SHEAR_OK ? catalogue_path(s, job) : NULL;
+    char *catalogue = code == SHEAR_OK ? catalogue_path(s, job->id) : NULL;
     if (code == SHEAR_OK) {
         const engine_job spec = {.id = job->id,
                                  .priority = job->priority,
@@ -347,7 +338,10 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     const bool resumed =
         store_checkpoint_load(s->store, j->id, &checkpoint.next_block, &sums, &err) == SHEAR_OK;
     checkpoint.sums = sums;
-    engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
+    const int64_t first = engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
+    if (resumed) {
+        log_info("job %lld goes on at block %lld", (long long)j->id, (long long)first);
+    }
     free(sums);
 }
 
@@ -386,12 +380,7 @@ static void done(service *s, active_job *j, const engine_event *e) {
     shear_error err = {0};
     store_finished end;
     char *result = result_text(j, e, &err);
-    char *catalogue = NULL;
-    if (s->config.catalogues.enabled &&
-        asprintf(&catalogue, "%s/%lld.shear.fits", s->config.catalogues.directory,
-                 (long long)j->id) < 0) {
-        catalogue = NULL;
-    }
+    char *catalogue = catalogue_path(s, j->id);
     const store_work work = {.sums = e->sums,
                              .result = result,
                              .catalogue = catalogue,

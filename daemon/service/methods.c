@@ -53,6 +53,7 @@ static void reply_job(service *s, after *a, int code, const shear_error *err) {
     present_job_free(message);
     publish_job(s, &job);
     if (shear_job_state_is_final(job.state)) {
+        catalogue_forget(s, job.id);
         waits_job_ended(s, job.id);
         const char *name = spooled_name(s, job.key);
         if (name != NULL) {

@@ -169,6 +169,59 @@ class Checkpoint(DaemonTest):
         endings = [a["ending"] for a in daemon.call("job", id=job)["history"]]
         self.assertEqual(endings, ["interrupted", "done"])
 
+    def kept(self, daemon):
+        """Temporary files of catalogues."""
+        return [n for n in os.listdir(daemon.path("catalogues")) if n.startswith(".")]
+
+    def test_resume_with_catalogue(self):
+        """The rows of before the kill are on disk: the catalogue is that of an uninterrupted run,
+        to the last byte."""
+        daemon = self.daemon({"daemon.workers": 2, "catalogues.enabled": "true"})
+        settings = {"interpolation": "bicubic", "oversample": 32}
+        options = ("--interpolation", "bicubic", "--oversample", "32", "--threads", "1")
+        stamps = stamps_for(4 * CHECKPOINT_S, 32, *options)
+        path = mock(os.path.join(daemon.data, "large.fits"), stamps, 32, 9)
+        job = daemon.submit(path, settings=settings)["id"]
+        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
+        saved = self.interrupt(daemon, job)
+        self.assertEqual(len(saved), 1, "no checkpoint")
+        self.assertGreater(saved[0], 0)
+        done = until(lambda: daemon.job(job)["progress"]["done"], "it goes on")
+        self.assertGreaterEqual(done, saved[0] * BLOCK, "it began anew")
+        self.assertIn(f"goes on at block {saved[0]}", daemon.log_text())
+        self.assertEqual(self.kept(daemon), [f".{job}.shear.fits.part"])
+        catalogue = daemon.wait_state(job, "done")["catalogue"]
+        expected = os.path.join(self.directory, "expected.fits")
+        row = measured([path], *options, "--catalog", expected)
+        self.assertRow(daemon, "large", row, 1)
+        self.assertEqual(content_of(catalogue), content_of(expected))
+        self.assertEqual(self.kept(daemon), [])
+
+    def test_without_its_rows_it_begins_anew(self):
+        daemon = self.daemon({"daemon.workers": 2, "catalogues.enabled": "true"})
+        settings = {"interpolation": "bicubic", "oversample": 32}
+        options = ("--interpolation", "bicubic", "--oversample", "32", "--threads", "1")
+        stamps = stamps_for(3 * CHECKPOINT_S, 32, *options)
+        path = mock(os.path.join(daemon.data, "large.fits"), stamps, 32, 9)
+        job = daemon.submit(path, settings=settings)["id"]
+        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
+        begun = time.monotonic()
+        until(lambda: time.monotonic() > begun + CHECKPOINT_S + 1, "a checkpoint is due")
+        daemon.kill()
+        self.assertEqual(len(self.saved(daemon)), 1, "no checkpoint")
+        for name in self.kept(daemon):
+            os.unlink(daemon.path("catalogues", name))
+        for orphan in (".77.shear.fits.part", ".x.shear.fits.part"):
+            with open(daemon.path("catalogues", orphan), "wb"):
+                pass
+        daemon.start()
+        catalogue = daemon.wait_state(job, "done")["catalogue"]
+        self.assertIn("goes on at block 0", daemon.log_text())
+        expected = os.path.join(self.directory, "expected.fits")
+        self.assertRow(daemon, "large", measured([path], *options, "--catalog", expected), 1)
+        self.assertEqual(content_of(catalogue), content_of(expected))
+        self.assertEqual(self.kept(daemon), [".x.shear.fits.part"]) # not the service's
+
 
 if __name__ == "__main__":
     unittest.main()
