@@ -159,11 +159,16 @@ class Separate(Sources):
         self.d.wait_state(first, "running")
         _, parts = self.cut(self.d)
         job = self.d.call("submit", **parts)["job"]["id"]
-        os.unlink(parts["psf"]["path"])
+        os.rename(parts["psf"]["path"], parts["psf"]["path"] + ".away")
         self.d.call("cancel", id=first)
         job = self.d.wait_state(job, *FINAL)
         self.assertEqual((job["state"], job["class"], job["code"]),
                          ("failed", "transient", "file_vanished"))
+        with self.assertRefused("no_such_file"):
+            self.d.call("retry", id=job["id"])
+        os.rename(parts["psf"]["path"] + ".away", parts["psf"]["path"])
+        self.d.call("retry", id=job["id"])
+        self.assertEqual(self.d.wait_state(job["id"], *FINAL)["state"], "done")
 
     def test_resumes_after_a_kill(self):
         _, parts = self.cut(self.d, stamps_for(4, 32, *SLOW_OPTIONS), 5)
