@@ -10,7 +10,7 @@ endif()
 set_target_properties(faultshim PROPERTIES C_VISIBILITY_PRESET default)
 add_dependencies(faultshim sheard sheard-reader shearctl)
 
-foreach(name basic crash faults hostile disk access)
+foreach(name basic crash faults hostile disk access sources)
   add_test(NAME system_daemon_${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_daemon_${name}.py)
   set_tests_properties(system_daemon_${name} PROPERTIES
