@@ -234,14 +234,21 @@ SHEAR_SIMD static void undo_log(double *values, int n, double pedestal) {
     }
 }
 
-void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
+const double *image_row_view(const image *im, const image_grid *g, int fine_y, int x0, int x1,
+                             double *scratch) {
     if (g->x.kind == AXIS_NONE) {
-        memcpy(out, im->pixels + (size_t)fine_y * (size_t)g->x.n + x0,
-               (size_t)(x1 - x0) * sizeof *out);
-        return;
+        return im->pixels + (size_t)fine_y * (size_t)g->x.n + x0;
     }
-    combine(im, g, fine_y, x0, x1, out);
+    combine(im, g, fine_y, x0, x1, scratch);
     if (g->log) {
-        undo_log(out, x1 - x0, g->pedestal);
+        undo_log(scratch, x1 - x0, g->pedestal);
+    }
+    return scratch;
+}
+
+void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
+    const double *row = image_row_view(im, g, fine_y, x0, x1, out);
+    if (row != out) {
+        memcpy(out, row, (size_t)(x1 - x0) * sizeof *out);
     }
 }

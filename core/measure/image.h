@@ -37,7 +37,11 @@ void image_deinit(image *im);
  * method meets a negative number: pixel (*bad_x, *bad_y). */
 bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x, int *bad_y);
 
-/* Fine row `fine_y`, columns [x0, x1), into out[0 .. x1-x0). */
+/* Fine row `fine_y`, columns [x0, x1): made in scratch[0 .. x1-x0), or the pixels where they are.
+ */
+const double *image_row_view(const image *im, const image_grid *g, int fine_y, int x0, int x1,
+                             double *scratch);
+/* The same, always into out. */
 void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out);
 
 #endif
