@@ -134,7 +134,7 @@ int main(int argc, char **argv) {
     }
     for (int i = 0; i < bench_n_cases; i++) {
         timing t;
-        if (strstr(bench_cases[i].name, only) == NULL) {
+        if (only[0] != 0 && strcmp(bench_cases[i].name, only) != 0) {
             continue;
         }
         if (time_case(&bench_cases[i], rounds, &t) != SHEAR_OK) {

@@ -3,7 +3,6 @@
 
 #include <fftw3.h>
 #include <pthread.h>
-#include <stdbool.h>
 #include <stdlib.h>
 
 /* FFTW's planner keeps global state: only fftw_execute* may run beside it. */
@@ -41,37 +40,24 @@ static size_t before(fft_layout layout) {
     return layout.apart < 0 ? (FFT_LINES - 1) * (size_t)-layout.apart : 0;
 }
 
-static fft_batch *make_batch(bool real, int n, fft_layout in, fft_layout out) {
+fft_batch *fft_batch_new(int n, fft_layout in, fft_layout out) {
     fft_batch *batch = calloc(1, sizeof *batch);
-    double *memory = fft_alloc(span(n, in) * (real ? sizeof(double) : sizeof(fftw_complex)));
+    fftw_complex *from = fft_alloc(span(n, in) * sizeof *from);
     fftw_complex *to = fft_alloc(span(n, out) * sizeof *to);
-    if (batch != NULL && memory != NULL && to != NULL) {
-        double *real_from = memory + before(in);
-        fftw_complex *from = (fftw_complex *)memory + before(in);
+    if (batch != NULL && from != NULL && to != NULL) {
         pthread_mutex_lock(&planner);
-        batch->plan = real ? fftw_plan_many_dft_r2c(1, &n, FFT_LINES, real_from, NULL, in.step,
-                                                    in.apart, to, NULL, out.step, out.apart,
-                                                    FFTW_ESTIMATE | FFTW_PRESERVE_INPUT)
-                           : fftw_plan_many_dft(1, &n, FFT_LINES, from, NULL, in.step, in.apart, to,
-                                                NULL, out.step, out.apart, FFTW_FORWARD,
-                                                FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
+        batch->plan = fftw_plan_many_dft(1, &n, FFT_LINES, from + before(in), NULL, in.step,
+                                         in.apart, to, NULL, out.step, out.apart, FFTW_FORWARD,
+                                         FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
         pthread_mutex_unlock(&planner);
     }
-    fft_free(memory);
+    fft_free(from);
     fft_free(to);
     if (batch != NULL && batch->plan == NULL) {
         free(batch);
         batch = NULL;
     }
     return batch;
-}
-
-fft_batch *fft_complex_new(int n, fft_layout in, fft_layout out) {
-    return make_batch(false, n, in, out);
-}
-
-fft_batch *fft_real_new(int n, fft_layout in, fft_layout out) {
-    return make_batch(true, n, in, out);
 }
 
 void fft_batch_free(fft_batch *batch) {
@@ -83,10 +69,6 @@ void fft_batch_free(fft_batch *batch) {
     }
 }
 
-void fft_complex(const fft_batch *batch, double complex *in, double complex *out) {
+void fft_batch_run(const fft_batch *batch, double complex *in, double complex *out) {
     fftw_execute_dft(batch->plan, in, out);
-}
-
-void fft_real(const fft_batch *batch, double *in, double complex *out) {
-    fftw_execute_dft_r2c(batch->plan, in, out);
 }

@@ -31,13 +31,12 @@ typedef struct fft_layout {
     int step, apart;
 } fft_layout;
 
-/* Forward transforms of n numbers a line. The real one gives n/2+1 modes. Input is kept; both ends
- * come from fft_alloc or lie a multiple of 16 bytes behind its start. */
+/* Forward transforms of n complex numbers a line. Input is kept; both ends come from fft_alloc.
+ * Real lines go two by two: FFTW's real codelets know no vectors, and take as long as complex ones.
+ */
 typedef struct fft_batch fft_batch;
-fft_batch *fft_complex_new(int n, fft_layout in, fft_layout out); /* NULL when memory is out */
-fft_batch *fft_real_new(int n, fft_layout in, fft_layout out);
+fft_batch *fft_batch_new(int n, fft_layout in, fft_layout out); /* NULL when memory is out */
 void fft_batch_free(fft_batch *batch);
-void fft_complex(const fft_batch *batch, double complex *in, double complex *out);
-void fft_real(const fft_batch *batch, double *in, double complex *out);
+void fft_batch_run(const fft_batch *batch, double complex *in, double complex *out);
 
 #endif

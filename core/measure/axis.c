@@ -50,12 +50,21 @@ static void fill_pivots(double *pivot, int n) {
 bool axis_init(axis *ax, int kind, int n, int s) {
     *ax = (axis){.kind = kind, .n = n, .s = s};
     ax->phase = malloc((size_t)s * sizeof *ax->phase);
+    ax->a = malloc(4 * (size_t)s * sizeof *ax->a);
     ax->pivot = malloc((size_t)n * sizeof *ax->pivot);
-    if (ax->phase == NULL || ax->pivot == NULL) {
+    if (ax->phase == NULL || ax->a == NULL || ax->pivot == NULL) {
         return false;
     }
+    ax->b = ax->a + s;
+    ax->c = ax->b + s;
+    ax->d = ax->c + s;
     for (int p = 0; p < s; p++) {
-        ax->phase[p] = weights(kind, (double)p / s);
+        const axis_weights w = weights(kind, (double)p / s);
+        ax->phase[p] = w;
+        ax->a[p] = w.a;
+        ax->b[p] = w.b;
+        ax->c[p] = w.c;
+        ax->d[p] = w.d;
     }
     fill_pivots(ax->pivot, n);
     return true;
@@ -63,6 +72,7 @@ bool axis_init(axis *ax, int kind, int n, int s) {
 
 void axis_deinit(axis *ax) {
     free(ax->phase);
+    free(ax->a);
     free(ax->pivot);
     *ax = (axis){0};
 }
@@ -161,26 +171,60 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
     }
 }
 
-void axis_expand(const axis *ax, const double *f, const double *e, bool marked, double *fine) {
+/* All phases of one cell: a f_i + b f_j + c e_i + d e_j. */
+SHEAR_SIMD static void expand_cells(const axis *ax, const double *f, const double *e,
+                                    size_t e_stride, double *fine) {
+    const int s = ax->s;
+    const double *a = ax->a;
+    const double *b = ax->b;
+    const double *c = ax->c;
+    const double *d = ax->d;
+    for (int i = 0; i < ax->n - 1; i++) {
+        double *cell = fine + (size_t)i * (size_t)s;
+        const double fi = f[i];
+        const double fj = f[i + 1];
+        const double ei = e[(size_t)i * e_stride];
+        const double ej = e[(size_t)(i + 1) * e_stride];
+#pragma omp simd
+        for (int p = 0; p < s; p++) {
+            cell[p] = a[p] * fi + b[p] * fj + c[p] * ei + d[p] * ej;
+        }
+    }
+}
+
+/* The cell from f_i to f_j, where it is linear. */
+static void expand_linear(double fi, double fj, int s, double *cell) {
+    for (int p = 0; p < s; p++) {
+        const axis_weights w = linear_weights((double)p / s);
+        cell[p] = w.a * fi + w.b * fj;
+    }
+}
+
+/* Over what the smooth rule made: cells that touch a mark. */
+static void mark_cells(const axis *ax, const double *f, double *fine) {
     for (int i = 0; i < ax->n; i++) {
-        const bool closing = i == ax->n - 1;
-        const int j = closing ? 0 : i + 1;
         double *cell = fine + (size_t)i * (size_t)ax->s;
-        if (marked && (is_mark(f[i]) || is_mark(f[j]))) {
+        if (is_mark(f[i]) || is_mark(f[i < ax->n - 1 ? i + 1 : 0])) {
             cell[0] = f[i];
             for (int p = 1; p < ax->s; p++) {
                 cell[p] = -INFINITY;
             }
-        } else if (closing || ax->kind == AXIS_LINEAR) {
-            for (int p = 0; p < ax->s; p++) {
-                const axis_weights w = linear_weights((double)p / ax->s);
-                cell[p] = w.a * f[i] + w.b * f[j];
-            }
-        } else {
-            for (int p = 0; p < ax->s; p++) {
-                const axis_weights w = ax->phase[p];
-                cell[p] = w.a * f[i] + w.b * f[j] + w.c * e[i] + w.d * e[j];
-            }
         }
+    }
+}
+
+void axis_expand(const axis *ax, const double *f, const double *e, size_t e_stride, bool marked,
+                 double *fine) {
+    const int last = ax->n - 1;
+    if (ax->kind == AXIS_LINEAR) {
+        for (int i = 0; i < last; i++) {
+            expand_linear(f[i], f[i + 1], ax->s, fine + (size_t)i * (size_t)ax->s);
+        }
+    } else {
+        expand_cells(ax, f, e, e_stride, fine);
+    }
+    expand_linear(f[last], f[0], ax->s, fine + (size_t)last * (size_t)ax->s);
+    if (marked) {
+        mark_cells(ax, f, fine);
     }
 }

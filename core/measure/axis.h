@@ -24,11 +24,12 @@ typedef struct axis_weights {
 } axis_weights;
 
 typedef struct axis {
-    int kind;            /* enum axis_kind */
-    int n;               /* grid points, >= 2 */
-    int s;               /* fine points per grid point */
-    axis_weights *phase; /* [s] */
-    double *pivot;       /* [n] elimination factors of the natural spline */
+    int kind;              /* enum axis_kind */
+    int n;                 /* grid points, >= 2 */
+    int s;                 /* fine points per grid point */
+    axis_weights *phase;   /* [s] */
+    double *a, *b, *c, *d; /* [s] the same by kind, for all phases of a cell at once */
+    double *pivot;         /* [n] elimination factors of the natural spline */
 } axis;
 
 /* false when memory is out; deinit is safe then too. */
@@ -48,8 +49,9 @@ void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int 
 void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e,
                         size_t stride);
 
-/* The fine line [n s] of one line (stride 1) with its slopes. marked: cells that touch a mark
- * become marks. */
-void axis_expand(const axis *ax, const double *f, const double *e, bool marked, double *fine);
+/* The fine line [n s] of one line (stride 1) with its slopes (e of point i is e[i * e_stride]).
+ * marked: cells that touch a mark become marks. */
+void axis_expand(const axis *ax, const double *f, const double *e, size_t e_stride, bool marked,
+                 double *fine);
 
 #endif

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double zero_below = 1e-18; /* less than rounding makes of the brightest pixel */
+static const double zero_below = 1e-16; /* less than the rounding of what it multiplies */
 static const double edge_value = 1e-3;
 
 bool filter_map_init(filter_map *m, int nx, int ny, int s) {

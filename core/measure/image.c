@@ -28,7 +28,8 @@ static int axis_kind_of(int interpolation) {
 }
 
 /* What a marked image needs at each pixel: the value, the slopes along x and y, the mixed one, and
- * room for its second half. */
+ * room for its second half. A smooth one needs its slopes along y, logarithms, and a turned image
+ * with its slopes. */
 enum { SURFACE_PARTS = 5 };
 
 bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros,
@@ -58,18 +59,13 @@ bool image_init(image *im, const image_grid *g) {
     const size_t numbers = (size_t)g->y.n * g->stride;
     im->f = fft_alloc(numbers * sizeof *im->f);
     im->e = fft_alloc(numbers * sizeof *im->e);
-    im->line = fft_alloc(2 * (size_t)g->x.n * sizeof *im->line);
-    if (g->log) {
-        im->surface =
-            fft_alloc(SURFACE_PARTS * (size_t)g->x.n * (size_t)g->y.n * sizeof *im->surface);
-    }
-    return im->f != NULL && im->e != NULL && im->line != NULL && (im->surface != NULL || !g->log);
+    im->surface = fft_alloc(SURFACE_PARTS * (size_t)g->x.n * (size_t)g->y.n * sizeof *im->surface);
+    return im->f != NULL && im->e != NULL && im->surface != NULL;
 }
 
 void image_deinit(image *im) {
     fft_free(im->f);
     fft_free(im->e);
-    fft_free(im->line);
     fft_free(im->surface);
     *im = (image){0};
 }
@@ -106,18 +102,43 @@ static void find_negative(const image_grid *g, const double *pixels, int *bad_x,
     *bad_y = i / g->x.n;
 }
 
-/* One row of pixels to a row that is fine along x. */
-static void expand_row(image *im, const image_grid *g, const double *pixels, double tiny,
-                       double *out) {
-    double *values = im->line;
-    double *slopes = im->line + g->x.n;
-    if (g->log) {
-        take_log(pixels, (size_t)g->x.n, g->pedestal, tiny, values);
-    } else {
-        memcpy(values, pixels, (size_t)g->x.n * sizeof *values);
+/* [ny][nx] to [nx][ny]. */
+static void transpose(const double *in, int nx, int ny, double *out) {
+    for (int y = 0; y < ny; y++) {
+        for (int x = 0; x < nx; x++) {
+            out[(size_t)x * (size_t)ny + (size_t)y] = in[(size_t)y * (size_t)nx + (size_t)x];
+        }
     }
-    axis_slopes(&g->x, values, slopes, 1, 1);
-    axis_expand(&g->x, values, slopes, false, out);
+}
+
+/* All rows of values, or of slopes along y, to rows that are fine along x. The slopes along x are
+ * taken of all rows at once, which lie side by side in the transposed image. */
+static void expand_rows(image *im, const image_grid *g, const double *values, double *out) {
+    const int nx = g->x.n;
+    const int ny = g->y.n;
+    const size_t n = (size_t)nx * (size_t)ny;
+    double *turned = im->surface + 2 * n;
+    double *slopes = turned + n;
+    if (g->x.kind != AXIS_LINEAR) {
+        transpose(values, nx, ny, turned);
+        axis_slopes(&g->x, turned, slopes, (size_t)ny, ny);
+    }
+    for (int j = 0; j < ny; j++) {
+        axis_expand(&g->x, values + (size_t)j * (size_t)nx, slopes + j, (size_t)ny, false,
+                    out + (size_t)j * g->stride);
+    }
+}
+
+/* The slopes along y are taken at the pixels and then made fine along x, as the values are: both
+ * interpolations are linear in what they interpolate, so that their order is free, and there are s
+ * times fewer pixels than fine columns. */
+static void load_smooth(image *im, const image_grid *g, const double *values) {
+    double *slopes = im->surface;
+    expand_rows(im, g, values, im->f);
+    if (g->y.kind != AXIS_LINEAR) {
+        axis_slopes(&g->y, values, slopes, (size_t)g->x.n, g->x.n);
+        expand_rows(im, g, slopes, im->e);
+    }
 }
 
 /* All lines of one direction: along x for step 1, along y for step nx. */
@@ -151,8 +172,8 @@ static void load_marked(image *im, const image_grid *g, const double *pixels) {
     }
     for (int j = 0; j < g->y.n; j++) {
         const size_t row = (size_t)j * (size_t)g->x.n;
-        axis_expand(&g->x, f + row, fx + row, true, im->f + (size_t)j * g->stride);
-        axis_expand(&g->x, fy + row, mixed + row, false, im->e + (size_t)j * g->stride);
+        axis_expand(&g->x, f + row, fx + row, 1, true, im->f + (size_t)j * g->stride);
+        axis_expand(&g->x, fy + row, mixed + row, 1, false, im->e + (size_t)j * g->stride);
     }
 }
 
@@ -179,10 +200,13 @@ bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x
         load_marked(im, g, pixels);
         return true;
     }
-    for (int j = 0; j < g->y.n; j++) {
-        expand_row(im, g, pixels + (size_t)j * (size_t)g->x.n, tiny, im->f + (size_t)j * g->stride);
+    const double *values = pixels;
+    if (g->log) {
+        double *logs = im->surface + (size_t)g->x.n * (size_t)g->y.n;
+        take_log(pixels, (size_t)g->x.n * (size_t)g->y.n, g->pedestal, tiny, logs);
+        values = logs;
     }
-    axis_slopes(&g->y, im->f, im->e, g->stride, g->fine_nx);
+    load_smooth(im, g, values);
     return true;
 }
 
@@ -234,14 +258,36 @@ SHEAR_SIMD static void undo_log(double *values, int n, double pedestal) {
     }
 }
 
-void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
+bool image_is_smooth_log(const image *im, const image_grid *g) {
+    return g->log && !im->marked && g->y.kind != AXIS_LINEAR;
+}
+
+log_row image_log_row(const image *im, const image_grid *g, int fine_y) {
+    int j;
+    int k;
+    log_row r = {.w = axis_at(&g->y, fine_y, &j, &k)};
+    r.fj = im->f + (size_t)j * g->stride;
+    r.fk = im->f + (size_t)k * g->stride;
+    r.ej = im->e + (size_t)j * g->stride;
+    r.ek = im->e + (size_t)k * g->stride;
+    return r;
+}
+
+const double *image_row_view(const image *im, const image_grid *g, int fine_y, int x0, int x1,
+                             double *scratch) {
     if (g->x.kind == AXIS_NONE) {
-        memcpy(out, im->pixels + (size_t)fine_y * (size_t)g->x.n + x0,
-               (size_t)(x1 - x0) * sizeof *out);
-        return;
+        return im->pixels + (size_t)fine_y * (size_t)g->x.n + x0;
     }
-    combine(im, g, fine_y, x0, x1, out);
+    combine(im, g, fine_y, x0, x1, scratch);
     if (g->log) {
-        undo_log(out, x1 - x0, g->pedestal);
+        undo_log(scratch, x1 - x0, g->pedestal);
+    }
+    return scratch;
+}
+
+void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
+    const double *row = image_row_view(im, g, fine_y, x0, x1, out);
+    if (row != out) {
+        memcpy(out, row, (size_t)(x1 - x0) * sizeof *out);
     }
 }

@@ -26,9 +26,8 @@ typedef struct image {
     const double *pixels; /* [ny][nx] of the image being worked on */
     double *f;            /* [ny][stride] values, or logarithms */
     double *e;            /* [ny][stride] slopes along y */
-    double *line;         /* [2][nx] */
-    double *surface; /* [5][ny][nx] where marked: value, slopes and mixed slopes at the pixels */
-    bool marked;     /* f holds marks: zeros under zeros=skip */
+    double *surface;      /* [5][ny][nx] values, slopes and mixed slopes at the pixels */
+    bool marked;          /* f holds marks: zeros under zeros=skip */
 } image;
 bool image_init(image *im, const image_grid *g);
 void image_deinit(image *im);
@@ -37,7 +36,19 @@ void image_deinit(image *im);
  * method meets a negative number: pixel (*bad_x, *bad_y). */
 bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x, int *bad_y);
 
-/* Fine row `fine_y`, columns [x0, x1), into out[0 .. x1-x0). */
+/* Fine row `fine_y`, columns [x0, x1): made in scratch[0 .. x1-x0), or the pixels where they are.
+ */
+const double *image_row_view(const image *im, const image_grid *g, int fine_y, int x0, int x1,
+                             double *scratch);
+/* What the unmarked fine row `fine_y` is made of, where the interpolation has slopes and takes
+ * logarithms: exp(w.a fj[x] + w.b fk[x] + w.c ej[x] + w.d ek[x]) - pedestal. */
+typedef struct log_row {
+    axis_weights w;
+    const double *fj, *fk, *ej, *ek;
+} log_row;
+bool image_is_smooth_log(const image *im, const image_grid *g);
+log_row image_log_row(const image *im, const image_grid *g, int fine_y);
+/* Fine row `fine_y`, columns [x0, x1), always into out. */
 void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out);
 
 #endif

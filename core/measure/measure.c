@@ -138,6 +138,26 @@ static moments moments_of(const shear_plan *plan, shear_workspace *ws, const tra
     return m;
 }
 
+/* What the filter takes off the flux. Where the packed pair holds the pixels themselves, what it
+ * leaves is the pair's mode k = 0, of which the rows' part is there already. */
+static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
+                           const filter_map *coarse, const double *galaxy, const double *noise,
+                           double flux) {
+    if (coarse == NULL) {
+        return 0.0;
+    }
+    if (coarse->nx != plan->info.fine_nx || !plan->settings.noise_correction) {
+        return photometry_removed(coarse->value, galaxy, noise,
+                                  (size_t)coarse->nx * (size_t)coarse->ny);
+    }
+    double kept = 0.0;
+    for (int y = ws->first_row; y < ws->end_row; y++) {
+        const double complex z = ws->pair[(size_t)y * plan->stride];
+        kept += creal(z) - cimag(z);
+    }
+    return flux - kept;
+}
+
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
@@ -160,12 +180,11 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
         return SHEAR_OK;
     }
     fill_photometry(row, stamps, galaxy, noise, &ph);
-    row->flux_removed =
-        coarse != NULL ? photometry_removed(coarse->value, galaxy, noise, pixels) : 0.0;
     pack_failure failure;
     if (!pack_pair(plan, ws, fine, galaxy, noise, &failure)) {
         return negative_pixel(plan, stamps, i, &failure, err);
     }
+    row->flux_removed = removed_flux(plan, ws, coarse, galaxy, noise, row->flux);
     const moments m = moments_of(plan, ws, t);
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;

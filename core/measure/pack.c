@@ -1,37 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From a stamp pair to the modes of its transform: galaxy + i noise on the fine grid, filtered, one
  * complex transform for both, rows first. What no column of the result needs is not made. */
+#include "measure/pack.h"
 #include "base/simd.h"
 #include "measure/plan_impl.h"
 
 #include <string.h>
 
-SHEAR_SIMD static void pack_row(double complex *out, const double *galaxy, const double *noise,
-                                const double *filter, int n) {
+SHEAR_SIMD void pack_row(double complex *out, const double *re, const double *im,
+                         const double *filter, int n) {
     double *pairs = (double *)out;
     if (filter != NULL) {
 #pragma omp simd
         for (int i = 0; i < n; i++) {
-            pairs[2 * i] = filter[i] * galaxy[i];
-            pairs[2 * i + 1] = filter[i] * noise[i];
+            pairs[2 * i] = filter[i] * re[i];
+            pairs[2 * i + 1] = filter[i] * im[i];
         }
     } else {
 #pragma omp simd
         for (int i = 0; i < n; i++) {
-            pairs[2 * i] = galaxy[i];
-            pairs[2 * i + 1] = noise[i];
+            pairs[2 * i] = re[i];
+            pairs[2 * i + 1] = im[i];
         }
     }
 }
 
-/* Row `fine_y` of an image, columns [x0, x1): made in `scratch`, or the pixels as they are. */
-static const double *fine_row(const image *im, const image_grid *g, int fine_y, int x0, int x1,
-                              double *scratch) {
-    if (g->x.kind == AXIS_NONE) {
-        return im->pixels + (size_t)fine_y * (size_t)g->x.n + x0;
+/* Two rows that a log method interpolates, columns [x0, x1), in one loop: each value stays in its
+ * register from the logarithm to the packed pair. */
+SHEAR_SIMD static void pack_log_rows(double complex *out, const log_row *g, const log_row *n,
+                                     double pedestal, const double *filter, int x0, int x1) {
+    double *pairs = (double *)out;
+    const axis_weights w = g->w; /* of both: they are the same row */
+#pragma omp simd
+    for (int x = x0; x < x1; x++) {
+        const double galaxy =
+            exp(w.a * g->fj[x] + w.b * g->fk[x] + w.c * g->ej[x] + w.d * g->ek[x]) - pedestal;
+        const double noise =
+            exp(w.a * n->fj[x] + w.b * n->fk[x] + w.c * n->ej[x] + w.d * n->ek[x]) - pedestal;
+        pairs[2 * x] = filter[x] * galaxy;
+        pairs[2 * x + 1] = filter[x] * noise;
     }
-    image_row(im, g, fine_y, x0, x1, scratch);
-    return scratch;
 }
 
 /* One fine row of the pair: interpolated where the filter lets it through, zero elsewhere. */
@@ -46,10 +54,19 @@ static void make_row(const shear_plan *plan, shear_workspace *ws, const filter_m
     if (x0 == x1) {
         return;
     }
-    const double *galaxy = fine_row(&ws->galaxy, &plan->grid, y, x0, x1, ws->galaxy_row);
+    if (filter != NULL && plan->settings.noise_correction &&
+        image_is_smooth_log(&ws->galaxy, &plan->grid) &&
+        image_is_smooth_log(&ws->noise, &plan->grid)) {
+        const log_row g = image_log_row(&ws->galaxy, &plan->grid, y);
+        const log_row n = image_log_row(&ws->noise, &plan->grid, y);
+        pack_log_rows(row, &g, &n, plan->grid.pedestal, filter->value + (size_t)y * (size_t)width,
+                      x0, x1);
+        return;
+    }
+    const double *galaxy = image_row_view(&ws->galaxy, &plan->grid, y, x0, x1, ws->galaxy_row);
     const double *noise = ws->no_noise;
     if (plan->settings.noise_correction) {
-        noise = fine_row(&ws->noise, &plan->grid, y, x0, x1, ws->noise_row);
+        noise = image_row_view(&ws->noise, &plan->grid, y, x0, x1, ws->noise_row);
     }
     const double *values = filter != NULL ? filter->value + (size_t)y * (size_t)width + x0 : NULL;
     pack_row(row + x0, galaxy, noise, values, x1 - x0);
@@ -76,7 +93,7 @@ static void transform_rows(const shear_plan *plan, shear_workspace *ws, const fi
         for (int l = 0; l < FFT_LINES; l++) {
             make_row(plan, ws, filter, y + l, ws->lines + (size_t)l * (size_t)plan->info.fine_nx);
         }
-        fft_complex(plan->rows, ws->lines, out);
+        fft_batch_run(plan->rows, ws->lines, out);
         for (int l = 0; l < FFT_LINES; l++) { /* column nx is column 0 once more, for the mirror */
             double complex *row = out + (size_t)l * plan->stride;
             row[plan->info.fine_nx] = row[0];
@@ -101,7 +118,7 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
 
 mode_columns transform_columns(const shear_plan *plan, shear_workspace *ws, int group) {
     const int first = group * FFT_LINES;
-    fft_complex(plan->columns, ws->pair + first, ws->left);
-    fft_complex(plan->mirrored, ws->pair + plan->info.fine_nx - first, ws->right);
+    fft_batch_run(plan->columns, ws->pair + first, ws->left);
+    fft_batch_run(plan->mirrored, ws->pair + plan->info.fine_nx - first, ws->right);
     return (mode_columns){.left = ws->left, .right = ws->right, .group = group};
 }

@@ -5,47 +5,52 @@
 
 #include <math.h>
 
-/* Each image's sum and extremes, whether it is finite, and the noise's squares; both in one loop,
- * so that the pair is fetched once. */
+static bool all_finite(const double *pixels, size_t n) {
+    size_t i = 0;
+    while (i < n && isfinite(pixels[i])) {
+        i++;
+    }
+    return i == n;
+}
+
+/* Sums and extremes of both images in one loop, so that the pair is fetched once. A sum that is
+ * finite has finite terms only; one that is not is looked at more closely. */
 SHEAR_SIMD photometry photometry_of(const double *galaxy, const double *noise, size_t pixels) {
-    /* Squares are taken about one of the pixels: about zero, a bright sky would swallow its own
-     * noise. */
+    /* The noise's moments are taken about one of its pixels: about zero, a bright sky would swallow
+     * its own noise. */
     const double origin = noise[0];
     double g_sum = 0.0;
     double n_sum = 0.0;
-    double n_sum1 = 0.0;
-    double n_sum2 = 0.0;
+    double n_first = 0.0;
+    double n_squares = 0.0;
     double g_low = INFINITY;
     double g_high = -INFINITY;
     double n_low = INFINITY;
     double n_high = -INFINITY;
-    double g_odd = 0.0; /* becomes NaN with the first NaN or infinity */
-    double n_odd = 0.0;
-#pragma omp simd reduction(+ : g_sum, n_sum, n_sum1, n_sum2, g_odd, n_odd)                         \
-    reduction(min : g_low, n_low) reduction(max : g_high, n_high)
+#pragma omp simd reduction(+ : g_sum, n_sum, n_first, n_squares) reduction(min : g_low, n_low)              \
+    reduction(max : g_high, n_high)
     for (size_t i = 0; i < pixels; i++) {
         const double g = galaxy[i];
         const double n = noise[i];
         const double d = n - origin;
         g_sum += g;
-        g_odd += g * 0.0;
         g_low = g < g_low ? g : g_low;
         g_high = g > g_high ? g : g_high;
         n_sum += n;
-        n_odd += n * 0.0;
+        n_first += d;
+        n_squares += d * d;
         n_low = n < n_low ? n : n_low;
         n_high = n > n_high ? n : n_high;
-        n_sum1 += d;
-        n_sum2 += d * d;
     }
-    const double mean = n_sum1 / (double)pixels;
-    return (photometry){
-        .galaxy_sum = g_sum,
-        .noise_sum = n_sum,
-        .galaxy_finite = g_odd == 0.0,
-        .noise_finite = n_odd == 0.0,
-        .galaxy_flat = g_low == g_high,
-        .noise_var = n_high > n_low ? fmax(0.0, n_sum2 / (double)pixels - mean * mean) : 0.0};
+    const double count = (double)pixels;
+    const double mean = n_first / count;
+    return (photometry){.galaxy_sum = g_sum,
+                        .noise_sum = n_sum,
+                        .galaxy_finite = isfinite(g_sum) || all_finite(galaxy, pixels),
+                        .noise_finite = isfinite(n_sum) || all_finite(noise, pixels),
+                        .galaxy_flat = g_low == g_high,
+                        .noise_var =
+                            n_high > n_low ? fmax(0.0, n_squares / count - mean * mean) : 0.0};
 }
 
 /* Sums of the border about `origin`: its pixels, and their squares. */

@@ -146,10 +146,10 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
     const fft_layout rows = {.step = 1, .apart = (int)plan->stride};
     const fft_layout across = {.step = (int)plan->stride, .apart = 1};
     const fft_layout columns = {.step = FFT_LINES, .apart = 1};
-    plan->rows = fft_complex_new(info->fine_nx, lines, rows);
+    plan->rows = fft_batch_new(info->fine_nx, lines, rows);
     const fft_layout back = {.step = (int)plan->stride, .apart = -1};
-    plan->columns = fft_complex_new(info->fine_ny, across, columns);
-    plan->mirrored = fft_complex_new(info->fine_ny, back, columns);
+    plan->columns = fft_batch_new(info->fine_ny, across, columns);
+    plan->mirrored = fft_batch_new(info->fine_ny, back, columns);
     return grid_made && psf_grid_made && transfer_made && plan->rows != NULL &&
            plan->columns != NULL && plan->mirrored != NULL;
 }

@@ -2,6 +2,7 @@
 #include "measure/transfer.h"
 
 #include "base/simd.h"
+#include "measure/pack.h"
 #include "measure/psf.h"
 
 #include <math.h>
@@ -44,6 +45,32 @@ static int psf_fine(const axis *ax) {
     return ax->n * ax->s - (ax->s - 1);
 }
 
+/* Rows are packed two by two, even + i odd, so that the transform has half the rows; a single last
+ * row (an odd period) goes with zeros, and is no longer worth it: then none are. */
+static bool packs_rows(const transfer_plan *p) {
+    return period_y(p) % 2 == 0;
+}
+
+static bool plan_transforms(transfer_plan *p) {
+    const int width = period_x(p);
+    p->half_ny = packs_rows(p) ? period_y(p) / 2 : period_y(p);
+    p->mode_stride = fft_row_stride(width);
+    const fft_layout lines = {.step = 1, .apart = width};
+    const fft_layout modes = {.step = 1, .apart = (int)p->mode_stride};
+    const fft_layout across = {.step = (int)p->mode_stride, .apart = 1};
+    const fft_layout back = {.step = (int)p->mode_stride, .apart = -1};
+    const fft_layout columns = {.step = FFT_LINES, .apart = 1};
+    p->rows = fft_batch_new(width, lines, modes);
+    p->columns = fft_batch_new(p->half_ny, across, columns);
+    p->mirrored = fft_batch_new(p->half_ny, back, columns);
+    p->twiddle = fft_alloc((size_t)p->half_ny * sizeof *p->twiddle);
+    for (int j = 0; p->twiddle != NULL && j < p->half_ny; j++) {
+        const double angle = -2.0 * M_PI * j / period_y(p);
+        p->twiddle[j] = cos(angle) + I * sin(angle);
+    }
+    return p->rows != NULL && p->columns != NULL && p->mirrored != NULL && p->twiddle != NULL;
+}
+
 bool transfer_plan_init(transfer_plan *p) {
     p->k_limit = M_PI * (p->s < p->q ? p->s : p->q);
     /* The largest index of a mode inside the circle: 2 pi j / n < k_limit. */
@@ -51,18 +78,9 @@ bool transfer_plan_init(transfer_plan *p) {
     p->max_jx = (p->nx * side - 1) / 2;
     p->max_jy = (p->ny * side - 1) / 2;
     p->stride = fft_padded(p->max_jx + 1);
-    const int fine_ny = psf_fine(&p->grid.y);
-    p->used_ny = fine_ny < period_y(p) ? fine_ny : period_y(p);
-    p->mode_stride = fft_row_stride(period_x(p) / 2 + FFT_LINES);
-    const fft_layout lines = {.step = 1, .apart = period_x(p)};
-    const fft_layout modes = {.step = 1, .apart = (int)p->mode_stride};
-    const fft_layout across = {.step = (int)p->mode_stride, .apart = 1};
-    const fft_layout columns = {.step = FFT_LINES, .apart = 1};
-    p->rows = fft_real_new(period_x(p), lines, modes);
-    p->columns = fft_complex_new(period_y(p), across, columns);
     p->kx2 = fft_alloc(p->stride * sizeof *p->kx2);
     p->target = fft_alloc(table_size(p) * sizeof *p->target);
-    if (p->rows == NULL || p->columns == NULL || p->kx2 == NULL || p->target == NULL) {
+    if (!plan_transforms(p) || p->kx2 == NULL || p->target == NULL) {
         return false;
     }
     fill_target(p);
@@ -72,6 +90,8 @@ bool transfer_plan_init(transfer_plan *p) {
 void transfer_plan_deinit(transfer_plan *p) {
     fft_batch_free(p->rows);
     fft_batch_free(p->columns);
+    fft_batch_free(p->mirrored);
+    fft_free(p->twiddle);
     fft_free(p->kx2);
     fft_free(p->target);
     image_grid_deinit(&p->grid);
@@ -79,27 +99,36 @@ void transfer_plan_deinit(transfer_plan *p) {
 }
 
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
-    const size_t modes = fft_padded(period_y(p)) * p->mode_stride;
+    const size_t width = (size_t)period_x(p);
+    const size_t modes = fft_padded(p->half_ny) * p->mode_stride;
+    const size_t columns = (size_t)p->half_ny * FFT_LINES;
     *t = (transfer_scratch){0};
     const bool image_made = image_init(&t->image, &p->grid);
     t->fine_row = fft_alloc((size_t)p->grid.fine_nx * sizeof *t->fine_row);
-    t->folded = fft_alloc(fft_padded(p->used_ny) * (size_t)period_x(p) * sizeof *t->folded);
+    t->even = fft_alloc(width * sizeof *t->even);
+    t->odd = fft_alloc(width * sizeof *t->odd);
+    t->lines = fft_alloc(FFT_LINES * width * sizeof *t->lines);
     t->modes = fft_alloc(modes * sizeof *t->modes);
-    t->columns = fft_alloc((size_t)period_y(p) * FFT_LINES * sizeof *t->columns);
+    t->left = fft_alloc(columns * sizeof *t->left);
+    t->right = fft_alloc(columns * sizeof *t->right);
     t->power = fft_alloc(table_size(p) * sizeof *t->power);
     if (t->modes != NULL) {
-        memset(t->modes, 0, modes * sizeof *t->modes);
+        memset(t->modes, 0, modes * sizeof *t->modes); /* padding must be numbers */
     }
-    return image_made && t->fine_row != NULL && t->folded != NULL && t->modes != NULL &&
-           t->columns != NULL && t->power != NULL;
+    return image_made && t->fine_row != NULL && t->even != NULL && t->odd != NULL &&
+           t->lines != NULL && t->modes != NULL && t->left != NULL && t->right != NULL &&
+           t->power != NULL;
 }
 
 void transfer_scratch_deinit(transfer_scratch *t) {
     image_deinit(&t->image);
     fft_free(t->fine_row);
-    fft_free(t->folded);
+    fft_free(t->even);
+    fft_free(t->odd);
+    fft_free(t->lines);
     fft_free(t->modes);
-    fft_free(t->columns);
+    fft_free(t->left);
+    fft_free(t->right);
     fft_free(t->power);
     *t = (transfer_scratch){0};
 }
@@ -114,54 +143,120 @@ void transfer_deinit(transfer *t) {
     *t = (transfer){0};
 }
 
-/* The PSF folded onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that period).
- */
-static void fold_psf(const transfer_plan *p, transfer_scratch *t) {
+SHEAR_SIMD static void add_pixels(double *row, const double *pixels, int n) {
+#pragma omp simd
+    for (int i = 0; i < n; i++) {
+        row[i] += pixels[i];
+    }
+}
+
+/* Row y of the PSF folded onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that
+ * period). */
+static void fold_row(const transfer_plan *p, transfer_scratch *t, int y, double *out) {
     const int width = period_x(p);
     const int fine_nx = psf_fine(&p->grid.x);
-    const int fine_ny = psf_fine(&p->grid.y);
-    memset(t->folded, 0, fft_padded(p->used_ny) * (size_t)width * sizeof *t->folded);
-    for (int y = 0; y < fine_ny; y++) {
-        double *row = t->folded + (size_t)(y % period_y(p)) * (size_t)width;
-        image_row(&t->image, &p->grid, y, 0, fine_nx, t->fine_row);
+    memset(out, 0, (size_t)width * sizeof *out);
+    for (int fine_y = y; fine_y < psf_fine(&p->grid.y); fine_y += period_y(p)) {
+        const double *row = image_row_view(&t->image, &p->grid, fine_y, 0, fine_nx, t->fine_row);
         for (int from = 0; from < fine_nx; from += width) {
-            const int n = fine_nx - from < width ? fine_nx - from : width;
-            for (int x = 0; x < n; x++) {
-                row[x] += t->fine_row[from + x];
-            }
+            add_pixels(out, row + from, fine_nx - from < width ? fine_nx - from : width);
         }
     }
 }
 
-/* |scale W|^2 of one group of columns; scale W(0) = 1. The amplitude first, squared after: a PSF's
- * flux is in any unit, and its square may leave the range of double. */
-SHEAR_SIMD static void square_columns(const double *columns, int ny, int max_jy, size_t stride,
-                                      double scale, double *power) {
-    for (int jy = -max_jy; jy <= max_jy; jy++) {
-        const double *modes = columns + 2 * FFT_LINES * (ptrdiff_t)(jy < 0 ? jy + ny : jy);
-        double *row = power + (size_t)(jy + max_jy) * stride;
+static void transform_rows(const transfer_plan *p, transfer_scratch *t) {
+    const int width = period_x(p);
+    const int step = packs_rows(p) ? 2 : 1;
+    memset(t->odd, 0, (size_t)width * sizeof *t->odd);
+    for (int y = 0; y < p->half_ny; y += FFT_LINES) {
+        double complex *out = t->modes + (size_t)y * p->mode_stride;
+        for (int l = 0; l < FFT_LINES; l++) {
+            const int at = y + l < p->half_ny ? step * (y + l) : psf_fine(&p->grid.y);
+            fold_row(p, t, at, t->even);
+            if (step == 2) {
+                fold_row(p, t, at + 1, t->odd);
+            }
+            pack_row(t->lines + (size_t)l * (size_t)width, t->even, t->odd, NULL, width);
+        }
+        fft_batch_run(p->rows, t->lines, out);
+        for (int l = 0; l < FFT_LINES; l++) { /* column nx is column 0 once more, for the mirror */
+            out[(size_t)l * p->mode_stride + (size_t)width] = out[(size_t)l * p->mode_stride];
+        }
+    }
+}
+
+/* |scale W|^2 of one group of columns from Z, the transform of even + i odd rows: with Z' = Z(-k)*,
+ * the even rows' is (Z + Z') / 2, the odd rows' (Z - Z') / 2i, and
+ *     W(jx, j) = even + w odd,  W(jx, j + half) = even - w odd,  w = exp(-2 pi i j / (2 half)).
+ * The amplitude is made first and squared after: squares of what nearly cancels would lose the
+ * faint modes, and a PSF's flux is in any unit. `middle` is |W|^2 at jy = 0. */
+SHEAR_SIMD static void square_packed(const double *left, const double *right, const double *twiddle,
+                                     int half, int max_jy, size_t stride, double scale,
+                                     double *middle) {
+    const double h = 0.5 * scale;
+    for (int j = 0; j < half; j++) {
+        const double *z = left + 2 * FFT_LINES * (ptrdiff_t)j;
+        const double *m = right + 2 * FFT_LINES * (ptrdiff_t)((half - j) % half);
+        const double wr = twiddle[2 * j];
+        const double wi = twiddle[2 * j + 1];
+        double plus[FFT_LINES];
+        double minus[FFT_LINES];
 #pragma omp simd
         for (int l = 0; l < FFT_LINES; l++) {
-            const double re = scale * modes[2 * l];
-            const double im = scale * modes[2 * l + 1];
+            const double er = h * (z[2 * l] + m[2 * l]);
+            const double ei = h * (z[2 * l + 1] - m[2 * l + 1]);
+            const double or = h * (z[2 * l + 1] + m[2 * l + 1]);
+            const double oi = h * (m[2 * l] - z[2 * l]);
+            const double tr = wr * or -wi * oi;
+            const double ti = wr * oi + wi * or ;
+            plus[l] = (er + tr) * (er + tr) + (ei + ti) * (ei + ti);
+            minus[l] = (er - tr) * (er - tr) + (ei - ti) * (ei - ti);
+        }
+        if (j <= max_jy) {
+            memcpy(middle + (ptrdiff_t)stride * j, plus, sizeof plus);
+        }
+        if (half - j <= max_jy) {
+            memcpy(middle - (ptrdiff_t)stride * (half - j), minus, sizeof minus);
+        }
+    }
+}
+
+/* The same where rows are not packed. */
+static void square_plain(const double complex *left, int ny, int max_jy, size_t stride,
+                         double scale, double *middle) {
+    for (int jy = -max_jy; jy <= max_jy; jy++) {
+        const double complex *modes = left + FFT_LINES * (ptrdiff_t)(jy < 0 ? jy + ny : jy);
+        double *row = middle + (ptrdiff_t)stride * jy;
+        for (int l = 0; l < FFT_LINES; l++) {
+            const double re = scale * creal(modes[l]);
+            const double im = scale * cimag(modes[l]);
             row[l] = re * re + im * im;
         }
     }
 }
 
+/* 1 / W(0) from column 0. */
+static double scale_of(const transfer_plan *p, const transfer_scratch *t) {
+    const double complex z = t->left[0];
+    return 1.0 / (packs_rows(p) ? fabs(creal(z) + cimag(z)) : cabs(z));
+}
+
 /* |W|^2 on the modes, W(0) = 1. */
 static void power_of_psf(const transfer_plan *p, transfer_scratch *t) {
     double scale = 0.0;
-    fold_psf(p, t);
-    for (int y = 0; y < p->used_ny; y += FFT_LINES) {
-        fft_real(p->rows, t->folded + (size_t)y * (size_t)period_x(p),
-                 t->modes + (size_t)y * p->mode_stride);
-    }
+    transform_rows(p, t);
     for (int jx = 0; jx <= p->max_jx; jx += FFT_LINES) {
-        fft_complex(p->columns, t->modes + jx, t->columns);
-        scale = jx == 0 ? 1.0 / cabs(t->columns[0]) : scale;
-        square_columns((const double *)t->columns, period_y(p), p->max_jy, p->stride, scale,
-                       t->power + jx);
+        double *middle = t->power + (size_t)p->max_jy * p->stride + (size_t)jx;
+        fft_batch_run(p->columns, t->modes + jx, t->left);
+        scale = jx == 0 ? scale_of(p, t) : scale;
+        if (packs_rows(p)) {
+            fft_batch_run(p->mirrored, t->modes + period_x(p) - jx, t->right);
+            square_packed((const double *)t->left, (const double *)t->right,
+                          (const double *)p->twiddle, p->half_ny, p->max_jy, p->stride, scale,
+                          middle);
+        } else {
+            square_plain(t->left, p->half_ny, p->max_jy, p->stride, scale, middle);
+        }
     }
 }
 

@@ -26,12 +26,13 @@ typedef struct transfer_plan {
     size_t stride;      /* of a row of T: whole groups of FFT_LINES columns */
     double k_limit;     /* pi min(s, q): the Nyquist circle */
     double beta_px, threshold, power_tolerance;
-    image_grid grid;           /* the PSF's own interpolation */
-    int used_ny;               /* rows of the stamp's period, nx q x ny q, that the PSF reaches */
-    size_t mode_stride;        /* of a transformed row */
-    fft_batch *rows, *columns; /* nx q real, ny q complex */
-    double *kx2;               /* [stride] kx^2; INFINITY beyond max_jx */
-    double *target;            /* [2 max_jy + 1][stride] |W_beta|^2 with T's factors */
+    image_grid grid;    /* the PSF's own interpolation */
+    int half_ny;        /* complex rows that the PSF's nx q x ny q samples are packed in */
+    size_t mode_stride; /* of a transformed row */
+    fft_batch *rows, *columns, *mirrored;
+    double complex *twiddle; /* [half_ny] exp(-2 pi i j / (ny q)) */
+    double *kx2;             /* [stride] kx^2; INFINITY beyond max_jx */
+    double *target;          /* [2 max_jy + 1][stride] |W_beta|^2 with T's factors */
 } transfer_plan;
 
 /* false when memory is out; deinit is safe then too. grid must have been set up. */
@@ -40,11 +41,12 @@ void transfer_plan_deinit(transfer_plan *p);
 
 typedef struct transfer_scratch {
     image image;
-    double *fine_row;        /* one fine row of the PSF */
-    double *folded;          /* [used_ny, padded][nx q] the PSF, folded onto the stamp's period */
-    double complex *modes;   /* [ny q][mode_stride] transformed along x; zero beyond used_ny */
-    double complex *columns; /* [ny q][FFT_LINES] a group of them transformed along y, too */
-    double *power;           /* [2 max_jy + 1][stride] |W|^2 */
+    double *fine_row;             /* one fine row of the PSF */
+    double *even, *odd;           /* [nx q] rows folded onto the stamp's period */
+    double complex *lines;        /* [FFT_LINES][nx q] pairs of them */
+    double complex *modes;        /* [half_ny, padded][mode_stride] transformed along x */
+    double complex *left, *right; /* [half_ny][FFT_LINES] along y, too: columns and their mirrors */
+    double *power;                /* [2 max_jy + 1][stride] |W|^2 */
 } transfer_scratch;
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p);
 void transfer_scratch_deinit(transfer_scratch *t);

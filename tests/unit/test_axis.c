@@ -23,7 +23,7 @@ static void expand(int kind, int n, int s, const double *f, bool marked, double 
     } else {
         axis_slopes(&ax, f, e, 1, 1);
     }
-    axis_expand(&ax, f, e, marked, fine);
+    axis_expand(&ax, f, e, 1, marked, fine);
     axis_deinit(&ax);
 }
 
