@@ -145,7 +145,7 @@ static bool workspace_init(struct workspace *ws, const shear_mock *m) {
     return painted && ws->x && ws->y;
 }
 
-static void paint_galaxy(const shear_mock *m, struct workspace *ws, int64_t stamp, double *image) {
+static void paint_galaxy(const shear_mock *m, struct workspace *ws, int64_t stamp) {
     const shear_mock_spec *s = &m->spec;
     double magnification = 1.0 - s->g1 * s->g1 - s->g2 * s->g2;
     double amplitude = magnification * m->info.point_amplitude;
@@ -155,11 +155,12 @@ static void paint_galaxy(const shear_mock *m, struct workspace *ws, int64_t stam
     cy += 0.5 * (s->ny - 1);
     int n = shear_mock_image_points(m, stamp, ws->x, ws->y);
     for (int k = 0; k < n; k++) {
-        painter_point(&ws->painter, amplitude, cx + ws->x[k], cy + ws->y[k], image);
+        painter_point(&ws->painter, amplitude, cx + ws->x[k], cy + ws->y[k]);
     }
 }
 
-/* `pure` = 0 for the galaxy stamp, 1 for the noise stamp: each stream has its twin next to it. */
+/* On what the galaxy's painter holds.  `pure` = 0 for the galaxy stamp, 1 for the noise stamp: each
+ * stream has its twin next to it. */
 static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, int pure,
                       double *image) {
     const shear_mock_spec *s = &m->spec;
@@ -168,8 +169,9 @@ static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, 
     struct random r;
     if (s->noise_ratio > 0.0) {
         random_begin(&r, s->seed, RANDOM_SOURCES + pure, index, 0);
-        noise_sources(&ws->painter, &r, m->info.noise_density, m->info.noise_amplitude, image);
+        noise_sources(&ws->painter, &r, m->info.noise_density, m->info.noise_amplitude);
     }
+    painter_finish(&ws->painter, image);
     if (s->photons > 0.0) {
         random_begin(&r, s->seed, RANDOM_PHOTONS + pure, index, 0);
         noise_photons(&r, s->photons, s->subtract_background ? s->photons : 0.0, n, image);
@@ -186,7 +188,7 @@ static void make_pair(const shear_mock *m, struct workspace *ws, int64_t stamp, 
     painter_turn(&ws->painter, shear_mock_psf_angle(m, shear_mock_psf_of(m, stamp)));
     memset(galaxy, 0, bytes);
     memset(noise, 0, bytes);
-    paint_galaxy(m, ws, stamp, galaxy);
+    paint_galaxy(m, ws, stamp);
     add_noise(m, ws, stamp, 0, galaxy);
     add_noise(m, ws, stamp, 1, noise);
 }
@@ -244,8 +246,9 @@ int shear_mock_paint(const shear_mock *m, int64_t psf, int n, const double *x, c
     }
     painter_turn(&painter, shear_mock_psf_angle(m, psf));
     for (int k = 0; k < n; k++) {
-        painter_point(&painter, amplitude, x[k], y[k], image);
+        painter_point(&painter, amplitude, x[k], y[k]);
     }
+    painter_finish(&painter, image);
 done:
     painter_deinit(&painter);
     return code;

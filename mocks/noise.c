@@ -3,8 +3,7 @@
 
 #include <gsl/gsl_randist.h>
 
-void noise_sources(struct painter *p, struct random *r, double density, double amplitude,
-                   double *image) {
+void noise_sources(struct painter *p, struct random *r, double density, double amplitude) {
     double lo = -0.5 - p->reach;
     double width = p->nx + 2.0 * p->reach;
     double height = p->ny + 2.0 * p->reach;
@@ -12,7 +11,7 @@ void noise_sources(struct painter *p, struct random *r, double density, double a
     for (unsigned k = 0; k < n; k++) {
         double x = lo + width * gsl_rng_uniform(&r->rng);
         double y = lo + height * gsl_rng_uniform(&r->rng);
-        painter_point(p, amplitude, x, y, image);
+        painter_point(p, amplitude, x, y);
     }
 }
 

@@ -7,11 +7,10 @@
 #include "painter.h"
 #include "random.h"
 
-/* Astronomical noise: Poisson-distributed points, `density` per px^2, each of `amplitude`,
+/* Paint astronomical noise: Poisson-distributed points, `density` per px^2, each of `amplitude`,
  * convolved with the painter's PSF. They also lie around the image, as far as the PSF reaches: the
  * statistics are the same at its border. */
-void noise_sources(struct painter *p, struct random *r, double density, double amplitude,
-                   double *image);
+void noise_sources(struct painter *p, struct random *r, double density, double amplitude);
 
 /* Replace each pixel f by a Poisson number of mean f + background, minus `subtract`. Pixel i takes
  * item i of the sequence: its number depends on no other pixel's mean. */

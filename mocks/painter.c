@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "painter.h"
 
+#include "base/simd.h"
 #include "shear_mocks/mock.h"
 
 #include <math.h>
@@ -11,7 +12,7 @@
 static const double cell_radius = 0.70710678118654757;
 
 /* A row crosses a four-armed star in three pieces at most; one more for the grid's raggedness. */
-enum { PIECES = 4, BLOCK = 4, ALIGNMENT = 64 };
+enum { PIECES = 4, ALIGNMENT = 64 };
 
 /* Zeros. */
 static double *new_doubles(size_t n) {
@@ -32,44 +33,55 @@ bool painter_init(struct painter *p, int kind, double r_px, int nx, int ny) {
     *p = (struct painter){.kind = kind, .r_px = r_px, .angle_deg = NAN, .nx = nx, .ny = ny};
     p->half = (int)ceil(psf_gaussian_reach(r_px) + cell_radius);
     p->reach = (int)ceil(psf_reach(kind, r_px) + cell_radius);
-    p->stride = side_of(p->half) + BLOCK - 1;
+    p->n_strips = (side_of(p->half) + PAINTER_STRIP - 1) / PAINTER_STRIP;
+    p->stride = nx + 2 * PAINTER_STRIP;
     size_t side = (size_t)side_of(p->half);
-    size_t stride = (size_t)p->stride;
-    p->table = new_doubles(side * stride);
-    p->columns = new_doubles(stride);
-    p->rows = new_doubles(side);
-    p->gaussian = calloc(side, sizeof *p->gaussian);
+    size_t width = (size_t)p->n_strips * PAINTER_STRIP;
+    p->canvas = new_doubles((size_t)p->stride * (size_t)ny);
+    p->table = new_doubles(side * width);
+    p->columns = new_doubles(width);
+    p->rows = new_doubles(width);
+    p->strips = calloc((size_t)p->n_strips, sizeof *p->strips);
     if (kind == SHEAR_MOCK_PSF_B) {
         size_t spikes_side = (size_t)side_of(spikes_half(p));
         p->spikes = calloc(spikes_side * PIECES, sizeof *p->spikes);
-        p->buffer = new_doubles(spikes_side);
+        p->buffer = new_doubles(spikes_side + PAINTER_STRIP);
     }
     bool spikes_made = kind != SHEAR_MOCK_PSF_B || (p->spikes && p->buffer);
-    return p->table && p->columns && p->rows && p->gaussian && spikes_made;
+    return p->canvas && p->table && p->columns && p->rows && p->strips && spikes_made;
 }
 
 void painter_deinit(struct painter *p) {
+    free(p->canvas);
     free(p->table);
     free(p->columns);
     free(p->rows);
-    free(p->gaussian);
+    free(p->strips);
     free(p->spikes);
     free(p->buffer);
     *p = (struct painter){0};
 }
 
-/* An ellipse: what it covers of a row is one piece. */
-static void find_gaussian_segments(struct painter *p) {
+/* The rows of G in one strip; zero, and outside the strip's rows, where the Gaussian does not
+ * reach. */
+static void fill_strip(struct painter *p, int strip) {
     int h = p->half;
-    for (int j = -h; j <= h; j++) {
-        struct segment s = {.j = j, .lo = -h, .hi = h};
-        while (s.lo <= h && !psf_gaussian_reaches(&p->psf, s.lo, j, cell_radius)) {
-            s.lo++;
+    int first = strip * PAINTER_STRIP - h;
+    double *row = p->table + (size_t)strip * (size_t)side_of(h) * PAINTER_STRIP;
+    struct rows *reached = &p->strips[strip];
+    *reached = (struct rows){.lo = h + 1, .hi = -h - 1};
+    for (int j = -h; j <= h; j++, row += PAINTER_STRIP) {
+        psf_gaussian_row(&p->psf, 1.0, first, j, 1.0, PAINTER_STRIP, row);
+        bool any = false;
+        for (int i = 0; i < PAINTER_STRIP; i++) {
+            bool reaches = psf_gaussian_reaches(&p->psf, first + i, j, cell_radius);
+            row[i] = reaches ? row[i] : 0.0;
+            any = any || reaches;
         }
-        while (s.hi >= s.lo && !psf_gaussian_reaches(&p->psf, s.hi, j, cell_radius)) {
-            s.hi--;
+        if (any) {
+            reached->lo = j < reached->lo ? j : reached->lo;
+            reached->hi = j;
         }
-        p->gaussian[j + h] = s;
     }
 }
 
@@ -105,25 +117,30 @@ void painter_turn(struct painter *p, double angle_deg) {
     }
     p->angle_deg = angle_deg;
     p->psf = psf_make(p->kind, p->r_px, angle_deg);
-    int side = side_of(p->half);
-    for (int j = -p->half; j <= p->half; j++) {
-        psf_gaussian_row(&p->psf, 1.0, -p->half, j, 1.0, side,
-                         p->table + (size_t)(j + p->half) * (size_t)p->stride);
+    for (int strip = 0; strip < p->n_strips; strip++) {
+        fill_strip(p, strip);
     }
-    find_gaussian_segments(p);
     find_spike_segments(p);
 }
 
-/* middle[i] = first * exp(i s), at least for i = lo .. hi. */
-static void fill_powers(double *middle, int lo, int hi, double first, double s) {
-    double up = exp(s);
-    double down = 1.0 / up;
-    middle[0] = first;
-    for (int i = 1; i <= hi; i++) {
-        middle[i] = middle[i - 1] * up;
+/* out[i] = scale * exp(first + i s) for n strips of i. */
+SHEAR_SIMD static void fill_powers(double *out, int n, double scale, double first, double s) {
+    double x = exp(s);
+    double x2 = x * x;
+    double x4 = x2 * x2;
+    double x8 = x4 * x4;
+    double y = scale * exp(first);
+    double power[PAINTER_STRIP];
+#pragma omp simd
+    for (int i = 0; i < PAINTER_STRIP; i++) {
+        power[i] = (y * (i & 4 ? x4 : 1.0)) * ((i & 2 ? x2 : 1.0) * (i & 1 ? x : 1.0));
     }
-    for (int i = -1; i >= lo; i--) {
-        middle[i] = middle[i + 1] * down;
+    for (int k = 0; k < n; k++) {
+#pragma omp simd
+        for (int i = 0; i < PAINTER_STRIP; i++) {
+            out[k * PAINTER_STRIP + i] = power[i];
+            power[i] *= x8;
+        }
     }
 }
 
@@ -135,65 +152,47 @@ static int min_int(int a, int b) {
     return a < b ? a : b;
 }
 
-/* row[i] += scale columns[i] table[i]. */
-static void add_product(double *restrict row, double scale, const double *restrict columns,
-                        const double *restrict table, int n) {
-    for (int i = 0; i < n; i++) {
-        row[i] += scale * (columns[i] * table[i]);
-    }
-}
-
-/* The same for whole blocks: without the odd pixels at a row's end this is twice as fast. */
-static void add_product_blocks(double *restrict row, double scale, const double *restrict columns,
-                               const double *restrict table, int blocks) {
-    for (int b = 0; b < blocks; b++) {
+/* n rows of a strip: canvas[j][i] += rows[j] columns[i] table[j][i]. A constant count of columns
+ * keeps them in registers. */
+SHEAR_SIMD static void add_strip(double *restrict canvas, size_t stride,
+                                 const double *restrict columns, const double *restrict rows,
+                                 const double *restrict table, int n) {
+    for (int j = 0; j < n; j++) {
+        double *to = canvas + (size_t)j * stride;
+        const double *from = table + (size_t)j * PAINTER_STRIP;
 #pragma omp simd
-        for (int i = 0; i < BLOCK; i++) { /* a constant count: no loop at all */
-            int k = b * BLOCK + i;
-            row[k] += scale * (columns[k] * table[k]);
+        for (int i = 0; i < PAINTER_STRIP; i++) {
+            to[i] += rows[j] * (columns[i] * from[i]);
         }
     }
 }
 
-/* One row: n pixels from column `lo` (relative to the point's), the first of which is image column
- * x. Rounds n up to blocks where the image has room for that: what lies beyond the segment is
- * fainter, but right. */
-static void add_row(struct painter *p, int j, int lo, int n, int x, double *image_row) {
-    size_t at = (size_t)(j + p->half) * (size_t)p->stride + (size_t)(lo + p->half);
-    const double *table = p->table + at;
-    const double *columns = p->columns + p->half + lo;
-    double scale = p->rows[j + p->half];
-    int blocks = (n + BLOCK - 1) / BLOCK;
-    if (x + blocks * BLOCK <= p->nx) {
-        add_product_blocks(image_row + x, scale, columns, table, blocks);
-    } else {
-        add_product(image_row + x, scale, columns, table, n);
-    }
-}
-
-static void add_gaussian(struct painter *p, double amplitude, int px, int py, double dx, double dy,
-                         double *image) {
+/* Strips are painted whole, into the canvas's margins if need be. */
+static void add_gaussian(struct painter *p, double amplitude, int px, int py, double dx,
+                         double dy) {
     const struct psf *w = &p->psf;
     int h = p->half;
-    int i_first = max_int(-h, -px);
-    int i_last = min_int(h, p->nx - 1 - px);
     int j_first = max_int(-h, -py);
     int j_last = min_int(h, p->ny - 1 - py);
-    double at_centre = exp(-((w->a * dx + 2.0 * w->b * dy) * dx + w->c * dy * dy));
-    fill_powers(p->columns + h, i_first, i_last, 1.0, 2.0 * (w->a * dx + w->b * dy));
-    fill_powers(p->rows + h, j_first, j_last, amplitude * at_centre, 2.0 * (w->b * dx + w->c * dy));
-    for (int j = j_first; j <= j_last; j++) {
-        const struct segment *s = &p->gaussian[j + h];
-        int lo = max_int(s->lo, i_first);
-        int n = min_int(s->hi, i_last) - lo + 1;
-        if (n > 0) {
-            add_row(p, j, lo, n, px + lo, image + (size_t)(py + j) * (size_t)p->nx);
+    double at_centre = -((w->a * dx + 2.0 * w->b * dy) * dx + w->c * dy * dy);
+    double ln_x = 2.0 * (w->a * dx + w->b * dy);
+    double ln_y = 2.0 * (w->b * dx + w->c * dy);
+    fill_powers(p->columns, p->n_strips, 1.0, -h * ln_x, ln_x);
+    fill_powers(p->rows, p->n_strips, amplitude, at_centre - h * ln_y, ln_y);
+    for (int strip = 0; strip < p->n_strips; strip++) {
+        int x = px - h + strip * PAINTER_STRIP;
+        int lo = max_int(p->strips[strip].lo, j_first);
+        int n = min_int(p->strips[strip].hi, j_last) - lo + 1;
+        if (x > -PAINTER_STRIP && x < p->nx && n > 0) {
+            size_t row = (size_t)strip * (size_t)side_of(h) + (size_t)(lo + h);
+            add_strip(p->canvas + (size_t)(py + lo) * (size_t)p->stride + (x + PAINTER_STRIP),
+                      (size_t)p->stride, p->columns + (size_t)strip * PAINTER_STRIP,
+                      p->rows + h + lo, p->table + row * PAINTER_STRIP, n);
         }
     }
 }
 
-static void add_spikes(struct painter *p, double amplitude, int px, int py, double dx, double dy,
-                       double *image) {
+static void add_spikes(struct painter *p, double amplitude, int px, int py, double dx, double dy) {
     for (int k = 0; k < p->n_spikes; k++) {
         const struct segment *s = &p->spikes[k];
         int y = py + s->j;
@@ -202,15 +201,17 @@ static void add_spikes(struct painter *p, double amplitude, int px, int py, doub
         if (y < 0 || y >= p->ny || n <= 0) {
             continue;
         }
-        psf_spikes_row(&p->psf, amplitude, lo - dx, s->j - dy, 1.0, n, p->buffer);
-        double *row = image + (size_t)y * (size_t)p->nx + (px + lo);
+        /* Whole strips: the exponentials of an odd rest would be scalar. */
+        int whole = (n + PAINTER_STRIP - 1) / PAINTER_STRIP * PAINTER_STRIP;
+        psf_spikes_row(&p->psf, amplitude, lo - dx, s->j - dy, 1.0, whole, p->buffer);
+        double *row = p->canvas + (size_t)y * (size_t)p->stride + (px + lo + PAINTER_STRIP);
         for (int i = 0; i < n; i++) {
             row[i] += p->buffer[i];
         }
     }
 }
 
-void painter_point(struct painter *p, double amplitude, double x, double y, double *image) {
+void painter_point(struct painter *p, double amplitude, double x, double y) {
     double px = floor(x + 0.5);
     double py = floor(y + 0.5);
     bool near = px >= -p->reach && px <= p->nx - 1 + p->reach && py >= -p->reach &&
@@ -218,8 +219,19 @@ void painter_point(struct painter *p, double amplitude, double x, double y, doub
     if (!near) {
         return; /* also where x or y is not a number */
     }
-    add_gaussian(p, amplitude, (int)px, (int)py, x - px, y - py, image);
+    add_gaussian(p, amplitude, (int)px, (int)py, x - px, y - py);
     if (p->psf.spikes) {
-        add_spikes(p, amplitude, (int)px, (int)py, x - px, y - py, image);
+        add_spikes(p, amplitude, (int)px, (int)py, x - px, y - py);
     }
+}
+
+void painter_finish(struct painter *p, double *image) {
+    for (int y = 0; y < p->ny; y++) {
+        const double *from = p->canvas + (size_t)y * (size_t)p->stride + PAINTER_STRIP;
+        double *to = image + (size_t)y * (size_t)p->nx;
+        for (int x = 0; x < p->nx; x++) {
+            to[x] += from[x];
+        }
+    }
+    memset(p->canvas, 0, (size_t)p->stride * (size_t)p->ny * sizeof *p->canvas);
 }

@@ -6,8 +6,9 @@
  * Y^j W(d),  G[j][i] = exp -(a i^2 + 2 b i j + c j^2), ln X = 2 (a dx + b dy),  ln Y = 2 (b dx + c
  * dy): the cross term of a turned Gaussian sits in the table G alone, which does not depend on the
  * point. This identity is exact; rounding makes at most about 2 h + 200 units in the last place, h
- * the table's half side. The spikes of W_B do not factor: they take an exponential per pixel, in
- * the segments of each row that they reach.
+ * the table's half side. G is cut into strips of eight columns, a vector's work each. The spikes of
+ * W_B do not factor: they take an exponential per pixel, in the segments of each row that they
+ * reach.
  */
 #ifndef MOCKS_PAINTER_H
 #define MOCKS_PAINTER_H
@@ -21,18 +22,27 @@ struct segment {
     int j, lo, hi;
 };
 
+enum { PAINTER_STRIP = 8 }; /* columns */
+
+/* Rows lo .. hi relative to the point's pixel; lo > hi = none. */
+struct rows {
+    int lo, hi;
+};
+
 struct painter {
     int kind; /* enum shear_mock_psf */
     double r_px, angle_deg;
     int nx, ny;      /* of the images */
+    double *canvas;  /* [ny][stride] what was painted; PAINTER_STRIP columns more on each side */
+    int stride;      /* of the canvas */
     int half;        /* of the Gaussian's table */
-    int stride;      /* of the table: zeros to its right make room for whole blocks */
-    int reach;       /* no point farther than this from the image matters, px, whatever the angle */
-    double *table;   /* G: [2 half + 1][stride], the middle is the point's pixel */
-    double *columns; /* [stride] X^i */
-    double *rows;    /* [2 half + 1] A W(d) Y^j */
-    struct segment *gaussian; /* [2 half + 1], one a row; lo > hi = nothing */
-    struct segment *spikes;   /* [n_spikes] */
+    int reach;       /* no point farther than this from the image matters, px, at any angle */
+    int n_strips;    /* that cover columns -half .. half */
+    double *table;   /* G: [n_strips][2 half + 1][PAINTER_STRIP] */
+    double *columns; /* [n_strips PAINTER_STRIP] X^i */
+    double *rows;    /* [n_strips PAINTER_STRIP] A W(d) Y^j */
+    struct rows *strips;    /* [n_strips] that the Gaussian reaches */
+    struct segment *spikes; /* [n_spikes] */
     int n_spikes;
     double *buffer; /* one segment of spikes */
     struct psf psf;
@@ -45,7 +55,9 @@ void painter_deinit(struct painter *p);
 /* Choose the PSF's angle; needed before the first point. Costs as much as some points. */
 void painter_turn(struct painter *p, double angle_deg);
 
-/* Add amplitude * W(pixel - (x, y)) to image[ny][nx]. */
-void painter_point(struct painter *p, double amplitude, double x, double y, double *image);
+/* Paint amplitude * W(pixel - (x, y)). */
+void painter_point(struct painter *p, double amplitude, double x, double y);
+/* Add all that was painted to image[ny][nx], and begin anew. */
+void painter_finish(struct painter *p, double *image);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "psf.h"
 
+#include "base/simd.h"
 #include "shear_mocks/mock.h"
 
 #include <gsl/gsl_math.h>
@@ -118,8 +119,8 @@ static double psf_spikes_at(const struct psf *p, double dx, double dy) {
     return spike_height * exp(-((u * u + spike_core) * (v * v + spike_core)));
 }
 
-void psf_spikes_row(const struct psf *p, double amplitude, double dx, double dy, double step, int n,
-                    double *out) {
+SHEAR_SIMD void psf_spikes_row(const struct psf *p, double amplitude, double dx, double dy,
+                               double step, int n, double *out) {
     const double k = 1.0 / p->r;
     const double uc = k * p->cos;
     const double vc = -k * p->sin;
@@ -132,7 +133,12 @@ void psf_spikes_row(const struct psf *p, double amplitude, double dx, double dy,
         double x = dx + step * i;
         double u = u0 + uc * x;
         double v = v0 + vc * x;
-        out[i] = scale * exp(-((u * u + core) * (v * v + core)));
+        double z = (u * u + core) * (v * v + core);
+        out[i] = z < 700.0 ? z : 700.0; /* where exp underflows, the vector one becomes slow */
+    }
+#pragma omp simd simdlen(8)
+    for (int i = 0; i < n; i++) {
+        out[i] = scale * exp(-out[i]);
     }
 }
 
