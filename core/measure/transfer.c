@@ -151,17 +151,22 @@ SHEAR_SIMD static void add_pixels(double *row, const double *pixels, int n) {
 }
 
 /* Row y of the PSF folded onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that
- * period). */
-static void fold_row(const transfer_plan *p, transfer_scratch *t, int y, double *out) {
+ * period); in `scratch`, or the samples where they are. */
+static const double *fold_row(const transfer_plan *p, transfer_scratch *t, int y, double *scratch) {
     const int width = period_x(p);
     const int fine_nx = psf_fine(&p->grid.x);
-    memset(out, 0, (size_t)width * sizeof *out);
-    for (int fine_y = y; fine_y < psf_fine(&p->grid.y); fine_y += period_y(p)) {
+    const int fine_ny = psf_fine(&p->grid.y);
+    if (fine_nx == width && y < fine_ny && y + period_y(p) >= fine_ny) {
+        return image_row_view(&t->image, &p->grid, y, 0, fine_nx, scratch);
+    }
+    memset(scratch, 0, (size_t)width * sizeof *scratch);
+    for (int fine_y = y; fine_y < fine_ny; fine_y += period_y(p)) {
         const double *row = image_row_view(&t->image, &p->grid, fine_y, 0, fine_nx, t->fine_row);
         for (int from = 0; from < fine_nx; from += width) {
-            add_pixels(out, row + from, fine_nx - from < width ? fine_nx - from : width);
+            add_pixels(scratch, row + from, fine_nx - from < width ? fine_nx - from : width);
         }
     }
+    return scratch;
 }
 
 static void transform_rows(const transfer_plan *p, transfer_scratch *t) {
@@ -172,11 +177,9 @@ static void transform_rows(const transfer_plan *p, transfer_scratch *t) {
         double complex *out = t->modes + (size_t)y * p->mode_stride;
         for (int l = 0; l < FFT_LINES; l++) {
             const int at = y + l < p->half_ny ? step * (y + l) : psf_fine(&p->grid.y);
-            fold_row(p, t, at, t->even);
-            if (step == 2) {
-                fold_row(p, t, at + 1, t->odd);
-            }
-            pack_row(t->lines + (size_t)l * (size_t)width, t->even, t->odd, NULL, width);
+            const double *even = fold_row(p, t, at, t->even);
+            const double *odd = step == 2 ? fold_row(p, t, at + 1, t->odd) : t->odd;
+            pack_row(t->lines + (size_t)l * (size_t)width, even, odd, NULL, width);
         }
         fft_batch_run(p->rows, t->lines, out);
         for (int l = 0; l < FFT_LINES; l++) { /* column nx is column 0 once more, for the mirror */
