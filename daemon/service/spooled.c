@@ -152,7 +152,7 @@ static void submit_file(service *s, const spool_file *file, const submission *su
     if (code == SHEAR_RPC_OK &&
         (a == NULL || a->name == NULL || !remember(s, file->key, file->active_name))) {
         log_error("out of memory: %s waits in active/ for the next start", file->active_name);
-    } else if (error.retry && code != SHEAR_RPC_OK) {
+    } else if (code != SHEAR_RPC_OK && error.retry) {
         spool_refuse(s->spool, file->active_name, &ignored);
     } else if (code != SHEAR_RPC_OK) {
         reject(s, file, &error);
