@@ -17,7 +17,7 @@ import time
 import unittest
 
 from fitsfile import BLOCK, card, pad
-from tool import SANITIZERS, SHEARCTL
+from tool import SANITIZED, SANITIZERS, SHEARCTL
 
 SHEARD = os.path.abspath(os.environ["SHEARD"])
 LIMIT = float(os.environ.get("SHEARD_TEST_LIMIT", "120"))  # seconds that a wait may take at most
@@ -307,8 +307,15 @@ class DaemonTest(unittest.TestCase):
         where = os.path.join(self.directory, name)
         os.makedirs(where, exist_ok=True)
         daemon = Daemon(where, settings, **more)
+        self.addCleanup(self.assertNoReport, daemon)
         self.addCleanup(daemon.close)
         return daemon.start() if start else daemon
+
+    def assertNoReport(self, daemon):
+        """No sanitizer complained, neither of the daemon nor of its readers."""
+        if SANITIZED and os.path.exists(daemon.log):
+            text = daemon.log_text(1 << 20)
+            self.assertNotRegex(text, r"ERROR: \w+Sanitizer|WARNING: \w+Sanitizer|runtime error: ")
 
     @contextlib.contextmanager
     def assertRefused(self, code):
