@@ -206,9 +206,17 @@ static void finish(engine *e, job *j) {
     end_job(e, j, &event);
 }
 
+/* Whether a job that is being measured has more for this worker than its end. Turns are taken
+ * without the lock: one that was there when the job was chosen may be gone by now, so what counts
+ * for the end is that nobody holds the job, under the lock. */
+static bool may_measure(const job *j) {
+    return j->phase == JOB_MEASURING &&
+           (j->holders > 0 || !shear_work_get_status(j->work).exhausted);
+}
+
 /* Serve a job once; the lock is held on entry and on return. */
 static void serve(engine *e, job *j, int slot) {
-    const bool measuring = j->phase == JOB_MEASURING && !shear_work_get_status(j->work).exhausted;
+    const bool measuring = may_measure(j);
     const bool preparing = j->phase == JOB_NEW;
     const int64_t turn = (int64_t)j->size.blocks * SHEAR_BLOCK;
     j->phase = preparing ? JOB_PREPARING : measuring ? JOB_MEASURING : JOB_FINISHING;

@@ -6,6 +6,7 @@ beside sheard).
 Nothing here sleeps for a fixed time and hopes: what is waited for is polled, with a limit that only
 a broken service reaches."""
 import contextlib
+import functools
 import json
 import os
 import shutil
@@ -274,6 +275,26 @@ def mock(path, stamps=16, size=32, seed=1, *more):
                     "40", "--r-gal", "3", "--seed", str(seed), "--force", *map(str, more), path],
                    check=True, stdout=subprocess.DEVNULL)
     return path
+
+
+@functools.lru_cache(maxsize=None)
+def rate(size, *options):
+    """Stamps a second that `shearctl measure` manages here with these options on all processors."""
+    with tempfile.TemporaryDirectory(prefix="sheard-test-") as folder:
+        stamps, seconds = 64, 0.0
+        while seconds < 0.4:
+            stamps *= 2
+            path = mock(os.path.join(folder, "rate.fits"), stamps, size)
+            begun = time.monotonic()
+            measured([path], *options)
+            seconds = time.monotonic() - begun
+        return stamps / seconds
+
+
+def stamps_for(seconds, size, *options):
+    """As many stamps as take about so long to measure, or somewhat longer: however fast the machine
+    and the measurement are."""
+    return 16 * round(seconds * rate(size, *options) / 16 + 1)
 
 
 def named(content, name):

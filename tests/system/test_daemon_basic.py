@@ -9,9 +9,10 @@ import signal
 import subprocess
 import unittest
 
-from daemon import (DaemonTest, FINAL, content_of, measured, mock, named, numbers, until)
+from daemon import (DaemonTest, FINAL, content_of, measured, mock, named, numbers, stamps_for,
+                    until)
 
-SLOW = {"interpolation": "bicubic", "oversample": 16}  # some 4 ms a stamp
+SLOW = {"interpolation": "bicubic", "oversample": 16}
 SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "16")
 
 
@@ -26,8 +27,9 @@ class Jobs(DaemonTest):
     def data(self, name, stamps=12, seed=1):
         return mock(os.path.join(self.d.data, name), stamps, 32, seed)
 
-    def slow(self, name="slow.fits", stamps=1500):
-        """A job that runs for seconds, running."""
+    def slow(self, name="slow.fits", seconds=4):
+        """A job that runs for about so long, running."""
+        stamps = stamps_for(seconds, 32, *SLOW_OPTIONS)
         job = self.d.submit(self.data(name, stamps, 77), settings=SLOW)["id"]
         self.d.wait_state(job, "running")
         until(lambda: self.d.job(job)["progress"]["done"], "it measures")
@@ -134,10 +136,11 @@ class Running(Jobs):
 
     def test_partial_field_priority_and_cancel(self):
         slow = self.slow()
+        total = self.d.job(slow)["progress"]["total"]
         row = self.d.call("field", field="slow")["rows"][0]
         self.assertTrue(row["partial"])
         self.assertEqual((row["jobs"], row["unfinished"], row["running"]), (0, 1, [slow]))
-        until(lambda: 0 < self.d.call("field", field="slow")["rows"][0]["n_stamps"] < 1500,
+        until(lambda: 0 < self.d.call("field", field="slow")["rows"][0]["n_stamps"] < total,
               "the field shows a part of the job")
         low = self.d.submit(self.data("low.fits"), priority=-5)["id"]
         high = self.d.submit(self.data("high.fits", seed=2), priority=5)["id"]
@@ -165,7 +168,7 @@ class Running(Jobs):
             self.assertEqual(client.answer(asked)["jobs"][0]["state"], "cancelled")
 
     def test_drain(self):
-        slow = self.slow(stamps=400)
+        slow = self.slow(seconds=2)
         queued = self.d.submit(self.data("q.fits"))["id"]
         self.assertEqual(self.d.call("drain")["state"], "draining")
         with self.assertRefused("draining"):
@@ -178,7 +181,7 @@ class Running(Jobs):
         self.assertEqual(self.d.dropped("done"), ["s.fits", "s.fits.json"])
 
     def test_sigterm_finishes_what_runs(self):
-        slow = self.slow(stamps=400)
+        slow = self.slow(seconds=2)
         queued = self.d.submit(self.data("q.fits"))["id"]
         self.assertEqual(self.d.stop(), 0)
         self.d.start()
@@ -187,7 +190,7 @@ class Running(Jobs):
         self.assertEqual(self.d.wait_state(queued, *FINAL)["state"], "done")
 
     def test_second_sigterm_stops_at_once(self):
-        slow = self.slow(stamps=3000)
+        slow = self.slow(seconds=8)
         self.d.signal(signal.SIGTERM)
         until(lambda: self.d.call("status")["state"] == "stopping", "it stops")
         self.assertEqual(self.d.stop(), 0)
@@ -198,7 +201,7 @@ class Running(Jobs):
         self.assertEqual(self.d.wait_state(slow, *FINAL)["state"], "cancelled")
 
     def test_shutdown_now_resumes(self):
-        slow = self.slow(stamps=800)
+        slow = self.slow(seconds=3)
         self.assertEqual(self.d.call("shutdown", mode="now")["state"], "stopping")
         self.assertEqual(self.d.ended(), 0)
         self.d.start()
@@ -209,7 +212,7 @@ class Running(Jobs):
     def test_subscribe(self):
         with self.d.client() as client:
             client.call("subscribe", all=True, progress=True)
-            job = self.slow(stamps=600)
+            job = self.slow(seconds=3)
             self.d.wait_state(job, "done")
             while not any(n["method"] == "job_changed" and n["params"]["job"]["state"] == "done"
                           for n in client.notices):
@@ -219,6 +222,16 @@ class Running(Jobs):
         self.assertEqual([s for i, s in enumerate(states) if i == 0 or states[i - 1] != s],
                          ["queued", "running", "done"])
         self.assertTrue(any(n["method"] == "job_progress" for n in client.notices))
+
+
+class ManyWorkers(DaemonTest):
+    def test_more_workers_than_turns(self):
+        """Workers race for the last turns of each job: none may end a job that another one is in."""
+        d = self.daemon({"daemon.workers": 16, "limits.queue": 1000})
+        path = mock(os.path.join(d.data, "a.fits"), 64, 16)
+        ids = [d.submit(path, field=f"f{i}")["id"] for i in range(400)]
+        d.wait_idle()
+        self.assertEqual({(d.job(i)["outcome"], d.job(i)["attempts"]) for i in ids}, {("counted", 1)})
 
 
 class Folder(Jobs):

@@ -10,7 +10,7 @@ import threading
 import time
 import unittest
 
-from daemon import DaemonTest, RpcError, content_of, measured, mock, named, until
+from daemon import (DaemonTest, RpcError, content_of, measured, mock, named, stamps_for, until)
 
 CRASHES = int(os.environ.get("SHEARD_CRASHES", "12"))
 SEED = int(os.environ.get("SHEARD_SEED", "3"))
@@ -144,7 +144,7 @@ class Checkpoint(DaemonTest):
         begun = time.monotonic()
         until(lambda: daemon.job(job)["state"] == "done" or
               time.monotonic() > begun + CHECKPOINT_S + 1, "a checkpoint is due")
-        self.assertEqual(daemon.job(job)["state"], "running", "the file is too small for this test")
+        self.assertEqual(daemon.job(job)["state"], "running", "no longer when a checkpoint is due")
         daemon.kill()
         saved = self.saved(daemon)
         daemon.start()
@@ -152,8 +152,10 @@ class Checkpoint(DaemonTest):
 
     def test_resume(self):
         daemon = self.daemon({"daemon.workers": 1})
-        path = mock(os.path.join(daemon.data, "large.fits"), 800, 32, 9)
         settings = {"interpolation": "bicubic", "oversample": 32}
+        options = ("--interpolation", "bicubic", "--oversample", "32", "--threads", "1")
+        stamps = stamps_for(3 * CHECKPOINT_S, 32, *options)
+        path = mock(os.path.join(daemon.data, "large.fits"), stamps, 32, 9)
         job = daemon.submit(path, settings=settings)["id"]
         until(lambda: daemon.job(job)["progress"]["done"], "it measures")
         saved = self.interrupt(daemon, job)
@@ -162,7 +164,7 @@ class Checkpoint(DaemonTest):
         done = until(lambda: daemon.job(job)["progress"]["done"], "it goes on")
         self.assertGreaterEqual(done, saved[0] * BLOCK, "it began anew")
         daemon.wait_state(job, "done")
-        expected = measured([path], "--interpolation", "bicubic", "--oversample", "32")
+        expected = measured([path], *options)
         self.assertRow(daemon, "large", expected, 1)
         endings = [a["ending"] for a in daemon.call("job", id=job)["history"]]
         self.assertEqual(endings, ["interrupted", "done"])
