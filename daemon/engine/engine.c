@@ -28,6 +28,7 @@ struct engine {
     pthread_cond_t work_there; /* a job may have something to do, or `ending` */
     bool ending;
     job *jobs;
+    plans *plans; /* has a lock of its own */
     queued_event *first, **last;
     int busy;
     int64_t stamps_total;
@@ -299,7 +300,8 @@ int engine_new(engine **out, const engine_options *options, shear_error *err) {
     e->program = strdup(options->limits.program);
     e->scratch = strdup(options->limits.scratch);
     e->threads = calloc((size_t)options->workers, sizeof(pthread_t));
-    int code = e->program != NULL && e->scratch != NULL && e->threads != NULL
+    e->plans = plans_new(options->plans_count, options->plans_bytes);
+    int code = e->program != NULL && e->scratch != NULL && e->threads != NULL && e->plans != NULL
                    ? SHEAR_OK
                    : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
     if (code == SHEAR_OK) {
@@ -335,6 +337,7 @@ void engine_free(engine *e) {
     while (engine_next_event(e, &event)) {
         engine_event_deinit(&event);
     }
+    plans_free(e->plans);
     pthread_mutex_destroy(&e->lock);
     pthread_cond_destroy(&e->work_there);
     free(e->program);
@@ -344,7 +347,7 @@ void engine_free(engine *e) {
 }
 
 int engine_add(engine *e, const engine_job *spec, shear_error *err) {
-    job *j = job_new(spec, &e->options);
+    job *j = job_new(spec, &e->options, e->plans);
     if (j == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a job");
     }
@@ -422,12 +425,26 @@ bool engine_partial(engine *e, int64_t id, shear_field_sums *sums) {
     return known;
 }
 
+static int64_t blocks_left(const job *j) {
+    if (j->phase != JOB_MEASURING) {
+        return 0;
+    }
+    const shear_work_status status = shear_work_get_status(j->work);
+    return (status.stamps_total - status.stamps_done + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+}
+
 engine_load engine_get_load(engine *e) {
     pthread_mutex_lock(&e->lock);
     engine_load load = {.workers = e->n_threads, .busy = e->busy, .stamps_total = e->stamps_total};
     for (const job *j = e->jobs; j != NULL; j = j->next) {
         load.jobs++;
+        load.blocks_left += blocks_left(j);
     }
     pthread_mutex_unlock(&e->lock);
+    load.plans = plans_get_statistics(e->plans);
     return load;
+}
+
+void engine_limit_plans(engine *e, int64_t count, int64_t bytes) {
+    plans_limit(e->plans, count, bytes);
 }

@@ -18,6 +18,7 @@
 #ifndef SHEARD_ENGINE_H
 #define SHEARD_ENGINE_H
 
+#include "engine/plans.h"
 #include "reader/reader.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
@@ -32,6 +33,8 @@ typedef struct engine_options {
     int workers;           /* >= 1 */
     reader_limits limits;  /* texts are copied */
     int64_t checkpoint_ms; /* least time between two checkpoints of a job */
+    int64_t plans_count;   /* plans kept at most for later jobs: engine/plans.h */
+    int64_t plans_bytes;
     void (*wake)(void *context);
     void *context;
 } engine_options;
@@ -98,7 +101,12 @@ typedef struct engine_load {
     int workers, busy;    /* threads, and those at work now */
     int jobs;             /* in the engine */
     int64_t stamps_total; /* measured since the start */
+    int64_t blocks_left;  /* of the jobs that are being measured: not yet measured */
+    plans_statistics plans;
 } engine_load;
 engine_load engine_get_load(engine *e);
+
+/* Other bounds for the kept plans, from now on. */
+void engine_limit_plans(engine *e, int64_t count, int64_t bytes);
 
 #endif

@@ -12,7 +12,7 @@ double engine_now_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-job *job_new(const engine_job *spec, const engine_options *options) {
+job *job_new(const engine_job *spec, const engine_options *options, plans *kept) {
     job *j = calloc(1, sizeof *j);
     if (j != NULL) {
         *j = (job){.id = spec->id,
@@ -21,6 +21,7 @@ job *job_new(const engine_job *spec, const engine_options *options) {
                    .settings = spec->settings,
                    .limits = options->limits,
                    .workers = options->workers,
+                   .plans = kept,
                    .started_s = engine_now_s()};
         j->name = strdup(spec->name);
         j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
@@ -49,7 +50,7 @@ void job_free(job *j) {
     reader_stop(j->reader);
     shear_catalog_abort(j->catalogue);
     shear_field_sums_free(j->before);
-    shear_plan_free(j->plan);
+    plans_give_back(j->plans, j->plan);
     if (j->fd >= 0) {
         close(j->fd);
     }
@@ -82,7 +83,7 @@ static int open_file(job *j, engine_event *event, shear_error *err) {
     }
     if (code == SHEAR_OK) {
         const shear_psf_source psfs = {.self = j, .read = read_psf};
-        code = shear_plan_for_psfs(&j->plan, &j->settings, &event->info, psfs, err);
+        code = plans_take(j->plans, &j->settings, &event->info, psfs, &j->plan, err);
     }
     if (code == SHEAR_OK) {
         event->plan = *shear_plan_get_info(j->plan);

@@ -6,6 +6,7 @@
 #define SHEARD_ENGINE_JOB_H
 
 #include "engine/engine.h"
+#include "engine/plans.h"
 #include "shear/catalog.h"
 #include "shear/run.h"
 #include "shear/work.h"
@@ -35,7 +36,8 @@ typedef struct job {
     int workers;
 
     reader *reader;
-    shear_plan *plan;
+    plans *plans;           /* the engine's */
+    const shear_plan *plan; /* theirs; given back at the end */
     shear_catalog *catalogue;
     shear_field_sums *before; /* of the checkpoint; joined to the work's at the end */
     shear_turn_size size;
@@ -46,8 +48,8 @@ typedef struct job {
     double started_s;
 } job;
 
-job *job_new(const engine_job *spec,
-             const engine_options *options); /* NULL: out of memory; fd is closed */
+/* NULL: out of memory; fd is closed. `kept` outlives the job. */
+job *job_new(const engine_job *spec, const engine_options *options, plans *kept);
 void job_free(job *j);
 
 /* Hash, open, plan: fills OPENED, or FAILED, into *event. */

@@ -111,6 +111,7 @@ static void apply(service *s) {
     limits.idle_timeout_ms = c->limits.idle_timeout_ms;
     server_set_limits(s->server, &limits);
     server_set_defaults(s->server, &c->measure);
+    engine_limit_plans(s->engine, c->plans.max_count, c->plans.max_bytes);
     log_set_level(c->daemon.log_level);
     if (s->spool != NULL) {
         const spool_tuning tuning = {
@@ -324,6 +325,8 @@ static int open_engine(service *s, shear_error *err) {
                                                .shared_bytes = c->reader.shared_memory_bytes,
                                                .timeout_ms = (int)c->reader.wall_time_ms},
                                     .checkpoint_ms = CHECKPOINT_MS,
+                                    .plans_count = c->plans.max_count,
+                                    .plans_bytes = c->plans.max_bytes,
                                     .wake = wake,
                                     .context = s};
     return engine_new(&s->engine, &options, err);

@@ -85,7 +85,13 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
         .connections = (int64_t)net.connections,
         .subscribers = (int64_t)net.subscribers,
         .workers = {.total = load.workers, .busy = load.busy, .readers = load.jobs},
-        .queue = {.length = counts.unfinished, .capacity = s->config.limits.queue},
+        .queue = {.length = counts.unfinished,
+                  .capacity = s->config.limits.queue,
+                  .blocks = load.blocks_left},
+        .plans = {.kept = load.plans.count,
+                  .bytes = load.plans.bytes,
+                  .hits = load.plans.hits,
+                  .misses = load.plans.misses},
         .states = {.queued = counts.jobs[STORE_QUEUED],
                    .running = counts.jobs[STORE_RUNNING],
                    .waiting = counts.jobs[STORE_WAITING],
@@ -150,6 +156,14 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
     metric(out, "workers_busy", "gauge", "Worker threads at work.", (double)st->workers.busy);
     metric(out, "queue_capacity", "gauge", "Unfinished jobs that are taken at most.",
            (double)st->queue.capacity);
+    metric(out, "blocks_left", "gauge", "Blocks of the running jobs that are not yet measured.",
+           (double)st->queue.blocks);
+    metric(out, "plans", "gauge", "Plans kept in memory.", (double)st->plans.kept);
+    metric(out, "plans_bytes", "gauge", "Memory that they take.", (double)st->plans.bytes);
+    metric(out, "plan_hits_total", "counter", "Jobs that found their plan.",
+           (double)st->plans.hits);
+    metric(out, "plan_misses_total", "counter", "Jobs whose plan had to be made.",
+           (double)st->plans.misses);
     metric(out, "jobs_submitted_total", "counter", "Jobs taken.", (double)st->totals.submitted);
     metric(out, "jobs_counted_total", "counter", "Jobs whose stamps count in a field.",
            (double)st->totals.counted);
@@ -157,6 +171,8 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
            (double)st->totals.duplicates);
     metric(out, "jobs_failed_total", "counter", "Jobs that failed for good.",
            (double)st->totals.failed);
+    metric(out, "jobs_cancelled_total", "counter", "Jobs that were cancelled.",
+           (double)st->totals.cancelled);
     metric(out, "stamps_total", "counter", "Stamps in counted jobs.", (double)st->totals.stamps);
     metric(out, "fields", "gauge", "Fields, each set of settings by itself.",
            (double)st->totals.fields);
@@ -195,7 +211,7 @@ void metrics_reply(service *s, server_handle to) {
         server_reply_error(s->server, to, &error);
     } else {
         const shear_reply reply = {
-            .metrics = {.content_type = "text/plain; version=0.0.4", .text = text}};
+            .metrics = {.content_type = "text/plain; version=0.0.4; charset=utf-8", .text = text}};
         server_reply(s->server, to, &reply);
     }
     free(text);

@@ -346,6 +346,39 @@ class Operation(Jobs):
         for line in lines:
             self.assertRegex(line, r"^(# (HELP|TYPE) \S+ .+|[a-z_]+(\{[^}]*\})? \S+)$")
 
+    def test_plans_are_kept(self):
+        """Jobs of one shape, settings and PSF share a plan; the numbers are those of a new one."""
+        path = self.data("a.fits")
+        for field in ("one", "two", "three"):
+            self.d.submit(path, field=field, wait=True)
+        self.d.submit(path, field="other", settings={"beta": 3.0}, wait=True)
+        plans = self.d.call("status")["plans"]
+        self.assertEqual((plans["kept"], plans["hits"], plans["misses"]), (2, 2, 2))
+        self.assertGreater(plans["bytes"], 0)
+        self.assertIn("sheard_plan_hits_total 2", self.d.call("metrics")["text"].splitlines())
+        for field in ("one", "two", "three"):
+            self.assertRow(self.d, field, measured([path]), 1)
+        self.assertRow(self.d, "other", measured([path], "--beta", "3"), 1)
+        self.d.settings["plans.max_count"] = "none"
+        self.d.write_config()
+        self.d.call("reload")
+        self.assertEqual(self.d.call("status")["plans"]["kept"], 0)
+        self.assertEqual(self.d.submit(path, field="four", wait=True)["state"], "done")
+        until(lambda: self.d.call("status")["plans"]["kept"] == 0, "its plan is given up")
+        self.assertRow(self.d, "four", measured([path]), 1)
+
+    def test_blocks_left(self):
+        """What is left of the running jobs, in blocks of 16 stamps: goes down, and ends at 0."""
+        slow = self.slow()
+        job = self.d.job(slow)
+        total = -(-job["progress"]["total"] // 16)
+        before = self.d.call("status")["queue"]["blocks"]
+        self.assertTrue(0 < before <= total, before)
+        until(lambda: 0 < self.d.call("status")["queue"]["blocks"] < before, "blocks are measured")
+        self.d.call("cancel", id=slow)
+        self.d.wait_idle()
+        self.assertEqual(self.d.call("status")["queue"]["blocks"], 0)
+
     def test_one_daemon_only(self):
         other = self.daemon(name="other", start=False, state=self.d.state, spool=self.d.spool)
         other.spawn()
