@@ -172,7 +172,7 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
         return give_up(r, READER_E_DIED, what, err);
     }
     if (got != (ssize_t)sizeof *reply || reply->version != READER_WIRE_VERSION ||
-        reply->op != request->op || reply->code < 0 || reply->code > SHEAR_E_INTERNAL) {
+        reply->op != request->op || reply->code < 0 || reply->code > SHEAR_E_FULL) {
         return give_up(r, READER_E_PROTOCOL, what, err);
     }
     reply->error.message[sizeof reply->error.message - 1] = '\0';

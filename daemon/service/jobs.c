@@ -114,6 +114,7 @@ static failure classify(const shear_error *error) {
         return (failure){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_TIMEOUT)->name};
     case SHEAR_E_NOMEM:
     case SHEAR_E_IO:
+    case SHEAR_E_FULL:
         return (failure){STORE_TRANSIENT, shear_code_name(error->code)};
     case SHEAR_E_INTERNAL:
         return (failure){STORE_BUG, shear_code_name(error->code)};
