@@ -19,6 +19,8 @@
 
 /* ---- group.c ---- */
 
+typedef struct changed_field changed_field; /* news.c */
+
 /* What is to happen once the group is on disk (code SHEAR_OK) or has failed. Freed after its run.
  */
 typedef struct after after;
@@ -96,11 +98,13 @@ struct service {
     int n_active;
     void *spooled; /* tsearch tree: key -> active name, of files that are jobs */
     waiter *waiters;
+    changed_field *news;
 
     int state; /* enum shear_server_state */
     int exit_code;
     bool closing;
-    int64_t started_ms;                                 /* wall clock */
+    bool drain_pending; /* drained jobs are left, and their end is to be told */
+    int64_t started_ms; /* wall clock */
     int64_t stamps_at[RATE_SLOTS], jobs_at[RATE_SLOTS]; /* a ring of the last minute */
     int64_t ticks, jobs_ended;
     int64_t store_trouble_ms; /* loop time of the last failed commit; 0: none lately */
@@ -119,6 +123,9 @@ void group_start(service *s);
 void jobs_fill(service *s);
 void jobs_take_events(service *s);
 void jobs_stop_all(service *s);
+/* The job is final, and that is told: its file follows, and those who waited for it are answered.
+ */
+void jobs_final(service *s, const store_job *job);
 active_job *jobs_find(service *s, int64_t id);
 
 /* spooled.c: files of the watch folder */
@@ -151,6 +158,11 @@ void present_field_free(shear_msg_field_row *out);
 void present_summary(const store_field *f, shear_msg_summary *out);
 void publish_job(service *s, const store_job *job);
 
+/* news.c */
+void news_field_changed(service *s, const char *name, const char *digest); /* NULL: no name yet */
+void news_publish(service *s);                                             /* once a second */
+void news_free(service *s);
+
 /* methods.c */
 void methods_request(void *context, const server_request *request);
 bool peer_is_admin(const service *s, const access_peer *peer);
@@ -171,6 +183,8 @@ void waits_expire(service *s);
 void waits_free(service *s);
 
 /* life.c */
+shear_msg_stopping life_left(service *s); /* the state, and the jobs that are left */
+void life_drain_queue(service *s);        /* take no new jobs, finish all that there are, stay */
 void life_drain(service *s, double timeout_s);
 void life_stop_now(service *s);
 void life_announce(service *s); /* the state, to those who watch */

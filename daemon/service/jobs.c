@@ -40,23 +40,13 @@ static void forget(service *s, active_job *j) {
 
 /* ---- the end of an attempt ---- */
 
-static void publish_field(service *s, const store_job *job) {
-    store_field_page page = {0};
-    shear_error ignored;
-    if (job->field == NULL ||
-        !server_is_watched(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, job->field) ||
-        store_field_get(s->store, job->field, &page, &ignored) != SHEAR_OK) {
-        return;
+void jobs_final(service *s, const store_job *job) {
+    const char *name = spooled_name(s, job->key);
+    if (name != NULL) {
+        spooled_end(s, name, job);
     }
-    for (size_t i = 0; i < page.n; i++) {
-        if (strcmp(page.fields[i].settings_digest, job->settings_digest) == 0) {
-            shear_notice_params params = {0};
-            present_summary(&page.fields[i], &params.field_changed.field);
-            params.field_changed.field.mixed = page.n > 1;
-            server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, job->field, &params);
-        }
-    }
-    store_field_page_deinit(&page);
+    waits_job_ended(s, job->id);
+    server_end_job(s->server, job->id);
 }
 
 /* The store has the job's new state: tell those who wait, and let its file follow. */
@@ -75,13 +65,9 @@ static void settled(service *s, after *a, int code, const shear_error *err) {
     publish_job(s, &job);
     if (shear_job_state_is_final(job.state)) {
         s->jobs_ended++;
-        const char *name = spooled_name(s, job.key);
-        if (name != NULL) {
-            spooled_end(s, name, &job);
-        }
-        waits_job_ended(s, a->job);
+        jobs_final(s, &job);
         if (job.outcome == STORE_COUNTED) {
-            publish_field(s, &job);
+            news_field_changed(s, job.field, job.settings_digest);
         }
         log_info("job %lld (%s): %s%s%s", (long long)job.id,
                  job.field != NULL ? job.field : "field unknown", store_state_name(job.state),
@@ -342,6 +328,18 @@ void jobs_fill(service *s) {
 
 /* ---- events ---- */
 
+/* The name of its field is on disk. If the job has ended meanwhile, its end tells the name. */
+static void tell_name(service *s, after *a, int code, const shear_error *err) {
+    store_job job = {0};
+    shear_error ignored;
+    (void)err;
+    if (code == SHEAR_OK && store_job_get(s->store, a->job, &job, &ignored) == SHEAR_OK &&
+        job.state == STORE_RUNNING) {
+        publish_job(s, &job);
+    }
+    store_job_deinit(&job);
+}
+
 /* The opened file is known: its name, content and size. A copy of what was counted before ends
  * here. */
 static void opened(service *s, active_job *j, const engine_event *e) {
@@ -353,7 +351,8 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     const store_learned learned = {.field = j->field == NULL ? e->info.name : NULL,
                                    .content = e->checksum,
                                    .n_stamps = e->info.n_stamps};
-    if (j->field == NULL) {
+    const bool named = j->field == NULL;
+    if (named) {
         j->field = strdup(e->info.name);
     }
     int code = group_begin(s, &err);
@@ -374,6 +373,12 @@ static void opened(service *s, active_job *j, const engine_event *e) {
         }
         engine_stop_job(s->engine, j->id);
         return;
+    }
+    if (named) {
+        after *a = group_after(s, tell_name);
+        if (a != NULL) {
+            a->job = j->id;
+        }
     }
     j->failed_commits = s->failed_commits;
     engine_checkpoint checkpoint = {0};

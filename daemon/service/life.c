@@ -36,22 +36,51 @@ static void server_closed(void *context) {
     }
 }
 
-void life_announce(service *s) {
+shear_msg_stopping life_left(service *s) {
     store_counts counts = {0};
     shear_error ignored;
     store_count(s->store, &counts, &ignored);
-    const shear_notice_params params = {.server_state = {.state = s->state,
-                                                         .running = s->n_active,
-                                                         .queued = counts.jobs[STORE_QUEUED]}};
+    return (shear_msg_stopping){.state = s->state,
+                                .running = counts.jobs[STORE_RUNNING],
+                                .queued = counts.jobs[STORE_QUEUED] + counts.jobs[STORE_WAITING]};
+}
+
+void life_announce(service *s) {
+    const shear_notice_params params = {.server_state = life_left(s)};
     server_publish(s->server, SHEAR_NOTICE_SERVER_STATE, 0, NULL, &params);
 }
 
+void life_drain_queue(service *s) {
+    if (s->state != SHEAR_SERVER_RUNNING) {
+        return;
+    }
+    const shear_msg_stopping left = life_left(s);
+    s->state = SHEAR_SERVER_DRAINING;
+    s->drain_pending = left.running + left.queued > 0;
+    log_notice("draining: %lld jobs are left", (long long)(left.running + left.queued));
+}
+
+/* The last job of a drain has ended: tell it, once. */
+static void check_drain(service *s) {
+    if (s->state != SHEAR_SERVER_DRAINING || !s->drain_pending) {
+        return;
+    }
+    const shear_msg_stopping left = life_left(s);
+    if (left.running + left.queued == 0 && s->first_after == NULL && !s->group_open) {
+        s->drain_pending = false;
+        log_notice("drained: no job is left");
+        life_announce(s);
+    }
+}
+
 void life_check(service *s) {
+    check_drain(s);
     if (s->state != SHEAR_SERVER_STOPPING || s->n_active > 0 || s->first_after != NULL ||
         s->group_open || s->closing || s->server == NULL) {
         return;
     }
     s->closing = true;
+    news_publish(s);
     spool_close(s->spool);
     s->spool = NULL;
     server_close(s->server, FLUSH_MS, server_closed, s);
@@ -225,6 +254,7 @@ static void on_tick(uv_timer_t *timer) {
     service *s = timer->data;
     status_tick(s);
     waits_expire(s);
+    news_publish(s);
     log_flush();
     if (s->notify.watchdog_ms > 0) {
         notify_watchdog(&s->notify, NULL);
@@ -446,6 +476,7 @@ void service_close(service *s) {
     uv_run(&s->loop, UV_RUN_DEFAULT);
     engine_free(s->engine);
     waits_free(s);
+    news_free(s);
     spooled_free(s);
     store_close(s->store);
     access_list_free(s->admins);

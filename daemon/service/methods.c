@@ -53,11 +53,7 @@ static void reply_job(service *s, after *a, int code, const shear_error *err) {
     present_job_free(message);
     publish_job(s, &job);
     if (shear_job_state_is_final(job.state)) {
-        waits_job_ended(s, job.id);
-        const char *name = spooled_name(s, job.key);
-        if (name != NULL) {
-            spooled_end(s, name, &job);
-        }
+        jobs_final(s, &job);
     }
     store_job_deinit(&job);
 }
@@ -366,19 +362,42 @@ static void do_fields(service *s, const server_request *r) {
     store_field_page_deinit(&page);
 }
 
-static void do_wait(service *s, const server_request *r) {
-    const shear_msg_wait *p = &r->request->params.wait;
-    shear_error err = {0};
-    for (size_t i = 0; i < p->n_ids; i++) {
+/* Where one of the jobs is unknown, the reply has been given. */
+static bool are_known(service *s, const server_request *r, const int64_t *ids, size_t n) {
+    for (size_t i = 0; i < n; i++) {
         store_job job = {0};
-        const int code = store_job_get(s->store, p->ids[i], &job, &err);
+        shear_error err = {0};
+        const int code = store_job_get(s->store, ids[i], &job, &err);
         store_job_deinit(&job);
         if (code != SHEAR_OK) {
             refuse_store(s, r->handle, code, &err);
-            return;
+            return false;
         }
     }
-    waits_add(s, r->handle, SHEAR_METHOD_WAIT, false, p->ids, p->n_ids, p->timeout_s);
+    return true;
+}
+
+static void do_wait(service *s, const server_request *r) {
+    const shear_msg_wait *p = &r->request->params.wait;
+    if (are_known(s, r, p->ids, p->n_ids)) {
+        waits_add(s, r->handle, SHEAR_METHOD_WAIT, false, p->ids, p->n_ids, p->timeout_s);
+    }
+}
+
+/* Of jobs that are final already nothing will be told. */
+static void leave_final(service *s, uint64_t connection, const shear_msg_subscribe *what,
+                        shear_msg_subscribed *now) {
+    for (size_t i = 0; i < what->n_jobs; i++) {
+        store_job job = {0};
+        shear_error ignored;
+        shear_rpc_error error;
+        if (store_job_get(s->store, what->jobs[i], &job, &ignored) == SHEAR_OK &&
+            shear_job_state_is_final(job.state)) {
+            const shear_msg_subscribe one = {.jobs = &what->jobs[i], .n_jobs = 1};
+            server_unsubscribe(s->server, connection, &one, now, &error);
+        }
+        store_job_deinit(&job);
+    }
 }
 
 static void do_subscribe(service *s, const server_request *r, bool add) {
@@ -386,12 +405,18 @@ static void do_subscribe(service *s, const server_request *r, bool add) {
     shear_reply reply = {0};
     const uint64_t connection = r->handle.connection;
     const shear_msg_subscribe *what = &r->request->params.subscribe;
+    if (add && !are_known(s, r, what->jobs, what->n_jobs)) {
+        return;
+    }
     const int code =
         add ? server_subscribe(s->server, connection, what, &reply.subscribe, &error)
             : server_unsubscribe(s->server, connection, what, &reply.unsubscribe, &error);
     if (code != SHEAR_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);
     } else {
+        if (add) {
+            leave_final(s, connection, what, &reply.subscribe);
+        }
         server_reply(s->server, r->handle, &reply);
     }
 }
@@ -411,19 +436,14 @@ static void do_reload(service *s, const server_request *r) {
 }
 
 static void do_stop(service *s, const server_request *r) {
-    store_counts counts = {0};
-    shear_error ignored;
-    store_count(s->store, &counts, &ignored);
     if (r->request->method == SHEAR_METHOD_DRAIN) {
-        s->state = s->state == SHEAR_SERVER_RUNNING ? SHEAR_SERVER_DRAINING : s->state;
+        life_drain_queue(s);
     } else if (r->request->params.shutdown.mode == SHEAR_SHUTDOWN_NOW) {
         life_stop_now(s);
     } else {
         life_drain(s, r->request->params.shutdown.timeout_s);
     }
-    const shear_msg_stopping stopping = {
-        .state = s->state, .running = s->n_active, .queued = counts.jobs[STORE_QUEUED]};
-    const shear_reply reply = {.drain = stopping};
+    const shear_reply reply = {.drain = life_left(s)};
     server_reply(s->server, r->handle, &reply);
     if (r->request->method == SHEAR_METHOD_DRAIN) {
         life_announce(s);

@@ -181,8 +181,8 @@ static void submit_job_file(service *s, const spool_file *file, submission *sub)
     }
     close(fd);
     if (n > SHEAR_MSG_JOB_FILE_MAX) {
-        shear_rpc_fail(&error, SHEAR_RPC_BAD_FILE, NULL, "the job file is larger than %d bytes",
-                       SHEAR_MSG_JOB_FILE_MAX);
+        shear_rpc_fail(&error, SHEAR_RPC_LINE_TOO_LONG, "write a smaller job file",
+                       "the job file is larger than %d bytes", SHEAR_MSG_JOB_FILE_MAX);
     } else if (shear_job_file_parse(&submit, text, n, &s->config.measure, &error) == SHEAR_RPC_OK) {
         sub->submit = &submit;
         submit_file(s, file, sub);

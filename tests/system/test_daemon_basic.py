@@ -7,6 +7,7 @@ import random
 import shutil
 import signal
 import subprocess
+import time
 import unittest
 
 from daemon import (DaemonTest, FINAL, content_of, measured, mock, named, numbers, stamps_for,
@@ -222,6 +223,67 @@ class Running(Jobs):
         self.assertEqual([s for i, s in enumerate(states) if i == 0 or states[i - 1] != s],
                          ["queued", "running", "done"])
         self.assertTrue(any(n["method"] == "job_progress" for n in client.notices))
+
+    def notices(self, client, method, enough):
+        """Read on until enough(params of these notifications); they all."""
+        def found():
+            return [n["params"] for n in client.notices if n["method"] == method]
+        while not enough(found()):
+            client.notices.append(client.receive())
+        return found()
+
+    def test_end_of_a_drain_is_told(self):
+        with self.d.client() as client:
+            client.call("subscribe", all=True)
+            self.slow(seconds=2)
+            waiting = self.d.submit(self.data("a.fits"))["id"]
+            left = client.call("drain")
+            self.assertEqual((left["state"], left["running"], left["queued"]), ("draining", 1, 1))
+            told = self.notices(client, "server_state", lambda seen: len(seen) == 2)
+            self.assertEqual(told[0], left)
+            self.assertEqual(told[1], {"state": "draining", "running": 0, "queued": 0})
+            self.assertEqual(self.d.job(waiting)["state"], "done")
+
+    def test_subscriptions_end_with_their_jobs(self):
+        done = self.d.submit(self.data("a.fits"), wait=True)["id"]
+        slow = self.slow(seconds=2)
+        with self.d.client() as client:
+            with self.assertRefused("no_such_job"):
+                client.call("subscribe", jobs=[slow, 999])
+            self.assertEqual(client.call("subscribe", jobs=[done, slow])["jobs"], 1)
+            self.notices(client, "job_changed", lambda seen: seen and seen[-1]["job"]["state"] == "done")
+            self.assertEqual(client.call("subscribe", fields=["slow"])["jobs"], 0)
+            with self.d.client() as other:
+                self.assertEqual(other.call("subscribe", jobs=[done])["jobs"], 0)
+
+    def test_field_changes_are_told_once_a_second(self):
+        """Many jobs of one field: few notices of it, and the last one has all of them."""
+        count = 12
+        paths = [self.data(f"part{i}.fits", seed=i + 1) for i in range(count)]
+        with self.d.client() as client:
+            client.call("subscribe", fields=["many"])
+            begun = time.monotonic()
+            for path in paths:
+                self.d.submit(path, field="many")
+            told = self.notices(client, "field_changed",
+                                lambda seen: seen and seen[-1]["field"]["jobs"] == count)
+            self.assertLessEqual(len(told), time.monotonic() - begun + 1)
+        self.assertEqual(numbers_of(told[-1]["field"]),
+                         numbers_of(self.d.call("fields", prefix="many")["fields"][0]))
+
+    def test_a_learned_name_is_told(self):
+        with self.d.client() as client:
+            client.call("subscribe", all=True)
+            self.slow("named.fits", seconds=2)
+            seen = self.notices(client, "job_changed",
+                                lambda all_: all_ and all_[-1]["job"]["state"] == "done")
+        self.assertEqual([(n["job"]["state"], n["job"]["field"]) for n in seen],
+                         [("queued", None), ("running", None), ("running", "named"),
+                          ("done", "named")])
+
+
+def numbers_of(summary):
+    return {key: summary[key] for key in ("g1", "g1_err", "g2", "g2_err", "n_stamps", "n_used")}
 
 
 class ManyWorkers(DaemonTest):
