@@ -205,6 +205,15 @@ class Daemon:
                     pids += [int(pid) for pid in f.read().split()]
         return pids
 
+    def hold(self):
+        """Stop its readers: the jobs that run cannot end before go_on()."""
+        for pid in self.children():
+            os.kill(pid, signal.SIGSTOP)
+
+    def go_on(self):
+        for pid in self.children():
+            os.kill(pid, signal.SIGCONT)
+
     # ---- talking ----
 
     def client(self, timeout=None):

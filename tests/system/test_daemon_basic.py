@@ -28,12 +28,20 @@ class Jobs(DaemonTest):
     def data(self, name, stamps=12, seed=1):
         return mock(os.path.join(self.d.data, name), stamps, 32, seed)
 
-    def slow(self, name="slow.fits", seconds=4):
+    def slow(self, name="slow.fits", seconds=3):
         """A job that runs for about so long, running."""
         stamps = stamps_for(seconds, 32, *SLOW_OPTIONS)
         job = self.d.submit(self.data(name, stamps, 77), settings=SLOW)["id"]
         self.d.wait_state(job, "running")
         until(lambda: self.d.job(job)["progress"]["done"], "it measures")
+        return job
+
+    def held(self, name="slow.fits"):
+        """A job in the middle of its measurement, which it does not leave before self.d.go_on():
+        however slow this test may be, and however fast the machine."""
+        job = self.slow(name)
+        self.d.hold()
+        self.assertEqual(self.d.job(job)["state"], "running")
         return job
 
 
@@ -136,7 +144,7 @@ class Running(Jobs):
         return {"daemon.max_active_jobs": 1}
 
     def test_partial_field_priority_and_cancel(self):
-        slow = self.slow()
+        slow = self.held()
         total = self.d.job(slow)["progress"]["total"]
         row = self.d.call("field", field="slow")["rows"][0]
         self.assertTrue(row["partial"])
@@ -147,7 +155,8 @@ class Running(Jobs):
         high = self.d.submit(self.data("high.fits", seed=2), priority=5)["id"]
         gone = self.d.submit(self.data("gone.fits", seed=3))["id"]
         self.assertEqual(self.d.call("cancel", id=gone)["state"], "cancelled")
-        self.d.call("cancel", id=slow)
+        self.assertTrue(self.d.call("cancel", id=slow)["cancel_asked"])
+        self.d.go_on()
         job = self.d.wait_state(slow, *FINAL)
         self.assertEqual(job["state"], "cancelled")
         self.d.wait_idle()
@@ -158,7 +167,7 @@ class Running(Jobs):
             self.d.call("cancel", id=low)
 
     def test_wait(self):
-        slow = self.slow()
+        slow = self.held()
         result = self.d.call("wait", ids=[slow], timeout_s=0)
         self.assertTrue(result["timed_out"])
         self.assertEqual(result["jobs"][0]["state"], "running")
@@ -166,15 +175,17 @@ class Running(Jobs):
             asked = client.ask("wait", {"ids": [slow]})
             self.assertEqual(client.call("status")["states"]["running"], 1)
             self.d.call("cancel", id=slow)
+            self.d.go_on()
             self.assertEqual(client.answer(asked)["jobs"][0]["state"], "cancelled")
 
     def test_drain(self):
-        slow = self.slow(seconds=2)
+        slow = self.held()
         queued = self.d.submit(self.data("q.fits"))["id"]
         self.assertEqual(self.d.call("drain")["state"], "draining")
         with self.assertRefused("draining"):
             self.d.submit(self.data("r.fits"))
         self.d.drop(self.data("s.fits"), "s.fits")
+        self.d.go_on()
         self.assertEqual(self.d.call("wait", ids=[slow, queued])["jobs"][1]["state"], "done")
         self.assertEqual(self.d.dropped("incoming"), ["s.fits"])
         self.assertEqual(self.d.stop(), 0)
@@ -182,19 +193,25 @@ class Running(Jobs):
         self.assertEqual(self.d.dropped("done"), ["s.fits", "s.fits.json"])
 
     def test_sigterm_finishes_what_runs(self):
-        slow = self.slow(seconds=2)
+        slow = self.held()
         queued = self.d.submit(self.data("q.fits"))["id"]
-        self.assertEqual(self.d.stop(), 0)
+        self.d.signal(signal.SIGTERM)
+        until(lambda: self.d.call("status")["state"] == "stopping", "it stops")
+        self.d.go_on()
+        self.assertEqual(self.d.ended(), 0)
         self.d.start()
         history = self.d.call("job", id=slow)["history"]
         self.assertEqual([a["ending"] for a in history], ["done"])
         self.assertEqual(self.d.wait_state(queued, *FINAL)["state"], "done")
 
     def test_second_sigterm_stops_at_once(self):
-        slow = self.slow(seconds=8)
+        slow = self.held()
         self.d.signal(signal.SIGTERM)
         until(lambda: self.d.call("status")["state"] == "stopping", "it stops")
-        self.assertEqual(self.d.stop(), 0)
+        self.d.signal(signal.SIGTERM)
+        until(lambda: "stopping at once" in self.d.log_text(), "it stops at once")
+        self.d.go_on()
+        self.assertEqual(self.d.ended(), 0)
         self.d.start()
         until(lambda: self.d.job(slow)["progress"]["done"], "it goes on")
         self.assertEqual(self.d.call("job", id=slow)["history"][0]["ending"], "released")
@@ -202,27 +219,15 @@ class Running(Jobs):
         self.assertEqual(self.d.wait_state(slow, *FINAL)["state"], "cancelled")
 
     def test_shutdown_now_resumes(self):
-        slow = self.slow(seconds=3)
+        slow = self.held()
         self.assertEqual(self.d.call("shutdown", mode="now")["state"], "stopping")
+        self.d.go_on()
         self.assertEqual(self.d.ended(), 0)
         self.d.start()
+        self.assertEqual(self.d.call("job", id=slow)["history"][0]["ending"], "released")
         self.assertEqual(self.d.wait_state(slow, *FINAL)["state"], "done")
         path = os.path.join(self.d.data, "slow.fits")
         self.assertRow(self.d, "slow", measured([path], *SLOW_OPTIONS), 1)
-
-    def test_subscribe(self):
-        with self.d.client() as client:
-            client.call("subscribe", all=True, progress=True)
-            job = self.slow(seconds=3)
-            self.d.wait_state(job, "done")
-            while not any(n["method"] == "job_changed" and n["params"]["job"]["state"] == "done"
-                          for n in client.notices):
-                client.notices.append(client.receive())
-        states = [n["params"]["job"]["state"] for n in client.notices
-                  if n["method"] == "job_changed"]
-        self.assertEqual([s for i, s in enumerate(states) if i == 0 or states[i - 1] != s],
-                         ["queued", "running", "done"])
-        self.assertTrue(any(n["method"] == "job_progress" for n in client.notices))
 
     def notices(self, client, method, enough):
         """Read on until enough(params of these notifications); they all."""
@@ -232,13 +237,28 @@ class Running(Jobs):
             client.notices.append(client.receive())
         return found()
 
+    def test_subscribe(self):
+        with self.d.client() as client:
+            client.call("subscribe", all=True, progress=True)
+            job = self.held()
+            progress = self.notices(client, "job_progress", len)[0]
+            self.assertEqual(progress["id"], job)
+            self.assertTrue(0 < progress["progress"]["done"] < progress["progress"]["total"])
+            self.d.go_on()
+            told = self.notices(client, "job_changed",
+                                lambda all_: all_ and all_[-1]["job"]["state"] == "done")
+        states = [n["job"]["state"] for n in told]
+        self.assertEqual([s for i, s in enumerate(states) if i == 0 or states[i - 1] != s],
+                         ["queued", "running", "done"])
+
     def test_end_of_a_drain_is_told(self):
         with self.d.client() as client:
             client.call("subscribe", all=True)
-            self.slow(seconds=2)
+            self.held()
             waiting = self.d.submit(self.data("a.fits"))["id"]
             left = client.call("drain")
             self.assertEqual((left["state"], left["running"], left["queued"]), ("draining", 1, 1))
+            self.d.go_on()
             told = self.notices(client, "server_state", lambda seen: len(seen) == 2)
             self.assertEqual(told[0], left)
             self.assertEqual(told[1], {"state": "draining", "running": 0, "queued": 0})
@@ -246,12 +266,14 @@ class Running(Jobs):
 
     def test_subscriptions_end_with_their_jobs(self):
         done = self.d.submit(self.data("a.fits"), wait=True)["id"]
-        slow = self.slow(seconds=2)
+        slow = self.held()
         with self.d.client() as client:
             with self.assertRefused("no_such_job"):
                 client.call("subscribe", jobs=[slow, 999])
             self.assertEqual(client.call("subscribe", jobs=[done, slow])["jobs"], 1)
-            self.notices(client, "job_changed", lambda seen: seen and seen[-1]["job"]["state"] == "done")
+            self.d.go_on()
+            self.notices(client, "job_changed",
+                         lambda seen: seen and seen[-1]["job"]["state"] == "done")
             self.assertEqual(client.call("subscribe", fields=["slow"])["jobs"], 0)
             with self.d.client() as other:
                 self.assertEqual(other.call("subscribe", jobs=[done])["jobs"], 0)
@@ -274,7 +296,9 @@ class Running(Jobs):
     def test_a_learned_name_is_told(self):
         with self.d.client() as client:
             client.call("subscribe", all=True)
-            self.slow("named.fits", seconds=2)
+            self.held("named.fits")
+            self.notices(client, "job_changed", lambda all_: len(all_) == 3)
+            self.d.go_on()
             seen = self.notices(client, "job_changed",
                                 lambda all_: all_ and all_[-1]["job"]["state"] == "done")
         self.assertEqual([(n["job"]["state"], n["job"]["field"]) for n in seen],
@@ -385,12 +409,13 @@ class Operation(Jobs):
         self.d.settings.update({"limits.queue": 2, "daemon.max_active_jobs": 1})
         self.d.write_config()
         self.d.call("reload")
-        slow = self.slow()
+        slow = self.held()
         second = self.d.submit(self.data("a.fits"))["id"]
         with self.assertRefused("queue_full"):
             self.d.submit(self.data("b.fits", seed=2))
         self.d.drop(self.data("c.fits", seed=3), "c.fits")
         self.d.call("cancel", id=slow)
+        self.d.go_on()
         self.d.wait_idle()
         self.assertEqual(self.d.job(second)["state"], "done")
         self.assertEqual(self.d.dropped("done"), ["c.fits", "c.fits.json"])
@@ -430,14 +455,12 @@ class Operation(Jobs):
         self.assertRow(self.d, "four", measured([path]), 1)
 
     def test_blocks_left(self):
-        """What is left of the running jobs, in blocks of 16 stamps: goes down, and ends at 0."""
-        slow = self.slow()
-        job = self.d.job(slow)
-        total = -(-job["progress"]["total"] // 16)
-        before = self.d.call("status")["queue"]["blocks"]
-        self.assertTrue(0 < before <= total, before)
-        until(lambda: 0 < self.d.call("status")["queue"]["blocks"] < before, "blocks are measured")
-        self.d.call("cancel", id=slow)
+        """What is left of the running jobs, in blocks of 16 stamps."""
+        slow = self.held()
+        total = -(-self.d.job(slow)["progress"]["total"] // 16)
+        left = self.d.call("status")["queue"]["blocks"]
+        self.assertTrue(0 < left < total, (left, total))
+        self.d.go_on()
         self.d.wait_idle()
         self.assertEqual(self.d.call("status")["queue"]["blocks"], 0)
 
