@@ -43,16 +43,29 @@ static char *path_in(const char *directory, const char *input) {
     return path;
 }
 
+/* What a catalogue is named after. */
+static const char *base_path(const shear_input *input) {
+    return input->path ? input->path : input->parts[SHEAR_PART_GALAXY].path;
+}
+
 static bool same_file(const struct stat *st, const char *path) {
     struct stat other;
     return stat(path, &other) == 0 && other.st_dev == st->st_dev && other.st_ino == st->st_ino;
+}
+
+static bool reads_file(const shear_input *input, const struct stat *st) {
+    bool reads = input->path && same_file(st, input->path);
+    for (int i = 0; i < SHEAR_N_PARTS && !input->path; i++) {
+        reads = reads || (input->parts[i].path && same_file(st, input->parts[i].path));
+    }
+    return reads;
 }
 
 /* The catalogue's place is there already: may it be replaced? */
 static int check_existing(const char *path, const struct stat *st,
                           const struct measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
-        if (same_file(st, inputs[i].path)) {
+        if (reads_file(inputs[i].source, st)) {
             message_fail(NULL, "--catalog %s: that is one of the input files", path);
             return EXIT_CODE_USAGE;
         }
@@ -140,7 +153,7 @@ int catalog_paths_resolve(struct measure_input *inputs, size_t n, const char *ou
     }
     for (size_t i = 0; i < n; i++) {
         if (measure_input_is_wanted(&inputs[i])) {
-            inputs[i].catalog = directory ? path_in(out, inputs[i].path) : strdup(out);
+            inputs[i].catalog = directory ? path_in(out, base_path(inputs[i].source)) : strdup(out);
             if (!inputs[i].catalog) {
                 message_fail(NULL, "out of memory");
                 return EXIT_CODE_OTHER;

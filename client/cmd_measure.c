@@ -6,6 +6,7 @@
 #include "measure_input.h"
 #include "message.h"
 #include "options.h"
+#include "part_options.h"
 #include "progress.h"
 #include "result_table.h"
 #include "settings_options.h"
@@ -25,6 +26,7 @@ static const struct option own_options[] = {
     {"field", required_argument, NULL, OPT_FIELD},
     {"json", no_argument, NULL, OPT_JSON},
     {"quiet", no_argument, NULL, OPT_QUIET},
+    PART_OPTIONS,
 };
 enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
@@ -65,9 +67,9 @@ static int check_options(const struct measure_options *o, int n_files) {
         message_error(&err);
         return EXIT_CODE_USAGE;
     }
-    if (n_files < 1) {
-        message_fail("\"shearctl help measure\"", "measure: which files?");
-        return EXIT_CODE_USAGE;
+    const int code = part_options_check(&o->parts, &cmd_measure, n_files);
+    if (code) {
+        return code;
     }
     if (o->field && !o->field[0]) {
         message_fail(NULL, "--field: the name is empty");
@@ -94,6 +96,10 @@ static int parse(int argc, char **argv, struct measure_options *o) {
                 message_error(&err);
                 return EXIT_CODE_USAGE;
             }
+            continue;
+        }
+        if (part_options_is(value)) {
+            part_options_set(&o->parts, value, optarg);
             continue;
         }
         int code = handle(value, o);
@@ -192,6 +198,59 @@ static int measure_groups(struct measure_input *inputs, size_t n, const struct m
     return measure_inputs_exit_code(inputs, n);
 }
 
+static int measure_inputs(const shear_input *sources, const char *const *names, size_t n,
+                          const struct measure_options *o) {
+    int code = EXIT_CODE_DONE;
+    struct measure_input *inputs = calloc(n, sizeof *inputs);
+    if (!inputs) {
+        message_fail(NULL, "out of memory");
+        return EXIT_CODE_OTHER;
+    }
+    for (size_t i = 0; i < n; i++) {
+        inputs[i].source = &sources[i];
+        inputs[i].path = names[i];
+    }
+    measure_inputs_open(inputs, n, o->field);
+    if (o->catalog) {
+        code = catalog_paths_resolve(inputs, n, o->catalog, o->force);
+    }
+    if (!code) {
+        code = measure_groups(inputs, n, o);
+    }
+    measure_inputs_free(inputs, n);
+    return code;
+}
+
+static int measure_files(char **paths, size_t n, const struct measure_options *o) {
+    shear_input *sources = calloc(n, sizeof *sources);
+    if (!sources) {
+        message_fail(NULL, "out of memory");
+        return EXIT_CODE_OTHER;
+    }
+    for (size_t i = 0; i < n; i++) {
+        sources[i] = shear_input_of_file(paths[i]);
+    }
+    const int code = measure_inputs(sources, (const char *const *)paths, n, o);
+    free(sources);
+    return code;
+}
+
+static int measure_parts(const struct measure_options *o) {
+    char text[SHEAR_INPUT_TEXT_SIZE];
+    struct part_input parts;
+    shear_error err = {0};
+    int code = part_input_init(&parts, &o->parts, false, &err);
+    if (code) {
+        message_error(&err);
+        code = code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
+    } else {
+        const char *name = shear_input_text(&parts.input, text, sizeof text);
+        code = measure_inputs(&parts.input, &name, 1, o);
+    }
+    part_input_deinit(&parts);
+    return code;
+}
+
 static int run(int argc, char **argv) {
     struct measure_options o = {0};
     shear_settings_init(&o.settings);
@@ -199,24 +258,8 @@ static int run(int argc, char **argv) {
     if (code) {
         return code;
     }
-    size_t n = (size_t)(argc - optind);
-    struct measure_input *inputs = calloc(n, sizeof *inputs);
-    if (!inputs) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
-    }
-    for (size_t i = 0; i < n; i++) {
-        inputs[i].path = argv[optind + (int)i];
-    }
-    measure_inputs_open(inputs, n, o.field);
-    if (o.catalog) {
-        code = catalog_paths_resolve(inputs, n, o.catalog, o.force);
-    }
-    if (!code) {
-        code = measure_groups(inputs, n, &o);
-    }
-    measure_inputs_free(inputs, n);
-    return code;
+    return part_options_any(&o.parts) ? measure_parts(&o)
+                                      : measure_files(argv + optind, (size_t)(argc - optind), &o);
 }
 
 const struct command cmd_measure = {
@@ -224,6 +267,8 @@ const struct command cmd_measure = {
     .summary = "measure the shear of field files",
     .usage =
         "usage: shearctl measure [OPTION...] FILE...\n"
+        "       shearctl measure [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf "
+        "FILE[:HDU]\n"
         "\n"
         "Measure the shear (g1, g2) of each field. Files that name the same field (FIELD) are "
         "parts of it and\n"
@@ -236,7 +281,7 @@ const struct command cmd_measure = {
         "                          delta method)\n"
         "  --catalog OUT.fits      write the result of every stamp there; or into an existing\n"
         "                          directory, as DIRECTORY/BASE.shear.fits for each input\n"
-        "  --force                 replace catalogues that exist\n"
+        "  --force                 replace catalogues that exist\n" PART_OPTIONS_HELP
         "  --json                  one JSON object per field and line, instead of a table\n"
         "  --quiet                 no progress bar, no warnings\n"
         "\n"

@@ -12,27 +12,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    OPT_FIELD = 256,
-    OPT_PRIORITY,
-    OPT_KEY,
-    OPT_FORCE,
-    OPT_GALAXY,
-    OPT_NOISE,
-    OPT_PSF,
-    OPT_WAIT,
-    OPT_TIMEOUT,
-    OPT_QUIET
-};
+enum { OPT_FIELD = 256, OPT_PRIORITY, OPT_KEY, OPT_FORCE, OPT_WAIT, OPT_TIMEOUT, OPT_QUIET };
 
 static const struct option own_options[] = {
     {"field", required_argument, NULL, OPT_FIELD},
     {"priority", required_argument, NULL, OPT_PRIORITY},
     {"key", required_argument, NULL, OPT_KEY},
     {"force", no_argument, NULL, OPT_FORCE},
-    {"galaxy", required_argument, NULL, OPT_GALAXY},
-    {"noise", required_argument, NULL, OPT_NOISE},
-    {"psf", required_argument, NULL, OPT_PSF},
+    PART_OPTIONS,
     {"wait", no_argument, NULL, OPT_WAIT},
     {"timeout", required_argument, NULL, OPT_TIMEOUT},
     {"quiet", no_argument, NULL, OPT_QUIET},
@@ -75,6 +62,10 @@ static int handle(int value, void *context) {
     if (settings_options_is(value)) {
         return set_setting(value, o);
     }
+    if (part_options_is(value)) {
+        part_options_set(&what->parts, value, optarg);
+        return EXIT_CODE_DONE;
+    }
     switch (value) {
     case OPT_PRIORITY:
         what->has_priority = true;
@@ -92,11 +83,7 @@ static int handle(int value, void *context) {
         o->quiet = true;
         return EXIT_CODE_DONE;
     default:
-        *(value == OPT_FIELD    ? &what->field
-          : value == OPT_KEY    ? &what->key
-          : value == OPT_GALAXY ? &what->galaxy
-          : value == OPT_NOISE  ? &what->noise
-                                : &what->psf) = optarg;
+        *(value == OPT_FIELD ? &what->field : &what->key) = optarg;
         return EXIT_CODE_DONE;
     }
 }
@@ -107,18 +94,11 @@ static int contradiction(const char *text) {
 }
 
 static int check(const struct submit *o, int n) {
-    const struct submission_options *w = &o->what;
-    const bool any = w->galaxy || w->noise || w->psf;
-    if (any && n > 0) {
-        return contradiction("give either field files, or --galaxy, --noise and --psf");
+    const int code = part_options_check(&o->what.parts, &cmd_submit, n);
+    if (code) {
+        return code;
     }
-    if (any && !(w->galaxy && w->noise && w->psf)) {
-        return contradiction("--galaxy, --noise and --psf belong together");
-    }
-    if (!any && n < 1) {
-        return contradiction("which files?");
-    }
-    if (w->key && n > 1) {
+    if (o->what.key && n > 1) {
         return contradiction("a --key stands for one job: give one file with it");
     }
     if (!isnan(o->timeout_s) && !o->wait) {
@@ -263,7 +243,8 @@ const struct command cmd_submit = {
     .summary = "hand files to the service, as jobs",
     .usage =
         "usage: shearctl submit [OPTION...] FILE|JOB.json|-...\n"
-        "       shearctl submit [OPTION...] --galaxy FILE --noise FILE --psf FILE\n"
+        "       shearctl submit [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf "
+        "FILE[:HDU]\n"
         "\n"
         "Have the service measure field files, or what job files say (JSON, the parameters of "
         "submit in\n"
@@ -274,11 +255,7 @@ const struct command cmd_submit = {
         "  --field NAME            count to this field, whatever the file calls it\n"
         "  --priority N            from -100 to 100; larger is sooner (default 0)\n"
         "  --key TEXT              idempotency key: submitting again with it gives the same job\n"
-        "  --force                 count even what the field already has\n"
-        "  --galaxy FILE[HDU]      galaxy stamps in a file of their own, by default in its first "
-        "image\n"
-        "  --noise FILE[HDU]       noise stamps\n"
-        "  --psf FILE[HDU]         PSF image\n"
+        "  --force                 count even what the field already has\n" PART_OPTIONS_HELP
         "  --wait                  wait until the jobs are finished, and print their results\n"
         "  --timeout TIME          with --wait: no longer than this (as 90, 500ms, 5min, 2h)\n"
         "  --quiet                 no progress bar\n" SERVICE_OPTIONS_HELP "\n"

@@ -44,24 +44,33 @@ int input_path_absolute(const char *name, char **path, shear_error *err) {
     return code;
 }
 
-int input_path_hdu(const char *name, int64_t *hdu, size_t *length, shear_error *err) {
-    const size_t n = strlen(name);
-    *hdu = -1;
-    *length = n;
-    const char *open = strrchr(name, '[');
-    if (!open || open == name || name[n - 1] != ']' || access(name, F_OK) == 0) {
-        return SHEAR_OK;
+/* Digits alone are a number, all else is a name. */
+static int read_hdu(const char *name, const char *text, shear_input_part *part, shear_error *err) {
+    const size_t n = strlen(text);
+    if (strspn(text, "0123456789") != n) {
+        part->extname = text;
+        return n <= SHEAR_MSG_EXTNAME_MAX
+                   ? SHEAR_OK
+                   : shear_fail(err, SHEAR_E_SETTING, NULL,
+                                "%s: the name of an HDU has at most %d characters", name,
+                                SHEAR_MSG_EXTNAME_MAX);
     }
-    const size_t digits = strspn(open + 1, "0123456789");
-    if (digits == 0 || open + 1 + digits != name + n - 1) {
-        return SHEAR_OK;
-    }
-    const long value = digits < 6 ? strtol(open + 1, NULL, 10) : SHEAR_MSG_HDU_MAX + 1L;
+    const long value = n < 6 ? strtol(text, NULL, 10) : SHEAR_MSG_HDU_MAX + 1L;
     if (value > SHEAR_MSG_HDU_MAX) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "%s: an HDU is a number from 0 to %d", name,
                           SHEAR_MSG_HDU_MAX);
     }
-    *hdu = value;
-    *length = (size_t)(open - name);
+    part->hdu = value;
     return SHEAR_OK;
+}
+
+int input_path_hdu(const char *name, shear_input_part *part, size_t *length, shear_error *err) {
+    *part = (shear_input_part){.hdu = -1};
+    *length = strlen(name);
+    const char *colon = strrchr(name, ':');
+    if (!colon || colon == name || !colon[1] || strchr(colon, '/') || access(name, F_OK) == 0) {
+        return SHEAR_OK;
+    }
+    *length = (size_t)(colon - name);
+    return read_hdu(name, colon + 1, part, err);
 }

@@ -17,15 +17,17 @@ static const char *or_dash(const char *text) {
 }
 
 static void image_text(const shear_msg_image *image, char *buf, size_t size) {
-    if (image->hdu >= 0) {
-        snprintf(buf, size, "%s[%" PRId64 "]", or_dash(image->path), image->hdu);
+    if (image->extname) {
+        snprintf(buf, size, "%s:%s", or_dash(image->path), image->extname);
+    } else if (image->hdu >= 0) {
+        snprintf(buf, size, "%s:%" PRId64, or_dash(image->path), image->hdu);
     } else {
         snprintf(buf, size, "%s", or_dash(image->path));
     }
 }
 
 char *job_source_text(const shear_msg_source *source, char *buf, size_t size) {
-    char galaxy[4200];
+    char galaxy[4180];
     if (source->galaxy.path) {
         image_text(&source->galaxy, galaxy, sizeof galaxy);
         snprintf(buf, size, "%s + noise, psf", galaxy);
@@ -110,11 +112,12 @@ static void print_source(const shear_msg_source *s, FILE *out) {
     const struct {
         const char *name;
         const shear_msg_image *image;
-    } images[] = {{"galaxy", &s->galaxy}, {"noise", &s->noise}, {"psf", &s->psf}};
+    } images[] = {
+        {"galaxy", &s->galaxy}, {"noise", &s->noise}, {"psf", &s->psf}, {"catalog", &s->catalog}};
     if (s->path) {
         shear_text_line(out, "file", "%s", s->path);
     }
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
         if (images[i].image->path) {
             char text[4200];
             image_text(images[i].image, text, sizeof text);

@@ -94,7 +94,7 @@ static void run_input(struct measure_input *input, const struct measure_options 
         .progress = progress_callback,
         .context = progress,
     };
-    int code = shear_run_file(input->path, &o->settings, &run, sums, jack, &input->report, &err);
+    int code = shear_run_input(input->source, &o->settings, &run, sums, jack, &input->report, &err);
     progress_end(progress);
     if (code) {
         message_error(&err);

@@ -4,6 +4,7 @@
 #define CLIENT_MEASURE_GROUP_H
 
 #include "measure_input.h"
+#include "part_options.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
 #include "warnings.h"
@@ -15,6 +16,7 @@ struct measure_options {
     int jackknife;       /* groups; 0 = delta method */
     const char *catalog; /* or NULL */
     const char *field;   /* or NULL */
+    struct part_options parts;
     bool force, json, quiet;
 };
 

@@ -9,13 +9,13 @@
 
 static int look_into(struct measure_input *input, shear_error *err) {
     shear_field *field = NULL;
-    int code = shear_field_open(&field, input->path, err);
+    int code = shear_field_open_input(&field, input->source, NULL, err);
     if (code) {
         return code;
     }
     input->info = *shear_field_get_info(field);
     shear_field_close(field);
-    return shear_file_checksum(input->path, input->checksum, err);
+    return shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
 }
 
 /* Does an earlier file hold the same bytes and count to the same field? Its counting twice would

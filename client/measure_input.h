@@ -11,7 +11,8 @@
 #include <stddef.h>
 
 struct measure_input {
-    const char *path;
+    const shear_input *source; /* kept by the caller */
+    const char *path;          /* in messages and reports: shear_input_text */
     int failure; /* EXIT_CODE_DONE so far, or why the file failed; then an error has been printed */
     bool duplicate;        /* content and field of an earlier file: not measured */
     const char *field;     /* what it counts to: --field, or info.name */

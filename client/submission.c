@@ -71,39 +71,27 @@ static int read_job_file(struct submission *s, const char *name) {
 
 /* ---- Options ---- */
 
-static int set_image(struct submission *s, int i, const char *name, shear_msg_image *image) {
-    shear_error err = {0};
-    size_t length = 0;
-    *image = (shear_msg_image){.hdu = -1};
-    if (!name) {
-        return EXIT_CODE_DONE;
-    }
-    int code = input_path_hdu(name, &image->hdu, &length, &err);
-    char *file = code ? NULL : strndup(name, length);
-    if (!code && !file) {
-        code = shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
-    if (!code) {
-        code = input_path_absolute(file, &s->paths[i], &err);
-    }
-    free(file);
-    image->path = s->paths[i];
-    return code ? input_error(&err) : EXIT_CODE_DONE;
-}
-
 static int set_images(struct submission *s, const struct submission_options *o) {
+    shear_error err = {0};
     shear_msg_source *source = &s->params.submit.source;
-    int code = set_image(s, 0, o->galaxy, &source->galaxy);
-    code = code ? code : set_image(s, 1, o->noise, &source->noise);
-    return code ? code : set_image(s, 2, o->psf, &source->psf);
+    shear_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
+                                       &source->catalog};
+    if (part_input_init(&s->parts, &o->parts, true, &err)) {
+        return input_error(&err);
+    }
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const shear_input_part *part = &s->parts.input.parts[i];
+        *images[i] = (shear_msg_image){part->path, part->hdu, part->extname};
+    }
+    return EXIT_CODE_DONE;
 }
 
 static int set_file(struct submission *s, const char *name) {
     shear_error err = {0};
-    if (input_path_absolute(name, &s->paths[0], &err)) {
+    if (input_path_absolute(name, &s->path, &err)) {
         return input_error(&err);
     }
-    s->params.submit.source.path = s->paths[0];
+    s->params.submit.source.path = s->path;
     return EXIT_CODE_DONE;
 }
 
@@ -177,7 +165,6 @@ int submission_init(struct submission *s, const char *name, const struct submiss
 
 void submission_deinit(struct submission *s) {
     shear_submit_deinit(&s->parsed);
-    for (size_t i = 0; i < sizeof s->paths / sizeof *s->paths; i++) {
-        free(s->paths[i]);
-    }
+    part_input_deinit(&s->parts);
+    free(s->path);
 }

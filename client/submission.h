@@ -3,6 +3,7 @@
 #ifndef CLIENT_SUBMISSION_H
 #define CLIENT_SUBMISSION_H
 
+#include "part_options.h"
 #include "settings_options.h"
 #include "sheard/rpc.h"
 
@@ -10,7 +11,7 @@
 
 /* What the options say. Texts point into argv. */
 struct submission_options {
-    const char *galaxy, *noise, *psf; /* "FILE" or "FILE[HDU]" */
+    struct part_options parts;
     const char *field, *key;
     int64_t priority;
     bool has_priority, force;
@@ -22,7 +23,8 @@ struct submission_options {
 struct submission {
     shear_params params;     /* .submit, to be sent */
     shear_msg_submit parsed; /* of a job file */
-    char *paths[3];
+    char *path;              /* of a field file */
+    struct part_input parts;
     char settings[SHEAR_MSG_SETTINGS_SIZE];
 };
 

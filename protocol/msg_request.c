@@ -27,6 +27,7 @@ const msg_table msg_hello = {MSG_TABLE_(shear_msg_hello, hello_members), .check 
 static const msg_member image_members[] = {
     MSG_TEXT_(shear_msg_image, path, "path", SHEAR_MSG_PATH_MAX, MSG_REQUIRED | MSG_ABSOLUTE),
     MSG_INT_(shear_msg_image, hdu, "hdu", 0, SHEAR_MSG_HDU_MAX, -1, MSG_NULLABLE),
+    MSG_TEXT_(shear_msg_image, extname, "extname", SHEAR_MSG_EXTNAME_MAX, MSG_PLAIN),
 };
 static const msg_table image = {MSG_TABLE_(shear_msg_image, image_members), .check = NULL};
 
@@ -35,7 +36,8 @@ static const msg_table image = {MSG_TABLE_(shear_msg_image, image_members), .che
     MSG_TEXT_(T, at path, "path", SHEAR_MSG_PATH_MAX, MSG_ABSOLUTE),                               \
         MSG_OBJECT_(T, at galaxy, "galaxy", shear_msg_image, &image, MSG_NULLABLE),                \
         MSG_OBJECT_(T, at noise, "noise", shear_msg_image, &image, MSG_NULLABLE),                  \
-        MSG_OBJECT_(T, at psf, "psf", shear_msg_image, &image, MSG_NULLABLE)
+        MSG_OBJECT_(T, at psf, "psf", shear_msg_image, &image, MSG_NULLABLE),                      \
+        MSG_OBJECT_(T, at catalog, "catalog", shear_msg_image, &image, MSG_NULLABLE)
 
 static const msg_member source_members[] = {SOURCE_MEMBERS(shear_msg_source, )};
 
@@ -48,9 +50,23 @@ static int bad_source(shear_rpc_error *error, int code, const char *parameter, c
     return code;
 }
 
+/* An HDU is chosen by its number or by its name. */
+static int check_choices(const shear_msg_source *s, shear_rpc_error *error) {
+    const shear_msg_image *const images[] = {&s->galaxy, &s->noise, &s->psf, &s->catalog};
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        if (images[i]->hdu >= 0 && images[i]->extname) {
+            shear_rpc_fail(error, SHEAR_RPC_BAD_PARAMETER, "give \"hdu\" or \"extname\"",
+                           "'%s.hdu': contradicts 'extname'", shear_part_name(i));
+            snprintf(error->parameter, sizeof error->parameter, "%s.hdu", shear_part_name(i));
+            return error->code;
+        }
+    }
+    return SHEAR_RPC_OK;
+}
+
 static int check_source(const void *message, shear_rpc_error *error) {
     const shear_msg_source *s = message;
-    const bool images = s->galaxy.path || s->noise.path || s->psf.path;
+    const bool images = s->galaxy.path || s->noise.path || s->psf.path || s->catalog.path;
     if (s->path) {
         return images ? bad_source(error, SHEAR_RPC_BAD_PARAMETER, "path",
                                    "contradicts separate images")
@@ -64,8 +80,18 @@ static int check_source(const void *message, shear_rpc_error *error) {
                           : !s->psf.path   ? "psf"
                                            : NULL;
     return missing ? bad_source(error, SHEAR_RPC_MISSING_PARAMETER, missing, "is missing")
-                   : SHEAR_RPC_OK;
+                   : check_choices(s, error);
 }
+
+shear_input shear_source_input(const shear_msg_source *s) {
+    shear_input input = shear_input_of_file(s->path);
+    const shear_msg_image *const images[] = {&s->galaxy, &s->noise, &s->psf, &s->catalog};
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        input.parts[i] = (shear_input_part){images[i]->path, images[i]->extname, images[i]->hdu};
+    }
+    return input;
+}
+
 const msg_table msg_source = {MSG_TABLE_(shear_msg_source, source_members), .check = check_source};
 
 static const msg_member submit_members[] = {

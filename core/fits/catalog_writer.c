@@ -1,25 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fits/bitset.h"
 #include "fits/catalog_header.h"
 #include "fits/catalog_schema.h"
+#include "fits/catalog_state.h"
 #include "fits/columns.h"
-#include "fits/output.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MAX_COLUMNS = SF_CATALOG_COPIED + SF_CATALOG_MEMBERS + 1 };
-
-struct shear_catalog {
-    sf_output out;
-    int64_t n;
-    unsigned columns; /* of the field file */
-    sf_bitset written;
-    double *values; /* [room]: one column of a chunk */
-    int32_t *flags; /* [room] */
-    int room;
-};
 
 /* The table's columns while it is being laid out. */
 typedef struct layout {
@@ -61,7 +50,24 @@ static int check(const shear_catalog *c, int status, shear_error *err) {
                                         "cannot be written");
 }
 
-static int create_table(shear_catalog *c, const shear_field_info *info, shear_error *err) {
+bool sf_catalog_has_columns(shear_catalog *c) {
+    int status = 0;
+    int n = 0;
+    layout l;
+    lay_out(&l, c->columns);
+    fits_get_num_cols(c->out.fits, &n, &status);
+    bool same = status == 0 && n == l.n;
+    for (int i = 0; i < l.n && same; i++) {
+        int number = 0;
+        fits_get_colnum(c->out.fits, CASESEN, l.names[i], &number, &status);
+        same = status == 0 && number == i + 1;
+    }
+    fits_clear_errmsg();
+    return same;
+}
+
+int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, const char *kept_for,
+                            shear_error *err) {
     fitsfile *f = c->out.fits;
     int status = 0;
     layout l;
@@ -74,32 +80,44 @@ static int create_table(shear_catalog *c, const shear_field_info *info, shear_er
         fits_write_key_str(f, key, l.comments[i], NULL, &status);
     }
     sf_catalog_write_field(f, info, &status);
+    if (kept_for != NULL) {
+        fits_write_key_str(f, SF_KEPT_FOR, kept_for, "unfinished: the input's checksum", &status);
+        fits_write_key_lng(f, SF_KEPT_ROWS, 0, "unfinished: rows that are on disk", &status);
+    }
     fits_set_hdrsize(f, SF_CATALOG_CARDS, &status);
     return check(c, status, err);
 }
 
-int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_field_info *info,
-                         bool overwrite, shear_error *err) {
+int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                   shear_error *err) {
     *catalog = NULL;
     shear_catalog *c = calloc(1, sizeof *c);
-    if (c == NULL) {
+    if (c == NULL || !sf_bitset_init(&c->written, info->n_stamps)) {
+        free(c);
         return sf_fail_memory(err, (sf_place){path, NULL});
     }
+    c->out.directory = -1;
     c->n = info->n_stamps;
     c->columns = info->columns;
-    int rc = sf_output_create(&c->out, path, overwrite, err);
+    *catalog = c;
+    return SHEAR_OK;
+}
+
+int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                         bool overwrite, shear_error *err) {
+    int rc = sf_catalog_new(catalog, path, info, err);
+    shear_catalog *c = *catalog;
     if (rc == SHEAR_OK) {
-        rc = create_table(c, info, err);
+        rc = sf_output_create(&c->out, path, overwrite, err);
     }
-    if (rc == SHEAR_OK && !sf_bitset_init(&c->written, c->n)) {
-        rc = sf_fail_memory(err, (sf_place){c->out.name, NULL});
+    if (rc == SHEAR_OK) {
+        rc = sf_catalog_create_table(c, info, NULL, err);
     }
     if (rc != SHEAR_OK) {
         shear_catalog_abort(c);
-        return rc;
+        *catalog = NULL;
     }
-    *catalog = c;
-    return SHEAR_OK;
+    return rc;
 }
 
 static int make_room(shear_catalog *c, int count, shear_error *err) {
@@ -167,6 +185,13 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
     return rc;
 }
 
+static void remove_kept_keys(fitsfile *f) {
+    int status = 0;
+    fits_delete_key(f, SF_KEPT_FOR, &status);
+    fits_delete_key(f, SF_KEPT_ROWS, &status);
+    fits_clear_errmsg();
+}
+
 int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
                          const char *input_name, const char *checksum, shear_error *err) {
     int rc = SHEAR_OK;
@@ -177,6 +202,7 @@ int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_r
     }
     if (rc == SHEAR_OK) {
         int status = 0;
+        remove_kept_keys(c->out.fits);
         sf_catalog_write_result(c->out.fits, plan, result, input_name, checksum, &status);
         rc = check(c, status, err);
     }

@@ -65,23 +65,20 @@ static int check_table(const sf_hdu *hdu, sf_place at, int64_t rows, shear_error
     }
     if (hdu->axes[1] != rows) {
         return sf_fail(err, SHEAR_E_FORMAT, at, "give it one row a stamp, in stamp order",
-                       "it has %lld rows, but GALAXY has %lld stamps", (long long)hdu->axes[1],
-                       (long long)rows);
+                       "it has %lld rows, but there are %lld galaxy stamps",
+                       (long long)hdu->axes[1], (long long)rows);
     }
     return SHEAR_OK;
 }
 
-int sf_columns_init(sf_columns *c, const sf_file *file, int64_t rows, shear_error *err) {
-    static const char label[] = "CATALOG";
-    *c = (sf_columns){.at = {file->source.name, label}};
-    const sf_hdu *hdu = NULL;
-    int rc = sf_survey_find(&file->survey, label, false, &hdu, err);
-    if (rc != SHEAR_OK || hdu == NULL) {
-        return rc;
+int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_error *err) {
+    *c = (sf_columns){.at = {part->file->source.name, part->label}};
+    if (part->hdu == NULL) {
+        return SHEAR_OK;
     }
-    rc = check_table(hdu, c->at, rows, err);
+    int rc = check_table(part->hdu, c->at, rows, err);
     if (rc == SHEAR_OK) {
-        rc = sf_open_hdu(file, hdu->number, label, &c->fits, err);
+        rc = sf_open_hdu(part->file, part->hdu->number, part->label, &c->fits, err);
     }
     for (int i = 0; rc == SHEAR_OK && i < SF_COLUMNS; i++) {
         rc = sf_find_number_column(c->fits, c->at, sf_column_defs[i].name, &c->number[i], err);

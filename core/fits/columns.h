@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/columns.h: the columns of a field file's CATALOG table. */
+/* fits/columns.h: the columns of a field's CATALOG table. */
 #ifndef SHEAR_FITS_COLUMNS_H
 #define SHEAR_FITS_COLUMNS_H
 
-#include "fits/file.h"
+#include "fits/field_parts.h"
 #include "shear/field.h"
 
 enum { SF_COLUMNS = 9 };
@@ -25,7 +25,7 @@ int sf_find_number_column(fitsfile *fits, sf_place at, const char *name, int *nu
                           shear_error *err);
 
 typedef struct sf_columns {
-    fitsfile *fits; /* NULL = the file has no CATALOG */
+    fitsfile *fits; /* NULL = there is no CATALOG */
     sf_place at;
     unsigned have; /* or of enum shear_column */
     int number[SF_COLUMNS];
@@ -33,8 +33,9 @@ typedef struct sf_columns {
     int64_t scratch_size;
 } sf_columns;
 
-/* Open CATALOG where there is one, of `rows` rows. Deinit it, also after an error. */
-int sf_columns_init(sf_columns *c, const sf_file *file, int64_t rows, shear_error *err);
+/* Open the table of `part` where there is one, of `rows` rows; `part` outlives *c. Deinit it, also
+ * after an error. */
+int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_error *err);
 void sf_columns_deinit(sf_columns *c);
 
 /* Rows [first, first + count) of one column, which the table must have. Undefined numbers become

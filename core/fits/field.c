@@ -12,8 +12,8 @@ static int check_noise(const shear_field *f, shear_error *err) {
     }
     return sf_fail(err, SHEAR_E_FORMAT, n->image.at,
                    "every galaxy stamp needs its noise stamp, of the same shape",
-                   "it has %lld stamps of %d x %d pixels, but GALAXY has %lld of %d x %d",
-                   (long long)n->n, n->nx, n->ny, (long long)g->n, g->nx, g->ny);
+                   "it has %lld stamps of %d x %d pixels, but %s has %lld of %d x %d",
+                   (long long)n->n, n->nx, n->ny, g->image.at.hdu, (long long)g->n, g->nx, g->ny);
 }
 
 static void fill_info(shear_field *f) {
@@ -25,26 +25,33 @@ static void fill_info(shear_field *f) {
     info->columns = f->catalog.have;
     info->bitpix = f->galaxy.image.bitpix;
     info->compressed = f->galaxy.image.compressed;
-    info->gzipped = f->file.source.gzipped;
-    info->file_bytes = f->file.source.file_bytes;
+    info->separate = !sf_parts_are_whole(&f->parts);
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const sf_hdu *hdu = f->parts.of[i].hdu;
+        info->hdu[i] = hdu != NULL ? hdu->number - 1 : -1;
+    }
+    for (int i = 0; i < f->parts.n_files; i++) {
+        info->gzipped |= f->parts.files[i].source.gzipped;
+        info->file_bytes += f->parts.files[i].source.file_bytes;
+    }
 }
 
 static int open_hdus(shear_field *f, shear_error *err) {
-    int rc = sf_open_hdu(&f->file, 1, "primary", &f->primary, err);
+    int rc = sf_open_hdu(f->parts.of[SHEAR_PART_GALAXY].file, 1, "primary", &f->primary, err);
     if (rc == SHEAR_OK) {
         rc = sf_field_read_keys(f, err);
     }
     if (rc == SHEAR_OK) {
-        rc = sf_stamps_init(&f->galaxy, &f->file, "GALAXY", err);
+        rc = sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err);
     }
     if (rc == SHEAR_OK) {
-        rc = sf_stamps_init(&f->noise, &f->file, "NOISE", err);
+        rc = sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err);
     }
     if (rc == SHEAR_OK) {
         rc = check_noise(f, err);
     }
     if (rc == SHEAR_OK) {
-        rc = sf_columns_init(&f->catalog, &f->file, f->galaxy.n, err);
+        rc = sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err);
     }
     if (rc == SHEAR_OK) {
         fill_info(f);
@@ -55,16 +62,14 @@ static int open_hdus(shear_field *f, shear_error *err) {
     return rc;
 }
 
-/* Either `path`, or `fd` called `name`. */
-static int open_field(shear_field **field, const char *path, int fd, const char *name,
-                      shear_error *err) {
+int shear_field_open_input(shear_field **field, const shear_input *input, const int *fds,
+                           shear_error *err) {
     *field = NULL;
     shear_field *f = calloc(1, sizeof *f);
     if (f == NULL) {
-        return sf_fail_memory(err, (sf_place){path != NULL ? path : name, NULL});
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field");
     }
-    int rc =
-        path != NULL ? sf_file_open(&f->file, path, err) : sf_file_open_fd(&f->file, fd, name, err);
+    int rc = sf_parts_init(&f->parts, input, fds, err);
     if (rc == SHEAR_OK) {
         rc = open_hdus(f, err);
     }
@@ -77,11 +82,13 @@ static int open_field(shear_field **field, const char *path, int fd, const char 
 }
 
 int shear_field_open(shear_field **field, const char *path, shear_error *err) {
-    return open_field(field, path, -1, NULL, err);
+    const shear_input input = shear_input_of_file(path);
+    return shear_field_open_input(field, &input, NULL, err);
 }
 
 int shear_field_open_fd(shear_field **field, int fd, const char *name, shear_error *err) {
-    return open_field(field, NULL, fd, name, err);
+    const shear_input input = shear_input_of_file(name);
+    return shear_field_open_input(field, &input, &fd, err);
 }
 
 void shear_field_close(shear_field *field) {
@@ -92,7 +99,7 @@ void shear_field_close(shear_field *field) {
     sf_image_deinit(&field->psf);
     sf_stamps_deinit(&field->noise);
     sf_stamps_deinit(&field->galaxy);
-    sf_file_close(&field->file);
+    sf_parts_deinit(&field->parts);
     free(field);
 }
 

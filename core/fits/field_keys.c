@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The keywords of the primary header. */
+/* The keywords of the primary header, of the file that holds the galaxies. */
 #include "fits/field_name.h"
 #include "fits/field_state.h"
 #include "fits/keys.h"
@@ -9,6 +9,7 @@
 #include <string.h>
 
 static int read_name(shear_field *f, sf_place at, shear_error *err) {
+    const sf_file *galaxy = f->parts.of[SHEAR_PART_GALAXY].file;
     char *text = NULL;
     int rc = sf_key_string(f->primary, at, "FIELD", &text, err);
     if (rc != SHEAR_OK) {
@@ -21,8 +22,8 @@ static int read_name(shear_field *f, sf_place at, shear_error *err) {
     if (given[0] != '\0') {
         rc = sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, at, "keyword FIELD", err);
     } else {
-        char base[sizeof f->file.source.base];
-        sf_field_name_default(base, sizeof base, f->file.source.base);
+        char base[sizeof galaxy->source.base];
+        sf_field_name_default(base, sizeof base, galaxy->source.base);
         rc =
             sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, at, "from the file's name", err);
     }
@@ -53,7 +54,7 @@ static int read_shear(shear_field *f, sf_place at, const char *key, double *g, b
 }
 
 int sf_field_read_keys(shear_field *f, shear_error *err) {
-    const sf_place at = {f->file.source.name, "primary"};
+    const sf_place at = {f->parts.of[SHEAR_PART_GALAXY].file->source.name, "primary"};
     bool has_g1 = false;
     bool has_g2 = false;
     int rc = read_name(f, at, err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HDU PSF: how many images there are and which stamp each belongs to. */
+/* The PSFs: how many images there are and which stamp each belongs to. */
 #include "fits/field_state.h"
 #include "fits/keys.h"
 
@@ -16,16 +16,27 @@ static int check_sides(const shear_field *f, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* OVERSAMP: in HDU PSF, else in the primary header, else 1. */
+/* OVERSAMP of the primary header of the PSFs' file. */
+static int read_primary(const sf_file *file, int64_t *oversample, shear_error *err) {
+    const sf_place at = {file->source.name, "primary"};
+    fitsfile *primary = NULL;
+    bool found = false;
+    int rc = sf_open_hdu(file, 1, at.hdu, &primary, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_key_int(primary, at, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
+    }
+    sf_close_hdu(primary);
+    return rc;
+}
+
+/* OVERSAMP: in the PSFs' HDU, else in the primary header, else 1. */
 static int read_oversampling(shear_field *f, shear_error *err) {
     int64_t oversample = 1;
     bool found = false;
     int rc = sf_key_int(f->psf.fits, f->psf.at, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample,
                         &found, err);
     if (rc == SHEAR_OK && !found) {
-        const sf_place primary = {f->file.source.name, "primary"};
-        rc = sf_key_int(f->primary, primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample, &found,
-                        err);
+        rc = read_primary(f->parts.of[SHEAR_PART_PSF].file, &oversample, err);
     }
     f->info.geometry.psf_oversample = (int)oversample;
     return rc;
@@ -54,10 +65,10 @@ static int assign(shear_field *f, shear_error *err) {
 }
 
 int sf_field_open_psf(shear_field *f, shear_error *err) {
-    const sf_hdu *hdu = NULL;
-    int rc = sf_survey_find(&f->file.survey, "PSF", true, &hdu, err);
+    const sf_part *part = &f->parts.of[SHEAR_PART_PSF];
+    int rc = sf_part_require(part, err);
     if (rc == SHEAR_OK) {
-        rc = sf_image_init(&f->psf, &f->file, hdu, "PSF", err);
+        rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
     }
     if (rc == SHEAR_OK) {
         rc = check_sides(f, err);

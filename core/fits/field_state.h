@@ -4,15 +4,15 @@
 #define SHEAR_FITS_FIELD_STATE_H
 
 #include "fits/columns.h"
-#include "fits/file.h"
+#include "fits/field_parts.h"
 #include "fits/stamps.h"
 
 enum { SF_PSF_MIN_SIDE = 3, SF_PSF_MAX_SIDE = 4096, SF_MAX_OVERSAMPLE = 64 };
 
 struct shear_field {
-    sf_file file;
+    sf_parts parts;
     shear_field_info info;
-    fitsfile *primary; /* only while opening */
+    fitsfile *primary; /* of the galaxies' file; only while opening */
     sf_stamps galaxy, noise;
     sf_image psf;
     sf_columns catalog;
@@ -20,7 +20,8 @@ struct shear_field {
 
 /* FIELD, PIXSCALE, SIM_G1, SIM_G2 into f->info (field_keys.c). */
 int sf_field_read_keys(shear_field *f, shear_error *err);
-/* HDU PSF: shape, number and OVERSAMP into f->info; the catalogue must be open (field_psf.c). */
+/* The PSF's HDU: shape, number and OVERSAMP into f->info; the catalogue must be open (field_psf.c).
+ */
 int sf_field_open_psf(shear_field *f, shear_error *err);
 
 #endif

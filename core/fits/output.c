@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/output.h"
 
-#include "fits/source.h"
+#include "fits/file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -76,6 +76,22 @@ static int name_temporary(sf_output *out, shear_error *err) {
     return SHEAR_OK;
 }
 
+/* The only name that CFITSIO gets. */
+static void name_for_cfitsio(const sf_output *out, char proc[320]) {
+    snprintf(proc, 320, "/proc/self/fd/%d/%s", out->directory, out->temporary);
+}
+
+static int create_file(sf_output *out, shear_error *err) {
+    char proc[320];
+    int status = 0;
+    name_for_cfitsio(out, proc);
+    out->exists = true;
+    fits_create_diskfile(&out->fits, proc, &status);
+    return status == 0
+               ? SHEAR_OK
+               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be created");
+}
+
 int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_error *err) {
     *out = (sf_output){.directory = -1, .overwrite = overwrite};
     sf_printable_name(out->name, sizeof out->name, path);
@@ -89,14 +105,7 @@ int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_err
     if (rc != SHEAR_OK) {
         return rc;
     }
-    char proc[128];
-    snprintf(proc, sizeof proc, "/proc/self/fd/%d/%s", out->directory, out->temporary);
-    int status = 0;
-    out->exists = true;
-    fits_create_diskfile(&out->fits, proc, &status);
-    return status == 0
-               ? SHEAR_OK
-               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be created");
+    return create_file(out, err);
 }
 
 static int close_fits(sf_output *out, shear_error *err) {
@@ -108,13 +117,19 @@ static int close_fits(sf_output *out, shear_error *err) {
                : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be completed");
 }
 
-static int sync_file(const sf_output *out, shear_error *err) {
+/* The file as long as `bytes` at least, and on disk. */
+static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
     const sf_place at = {out->name, NULL};
-    const int fd = openat(out->directory, out->temporary, O_RDONLY | O_CLOEXEC);
+    struct stat st;
+    const int fd = openat(out->directory, out->temporary, O_RDWR | O_CLOEXEC);
     if (fd < 0) {
         return sf_fail_errno(err, at, errno, "its temporary file cannot be opened");
     }
-    const int failed = fsync(fd);
+    int failed = fstat(fd, &st);
+    if (failed == 0 && st.st_size < bytes) {
+        failed = ftruncate(fd, bytes);
+    }
+    failed = failed == 0 ? fsync(fd) : failed;
     const int number = errno;
     close(fd);
     return failed == 0 ? SHEAR_OK : sf_fail_errno(err, at, number, "cannot be brought to disk");
@@ -151,7 +166,7 @@ static int put_in_place(sf_output *out, shear_error *err) {
 int sf_output_commit(sf_output *out, shear_error *err) {
     int rc = close_fits(out, err);
     if (rc == SHEAR_OK) {
-        rc = sync_file(out, err);
+        rc = sync_file(out, 0, err);
     }
     if (rc == SHEAR_OK) {
         rc = put_in_place(out, err);
@@ -172,4 +187,79 @@ void sf_output_discard(sf_output *out) {
         close(out->directory);
         out->directory = -1;
     }
+}
+
+/* ---- files that outlive their process ---- */
+
+static int name_kept(sf_output *out, const char *path, shear_error *err) {
+    *out = (sf_output){.directory = -1, .overwrite = true};
+    sf_printable_name(out->name, sizeof out->name, path);
+    const int rc = open_directory(out, path, err);
+    snprintf(out->temporary, sizeof out->temporary, ".%s.part", out->base);
+    return rc;
+}
+
+int sf_output_create_kept(sf_output *out, const char *path, shear_error *err) {
+    int rc = name_kept(out, path, err);
+    if (rc == SHEAR_OK) {
+        rc = check_target(out, err);
+    }
+    if (rc == SHEAR_OK && unlinkat(out->directory, out->temporary, 0) != 0 && errno != ENOENT) {
+        rc = sf_fail_errno(err, (sf_place){out->name, NULL}, errno,
+                           "its temporary file cannot be replaced");
+    }
+    return rc == SHEAR_OK ? create_file(out, err) : rc;
+}
+
+/* What a power failure may have left of it must not confuse CFITSIO. */
+static int check_kept(const char *proc, shear_error *err) {
+    sf_file file;
+    const int rc = sf_file_open(&file, proc, err);
+    if (rc == SHEAR_OK) {
+        sf_file_close(&file);
+    }
+    return rc;
+}
+
+int sf_output_reopen(sf_output *out, const char *path, shear_error *err) {
+    char proc[320];
+    int status = 0;
+    int rc = name_kept(out, path, err);
+    name_for_cfitsio(out, proc);
+    rc = rc == SHEAR_OK ? check_kept(proc, err) : rc;
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    out->exists = true;
+    fits_open_diskfile(&out->fits, proc, READWRITE, &status);
+    return status == 0
+               ? SHEAR_OK
+               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be gone on with");
+}
+
+int sf_output_sync(sf_output *out, shear_error *err) {
+    LONGLONG end = 0;
+    int status = 0;
+    fits_flush_file(out->fits, &status);
+    fits_get_hduaddrll(out->fits, NULL, NULL, &end, &status);
+    if (status != 0) {
+        return sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be written");
+    }
+    return sync_file(out, end, err);
+}
+
+void sf_output_leave(sf_output *out) {
+    out->exists = false;
+    sf_output_discard(out);
+}
+
+int sf_output_forget(const char *path, shear_error *err) {
+    sf_output out;
+    int rc = name_kept(&out, path, err);
+    if (rc == SHEAR_OK && unlinkat(out.directory, out.temporary, 0) != 0 && errno != ENOENT) {
+        rc = sf_fail_errno(err, (sf_place){out.name, NULL}, errno,
+                           "its temporary file cannot be removed");
+    }
+    sf_output_discard(&out);
+    return rc;
 }

@@ -2,9 +2,9 @@
 /* fits/output.h: a FITS file that appears under its name only when it is complete.
  *
  * It is written as a hidden file ".sheard-PID-RANDOM.part" in the same directory, synced, and
- * renamed. CFITSIO sees only
- * "/proc/self/fd/N/.sheard-...", N being the open directory: no user's path ever reaches its
- * file-name syntax.
+ * renamed. One that is to outlive its process is ".NAME.part", so that it can be found again.
+ * CFITSIO sees only "/proc/self/fd/N/.sheard-...", N being the open directory: no user's path ever
+ * reaches its file-name syntax.
  */
 #ifndef SHEAR_FITS_OUTPUT_H
 #define SHEAR_FITS_OUTPUT_H
@@ -17,7 +17,7 @@
 typedef struct sf_output {
     fitsfile *fits;
     int directory; /* -1 = closed */
-    char temporary[64];
+    char temporary[272];
     char base[256]; /* the name in the directory */
     char name[161]; /* for messages */
     bool overwrite;
@@ -34,5 +34,20 @@ int sf_output_commit(sf_output *out, shear_error *err);
 
 /* Close and remove. */
 void sf_output_discard(sf_output *out);
+
+/* ---- files that outlive their process ---- */
+
+/* As sf_output_create, replacing what is there, with a temporary file of lasting name; one that is
+ * there is replaced as well. */
+int sf_output_create_kept(sf_output *out, const char *path, shear_error *err);
+/* The one that is there, open for writing. SHEAR_E_IO where there is none, SHEAR_E_FORMAT where it
+ * is not as long as its headers say. Leave or discard it after an error, too. */
+int sf_output_reopen(sf_output *out, const char *path, shear_error *err);
+/* Bring all that was written to disk, headers and all; it goes on being written. */
+int sf_output_sync(sf_output *out, shear_error *err);
+/* Close, and let it stay. */
+void sf_output_leave(sf_output *out);
+/* Remove the temporary file of lasting name, where there is one. */
+int sf_output_forget(const char *path, shear_error *err);
 
 #endif

@@ -74,12 +74,11 @@ static int lay_out(sf_stamps *s, shear_error *err) {
                                        : lay_out_cube(s, nx, ny, err);
 }
 
-int sf_stamps_init(sf_stamps *s, const sf_file *file, const char *label, shear_error *err) {
+int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err) {
     *s = (sf_stamps){0};
-    const sf_hdu *hdu = NULL;
-    int rc = sf_survey_find(&file->survey, label, true, &hdu, err);
+    int rc = sf_part_require(part, err);
     if (rc == SHEAR_OK) {
-        rc = sf_image_init(&s->image, file, hdu, label, err);
+        rc = sf_image_init(&s->image, part->file, part->hdu, part->label, err);
     }
     return rc != SHEAR_OK ? rc : lay_out(s, err);
 }

@@ -3,6 +3,7 @@
 #ifndef SHEAR_FITS_STAMPS_H
 #define SHEAR_FITS_STAMPS_H
 
+#include "fits/field_parts.h"
 #include "fits/image.h"
 #include "shear/field.h"
 
@@ -16,8 +17,8 @@ typedef struct sf_stamps {
     int64_t scratch_size;
 } sf_stamps;
 
-/* Open HDU `label`. Deinit it, also after an error. SHEAR_E_FORMAT. */
-int sf_stamps_init(sf_stamps *s, const sf_file *file, const char *label, shear_error *err);
+/* Open the HDU of `part`, which outlives *s. Deinit it, also after an error. SHEAR_E_FORMAT. */
+int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err);
 void sf_stamps_deinit(sf_stamps *s);
 
 /* out[count][ny][nx] = stamps [first, first + count). */

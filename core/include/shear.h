@@ -6,6 +6,7 @@
 #include "shear/catalog.h"
 #include "shear/error.h"
 #include "shear/field.h"
+#include "shear/input.h"
 #include "shear/plan.h"
 #include "shear/run.h"
 #include "shear/settings.h"

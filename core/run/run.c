@@ -101,17 +101,19 @@ static double now_s(void) {
 
 /* Put the catalogue in place; frees it. */
 static int finish_catalog(shear_catalog *catalog, const shear_plan *plan,
-                          const shear_result *result, const char *path,
-                          const shear_run_options *options, shear_error *err) {
+                          const shear_result *result, const shear_input *input,
+                          const shear_field_info *info, const shear_run_options *options,
+                          shear_error *err) {
     char checksum[SHEAR_CHECKSUM_SIZE] = "";
+    char name[SHEAR_INPUT_TEXT_SIZE];
     if (options->checksum == NULL) {
-        const int code = shear_file_checksum(path, checksum, err);
+        const int code = shear_input_checksum(input, NULL, info, checksum, err);
         if (code != SHEAR_OK) {
             shear_catalog_abort(catalog);
             return code;
         }
     }
-    return shear_catalog_finish(catalog, plan, result, path,
+    return shear_catalog_finish(catalog, plan, result, shear_input_text(input, name, sizeof name),
                                 options->checksum != NULL ? options->checksum : checksum, err);
 }
 
@@ -167,9 +169,9 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
 }
 
 /* Measure an open field; on success the report's result and the catalogue are complete. */
-static int run_field(run *r, const char *path, shear_field *field, const shear_settings *settings,
-                     const shear_run_options *options, const shear_jackknife *jack,
-                     shear_run_report *report, shear_error *err) {
+static int run_field(run *r, const shear_input *input, shear_field *field,
+                     const shear_settings *settings, const shear_run_options *options,
+                     const shear_jackknife *jack, shear_run_report *report, shear_error *err) {
     const int threads = options->threads > 0 ? options->threads : omp_get_max_threads();
     shear_turn_size size;
     int code = run_init(r, field, settings, options, threads, jack, &size, err);
@@ -182,36 +184,49 @@ static int run_field(run *r, const char *path, shear_field *field, const shear_s
         report->plan = *shear_plan_get_info(r->plan);
     }
     if (code == SHEAR_OK && r->catalog != NULL) {
-        code = finish_catalog(r->catalog, r->plan, &report->result, path, options, err);
+        code = finish_catalog(r->catalog, r->plan, &report->result, input,
+                              shear_field_get_info(field), options, err);
         r->catalog = NULL;
     }
     return code;
 }
 
-int shear_run_file(const char *path, const shear_settings *settings,
-                   const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
-                   shear_run_report *report, shear_error *err) {
+/* What an error is about, where its message does not say. */
+static const char *name_of(const shear_input *input) {
+    return input->path != NULL ? input->path : input->parts[SHEAR_PART_GALAXY].path;
+}
+
+int shear_run_input(const shear_input *input, const shear_settings *settings,
+                    const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
+                    shear_run_report *report, shear_error *err) {
     static const shear_run_options defaults = {0};
     const double start = now_s();
     shear_field *field = NULL;
     run r = {0};
-    int code = shear_field_open(&field, path, err);
+    int code = shear_field_open_input(&field, input, NULL, err);
     if (code != SHEAR_OK) {
         return code;
     }
     report->field = *shear_field_get_info(field);
-    code = run_field(&r, path, field, settings, options != NULL ? options : &defaults, jack, report,
-                     err);
+    code = run_field(&r, input, field, settings, options != NULL ? options : &defaults, jack,
+                     report, err);
     if (code == SHEAR_OK && jack != NULL) {
         code = shear_jackknife_join(jack, r.jackknife, err);
     }
     if (code == SHEAR_OK) {
         shear_field_sums_join(sums, r.sums);
         report->seconds = now_s() - start;
-    } else if (err != NULL && strstr(err->message, path) == NULL) {
-        shear_prefix(err, code, "file '%s'", path);
+    } else if (err != NULL && strstr(err->message, name_of(input)) == NULL) {
+        shear_prefix(err, code, "file '%s'", name_of(input));
     }
     run_deinit(&r);
     shear_field_close(field);
     return code;
+}
+
+int shear_run_file(const char *path, const shear_settings *settings,
+                   const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
+                   shear_run_report *report, shear_error *err) {
+    const shear_input input = shear_input_of_file(path);
+    return shear_run_input(&input, settings, options, sums, jack, report, err);
 }

@@ -341,3 +341,16 @@ int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
     pthread_mutex_unlock(&work->results);
     return next;
 }
+
+int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err) {
+    const shear_sink *sink = &work->spec.sink;
+    const int64_t rows = next_block * SHEAR_BLOCK;
+    const int64_t all = work->spec.info->n_stamps;
+    if (sink->keep == NULL) {
+        return SHEAR_OK;
+    }
+    pthread_mutex_lock(&work->results);
+    const int code = sink->keep(sink->self, rows < all ? rows : all, err);
+    pthread_mutex_unlock(&work->results);
+    return code;
+}

@@ -164,8 +164,7 @@ static void prepare(engine *e, job *j) {
 static void save(engine *e, job *j) {
     engine_event event = {.kind = ENGINE_CHECKPOINT, .job = j->id};
     shear_error ignored;
-    if (j->catalogue_path == NULL &&
-        job_checkpoint(j, &event.next_block, &event.sums, &ignored) == SHEAR_OK) {
+    if (job_checkpoint(j, &event.next_block, &event.sums, &ignored) == SHEAR_OK) {
         emit(e, &event);
     }
 }
@@ -360,7 +359,7 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
     return SHEAR_OK;
 }
 
-void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
+int64_t engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
     pthread_mutex_lock(&e->lock);
     job *j = find(e, id);
     const bool ready = j != NULL && j->phase == JOB_OPENED && !j->stop_asked;
@@ -369,13 +368,14 @@ void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
     }
     pthread_mutex_unlock(&e->lock);
     if (!ready) {
-        return;
+        return 0;
     }
     engine_event event = {.kind = ENGINE_FAILED, .job = id};
     if (job_begin(j, checkpoint, &event.error) != SHEAR_OK) {
         end_job(e, j, &event);
-        return;
+        return 0;
     }
+    const int64_t first_block = j->checkpoint_block;
     pthread_mutex_lock(&e->lock);
     j->phase = JOB_MEASURING;
     if (j->stop_asked) {
@@ -383,6 +383,7 @@ void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
     }
     pthread_cond_broadcast(&e->work_there);
     pthread_mutex_unlock(&e->lock);
+    return first_block;
 }
 
 void engine_stop_job(engine *e, int64_t id) {

@@ -29,6 +29,10 @@
 
 typedef struct engine engine;
 
+enum engine_code {
+    ENGINE_E_CHANGED = 120 /* a file changed between its hash and the last block */
+};
+
 typedef struct engine_options {
     int workers;           /* >= 1 */
     reader_limits limits;  /* texts are copied */
@@ -40,12 +44,15 @@ typedef struct engine_options {
 } engine_options;
 
 typedef struct engine_job {
-    int64_t id;       /* the owner's name for it */
-    int priority;     /* higher first */
-    int fd;           /* the open file; the engine closes it, also when engine_add fails */
-    const char *name; /* of the file, for messages and the default field; copied */
+    int64_t id;               /* the owner's name for it */
+    int priority;             /* higher first */
+    const shear_input *input; /* its names, for messages and the default field; copied */
+    const int *fds;           /* its open files, as of shear_field_open_input: the engine closes
+                                 them, also when engine_add fails */
     shear_settings settings;
-    const char *catalogue; /* path, or NULL; copied. Replaced where it exists */
+    const char *catalogue; /* path, or NULL; copied. Replaced where it exists. Its temporary file
+                              (shear_catalog_begin) stays unless the job is DONE: the owner's to
+                              forget when the job is over */
 } engine_job;
 
 /* Where a resumed job goes on: the sums of blocks [0, next_block). */
@@ -65,14 +72,14 @@ enum engine_event_kind {
 typedef struct engine_event {
     int kind;
     int64_t job;
-    char checksum[SHEAR_CHECKSUM_SIZE]; /* OPENED: of the file's content */
+    char checksum[SHEAR_CHECKSUM_SIZE]; /* OPENED: of the content (shear_input_checksum) */
     shear_field_info info;              /* OPENED */
     shear_plan_info plan;               /* OPENED */
     int64_t next_block;                 /* CHECKPOINT */
     char *sums;                         /* CHECKPOINT, DONE: text; freed by engine_event_deinit */
     shear_result result;                /* DONE: of this file alone */
     double seconds;                     /* DONE: spent on it in this process */
-    shear_error error;                  /* FAILED: code as of shear/error.h or reader/reader.h */
+    shear_error error; /* FAILED: code as of shear/error.h, reader/reader.h or above */
 } engine_event;
 void engine_event_deinit(engine_event *event);
 
@@ -82,8 +89,10 @@ int engine_new(engine **e, const engine_options *options, shear_error *err);
 void engine_free(engine *e);
 
 int engine_add(engine *e, const engine_job *job, shear_error *err);
-/* After OPENED: measure it, from the checkpoint if there is one. */
-void engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
+/* After OPENED: measure it, from the checkpoint if there is one. Returns the block that it begins
+ * with: 0 where the rows before the checkpoint are missing in the catalogue, or the job was stopped
+ * or has failed. */
+int64_t engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
 /* Stop a job: its last event is STOPPED (after a CHECKPOINT where there is something to save),
  * unless it was DONE or FAILED already. Turns under way are finished. */
 void engine_stop_job(engine *e, int64_t job);

@@ -14,23 +14,24 @@ double engine_now_s(void) {
 
 job *job_new(const engine_job *spec, const engine_options *options, plans *kept) {
     job *j = calloc(1, sizeof *j);
+    job_files files;
+    const bool taken = job_files_take(&files, spec->input, spec->fds);
     if (j != NULL) {
         *j = (job){.id = spec->id,
                    .priority = spec->priority,
-                   .fd = spec->fd,
                    .settings = spec->settings,
                    .limits = options->limits,
                    .workers = options->workers,
                    .plans = kept,
+                   .files = files,
                    .started_s = engine_now_s()};
-        j->name = strdup(spec->name);
         j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
         j->team = calloc((size_t)options->workers, sizeof(shear_worker *));
     }
-    if (j == NULL || j->name == NULL || j->team == NULL ||
+    if (j == NULL || !taken || j->team == NULL ||
         (spec->catalogue != NULL && j->catalogue_path == NULL)) {
         if (j == NULL) {
-            close(spec->fd);
+            job_files_close(&files);
         }
         job_free(j);
         return NULL;
@@ -48,13 +49,10 @@ void job_free(job *j) {
     free(j->team);
     shear_work_free(j->work);
     reader_stop(j->reader);
-    shear_catalog_abort(j->catalogue);
+    shear_catalog_leave(j->catalogue); /* for the next attempt, if there is one */
     shear_field_sums_free(j->before);
     plans_give_back(j->plans, j->plan);
-    if (j->fd >= 0) {
-        close(j->fd);
-    }
-    free(j->name);
+    job_files_close(&j->files);
     free(j->catalogue_path);
     free(j);
 }
@@ -72,12 +70,13 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
 }
 
 static int open_file(job *j, engine_event *event, shear_error *err) {
-    int code = shear_fd_checksum(j->fd, j->name, event->checksum, err);
-    if (code == SHEAR_OK) {
-        code = reader_start(&j->reader, j->fd, j->name, &j->limits, err);
-    }
+    int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
     if (code == SHEAR_OK) {
         event->info = *reader_get_info(j->reader);
+        code = shear_input_checksum(&j->files.input, j->files.fds, &event->info, j->checksum, err);
+        memcpy(event->checksum, j->checksum, sizeof event->checksum);
+    }
+    if (code == SHEAR_OK) {
         j->size = shear_turn_size_for(&event->info, j->workers);
         code = reader_map(j->reader, j->workers, j->size.stamps, err);
     }
@@ -95,6 +94,7 @@ void job_prepare(job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
     if (open_file(j, event, &event->error) != SHEAR_OK) {
         event->kind = ENGINE_FAILED;
+        job_files_check(&j->files, &event->error); /* the better reason, where there is one */
     }
 }
 
@@ -103,27 +103,43 @@ static int write_rows(void *self, int64_t first, int count, const shear_row *row
     return shear_catalog_write(self, first, count, rows, block, err);
 }
 
+static int keep_rows(void *self, int64_t rows, shear_error *err) {
+    return shear_catalog_keep(self, rows, err);
+}
+
+/* The rows before the checkpoint must be there: where they are not, *first_block becomes 0 and the
+ * work begins anew. */
+static int open_catalogue(job *j, int64_t *first_block, shear_error *err) {
+    const shear_field_info *info = reader_get_info(j->reader);
+    const int64_t rows = *first_block * SHEAR_BLOCK;
+    if (j->catalogue_path == NULL) {
+        return SHEAR_OK;
+    }
+    if (*first_block > 0 &&
+        shear_catalog_resume(&j->catalogue, j->catalogue_path, info, j->checksum,
+                             rows < info->n_stamps ? rows : info->n_stamps, err) == SHEAR_OK) {
+        return SHEAR_OK;
+    }
+    *first_block = 0;
+    return shear_catalog_begin(&j->catalogue, j->catalogue_path, info, j->checksum, err);
+}
+
 int job_begin(job *j, const engine_checkpoint *checkpoint, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
-    int64_t first_block = 0;
-    int code = SHEAR_OK;
-    /* A catalogue needs every row, and those before the checkpoint are gone with the process that
-     * made them: with a catalogue the work begins anew. */
-    if (checkpoint != NULL && j->catalogue_path == NULL) {
+    int64_t first_block = checkpoint != NULL ? checkpoint->next_block : 0;
+    int code = open_catalogue(j, &first_block, err);
+    if (code == SHEAR_OK && first_block > 0) {
         code = shear_field_sums_parse(&j->before, checkpoint->sums, err);
-        first_block = checkpoint->next_block;
-    }
-    if (code == SHEAR_OK && j->catalogue_path != NULL) {
-        code = shear_catalog_create(&j->catalogue, j->catalogue_path, info, true, err);
     }
     if (code == SHEAR_OK) {
-        const shear_work_spec spec = {
-            .info = info,
-            .plan = j->plan,
-            .source = {.self = j->reader, .read = reader_read},
-            .size = j->size,
-            .first_block = first_block,
-            .sink = {.self = j->catalogue, .write = j->catalogue != NULL ? write_rows : NULL}};
+        const shear_work_spec spec = {.info = info,
+                                      .plan = j->plan,
+                                      .source = {.self = j->reader, .read = reader_read},
+                                      .size = j->size,
+                                      .first_block = first_block,
+                                      .sink = {.self = j->catalogue,
+                                               .write = j->catalogue != NULL ? write_rows : NULL,
+                                               .keep = j->catalogue != NULL ? keep_rows : NULL}};
         code = shear_work_new(&j->work, &spec, err);
     }
     j->checkpoint_block = first_block;
@@ -156,6 +172,15 @@ int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
     shear_field_sums *sums = NULL;
     int code = sums_so_far(j, &sums, next_block, err);
     if (code == SHEAR_OK) {
+        code = job_files_check(&j->files, err); /* after the blocks have been read */
+        if (code != SHEAR_OK) {
+            shear_work_fail(j->work, err);
+        }
+    }
+    if (code == SHEAR_OK) {
+        code = shear_work_keep(j->work, *next_block, err);
+    }
+    if (code == SHEAR_OK) {
         code = shear_field_sums_format(sums, text, err);
     }
     shear_field_sums_free(sums);
@@ -164,19 +189,20 @@ int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
 
 static int complete(job *j, engine_event *event, shear_error *err) {
     shear_field_sums *sums = NULL;
-    int code = sums_so_far(j, &sums, &event->next_block, err);
+    int code = job_files_check(&j->files, err);
+    if (code == SHEAR_OK) {
+        code = sums_so_far(j, &sums, &event->next_block, err);
+    }
     if (code == SHEAR_OK) {
         shear_field_result(sums, &event->result);
         code = shear_field_sums_format(sums, &event->sums, err);
     }
     if (code == SHEAR_OK && j->catalogue != NULL) {
-        char checksum[SHEAR_CHECKSUM_SIZE] = "";
-        code = shear_fd_checksum(j->fd, j->name, checksum, err);
-        if (code == SHEAR_OK) {
-            code =
-                shear_catalog_finish(j->catalogue, j->plan, &event->result, j->name, checksum, err);
-            j->catalogue = NULL;
-        }
+        char name[SHEAR_INPUT_TEXT_SIZE];
+        code = shear_catalog_finish(j->catalogue, j->plan, &event->result,
+                                    shear_input_text(&j->files.input, name, sizeof name),
+                                    j->checksum, err);
+        j->catalogue = NULL;
     }
     shear_field_sums_free(sums);
     return code;
@@ -189,6 +215,7 @@ void job_finish(job *j, engine_event *event) {
     int code = status.code;
     if (code != SHEAR_OK) {
         shear_work_get_error(j->work, &event->error);
+        job_files_check(&j->files, &event->error);
     } else if (status.complete) {
         event->kind = ENGINE_DONE;
         code = complete(j, event, &event->error);

@@ -6,6 +6,7 @@
 #define SHEARD_ENGINE_JOB_H
 
 #include "engine/engine.h"
+#include "engine/files.h"
 #include "engine/plans.h"
 #include "shear/catalog.h"
 #include "shear/run.h"
@@ -29,8 +30,8 @@ typedef struct job {
     int64_t served; /* stamps measured, for fairness */
     int holders;    /* threads inside this job's turns, or looking at its work */
 
-    int fd;
-    char *name, *catalogue_path;
+    job_files files;
+    char *catalogue_path;
     shear_settings settings;
     reader_limits limits;
     int workers;
@@ -42,23 +43,26 @@ typedef struct job {
     shear_field_sums *before; /* of the checkpoint; joined to the work's at the end */
     shear_turn_size size;
     shear_work *work;
+    char checksum[SHEAR_CHECKSUM_SIZE];
     shear_worker **team;      /* [workers], made by each thread when it first comes */
     int64_t checkpoint_block; /* next_block of the last checkpoint */
     int64_t checkpoint_ms;    /* when it was */
     double started_s;
 } job;
 
-/* NULL: out of memory; fd is closed. `kept` outlives the job. */
+/* NULL: out of memory; the files are closed. `kept` outlives the job. */
 job *job_new(const engine_job *spec, const engine_options *options, plans *kept);
 void job_free(job *j);
 
 /* Hash, open, plan: fills OPENED, or FAILED, into *event. */
 void job_prepare(job *j, engine_event *event);
-/* Make its work, from the checkpoint where sums is not NULL. SHEAR_OK or an error. */
+/* Make its work, from the checkpoint where there is one, and the rows before it are in the
+ * catalogue. SHEAR_OK or an error. */
 int job_begin(job *j, const engine_checkpoint *checkpoint, shear_error *err);
 /* One turn on behalf of worker thread `slot`; false where nothing is left to take. */
 bool job_step(job *j, int slot, shear_error *err);
-/* The sums of all blocks so far, as text, and the next block. */
+/* The sums of all blocks so far, as text, and the next block; their rows in the catalogue are on
+ * disk then. Where a file has changed, the work fails. */
 int job_checkpoint(job *j, int64_t *next_block, char **sums, shear_error *err);
 /* All turns are over: DONE, FAILED or STOPPED into *event. */
 void job_finish(job *j, engine_event *event);

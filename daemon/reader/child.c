@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard-reader: the child that reads one FITS file for the daemon. All of CFITSIO that ever sees a
- * stranger's bytes runs here, sandboxed before the first of them is read. Descriptors:
- * reader/wire.h. Arguments: the file's name (for messages), memory, processor seconds, largest
- * unpacked file, scratch directory. */
+/* sheard-reader: the child that reads the FITS files of one job for the daemon. All of CFITSIO that
+ * ever sees a stranger's bytes runs here, sandboxed before the first of them is read. Descriptors
+ * and arguments: reader/wire.h. */
 #include "reader/sandbox.h"
 #include "reader/wire.h"
 
 #include <errno.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,8 @@
 #include <unistd.h>
 
 typedef struct child {
-    const char *name;
+    shear_input input;
+    int fds[SHEAR_N_PARTS]; /* -1: none */
     shear_field *field;
     char *memory; /* PSF area, then slots */
     size_t memory_bytes;
@@ -26,7 +27,7 @@ static int do_open(child *c, reader_reply *reply, shear_error *err) {
     if (c->field != NULL) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader has a file already");
     }
-    const int code = shear_field_open_fd(&c->field, READER_FD_FILE, c->name, err);
+    const int code = shear_field_open_input(&c->field, &c->input, c->fds, err);
     if (code == SHEAR_OK) {
         reply->info = *shear_field_get_info(c->field);
     }
@@ -89,22 +90,41 @@ static int serve(child *c) {
     }
 }
 
+/* What to read: the names for messages, and the descriptors. */
+static void read_input(child *c, int argc, char **argv) {
+    c->input = shear_input_of_file(argc == READER_ARGS_FILE ? argv[READER_ARG_FIRST_NAME] : NULL);
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        char *const *part = argv + READER_ARG_FIRST_NAME + (ptrdiff_t)3 * i;
+        const bool whole = c->input.path != NULL;
+        const bool given = whole ? i == 0 : part[0][0] != '\0';
+        c->fds[i] = given ? READER_FD_FILE + i : -1;
+        if (given && !whole) {
+            c->input.parts[i] = (shear_input_part){.path = part[0],
+                                                   .hdu = strtoll(part[1], NULL, 10),
+                                                   .extname = part[2][0] != '\0' ? part[2] : NULL};
+        } else if (!given) {
+            close(READER_FD_FILE + i); /* whatever the daemon was started with */
+        }
+    }
+}
+
 int main(int argc, char **argv) {
-    if (argc != 6) {
+    if (argc != READER_ARGS_FILE && argc != READER_ARGS_PARTS) {
         fprintf(stderr, "sheard-reader is started by sheard, not by hand\n");
         return 2;
     }
-    const sandbox_limits limits = {.memory_bytes = strtoll(argv[2], NULL, 10),
-                                   .cpu_seconds = strtoll(argv[3], NULL, 10),
-                                   .file_bytes = strtoll(argv[4], NULL, 10)};
-    child c = {.name = argv[1]};
+    const char *scratch = argv[4];
+    const sandbox_limits limits = {.memory_bytes = strtoll(argv[1], NULL, 10),
+                                   .cpu_seconds = strtoll(argv[2], NULL, 10),
+                                   .file_bytes = strtoll(argv[3], NULL, 10)};
+    child c = {0};
     int landlocked = 0;
     shear_error err = {0};
-    /* Whatever else the daemon may have been started with is none of the reader's business. */
-    close_range(READER_FD_MEMORY + 1, ~0U, 0);
-    setenv("TMPDIR", argv[5], 1);
-    setenv("SHEAR_UNPACK_LIMIT", argv[4], 1);
-    if (sandbox_enter(&limits, READER_FD_FILE, argv[5], &landlocked, &err) != SHEAR_OK) {
+    read_input(&c, argc, argv);
+    close_range(READER_FD_FILE + SHEAR_N_PARTS, ~0U, 0);
+    setenv("TMPDIR", scratch, 1);
+    setenv("SHEAR_UNPACK_LIMIT", argv[3], 1);
+    if (sandbox_enter(&limits, c.fds, SHEAR_N_PARTS, scratch, &landlocked, &err) != SHEAR_OK) {
         const reader_reply reply = {
             .version = READER_WIRE_VERSION, .op = READER_OPEN, .code = err.code, .error = err};
         send(READER_FD_SOCKET, &reply, sizeof reply, MSG_NOSIGNAL);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/reader.h"
 
+#include "reader/launch.h"
 #include "reader/wire.h"
 
 #include <errno.h>
@@ -8,7 +9,6 @@
 #include <inttypes.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -89,57 +89,6 @@ static int give_up(reader *r, int code, const char *what, shear_error *err) {
     return code;
 }
 
-/* Descriptors of the child: the file, its end of the socket pair, the shared memory. All others are
- * close-on-exec. */
-static int spawn(reader *r, int file_fd, int child_socket, const char *name,
-                 const reader_limits *limits) {
-    char memory[24];
-    char cpu[24];
-    char unpacked[24];
-    snprintf(memory, sizeof memory, "%" PRId64, limits->memory_bytes);
-    snprintf(cpu, sizeof cpu, "%" PRId64, limits->cpu_seconds);
-    snprintf(unpacked, sizeof unpacked, "%" PRId64, limits->unpacked_bytes);
-    char *const argv[] = {(char *)"sheard-reader", (char *)name, memory, cpu, unpacked,
-                          (char *)limits->scratch, NULL};
-    char *const environment[] = {NULL};
-    /* Duplicates above the fixed numbers first, so that no dup2 below overwrites one that is still
-     * needed. */
-    int from[3] = {fcntl(file_fd, F_DUPFD_CLOEXEC, 16), fcntl(child_socket, F_DUPFD_CLOEXEC, 16),
-                   fcntl(r->memory_fd, F_DUPFD_CLOEXEC, 16)};
-    static const int to[3] = {READER_FD_FILE, READER_FD_SOCKET, READER_FD_MEMORY};
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    sigset_t none;
-    sigset_t defaults;
-    sigemptyset(&none);
-    sigemptyset(&defaults);
-    sigaddset(&defaults, SIGPIPE);
-    sigaddset(&defaults, SIGTERM);
-    sigaddset(&defaults, SIGINT);
-    posix_spawn_file_actions_init(&actions);
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &defaults);
-    posix_spawnattr_setpgroup(&attributes, 0); /* a terminal's ^C is the daemon's to handle */
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
-                                              POSIX_SPAWN_SETPGROUP);
-    int rc = 0;
-    for (int i = 0; i < 3 && rc == 0; i++) {
-        rc = from[i] < 0 ? EMFILE : posix_spawn_file_actions_adddup2(&actions, from[i], to[i]);
-    }
-    if (rc == 0) {
-        rc = posix_spawn(&r->pid, limits->program, &actions, &attributes, argv, environment);
-    }
-    for (int i = 0; i < 3; i++) {
-        if (from[i] >= 0) {
-            close(from[i]);
-        }
-    }
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-    return rc;
-}
-
 /* ---- questions and answers ---- */
 
 static int wait_for_answer(const reader *r) {
@@ -188,6 +137,14 @@ static bool in_range(int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
 }
 
+static bool hdus_are_sane(const shear_field_info *info) {
+    bool sane = true;
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        sane = sane && in_range(info->hdu[i], i == SHEAR_PART_CATALOG ? -1 : 0, INT32_MAX);
+    }
+    return sane;
+}
+
 /* Numbers that the daemon will allocate and index by. */
 static bool info_is_sane(shear_field_info *info) {
     const shear_geometry *g = &info->geometry;
@@ -198,11 +155,11 @@ static bool info_is_sane(shear_field_info *info) {
            in_range(info->n_stamps, 1, INT64_C(1) << 40) &&
            in_range(info->n_psf, 1, INT64_C(1) << 40) &&
            in_range(info->layout, SHEAR_LAYOUT_CUBE, SHEAR_LAYOUT_MOSAIC) &&
-           in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_BY_ID);
+           in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_BY_ID) && hdus_are_sane(info);
 }
 
-int reader_start(reader **out, int fd, const char *name, const reader_limits *limits,
-                 shear_error *err) {
+int reader_start(reader **out, const shear_input *input, const int *fds,
+                 const reader_limits *limits, shear_error *err) {
     int pair[2] = {-1, -1};
     reader *r = calloc(1, sizeof *r);
     *out = NULL;
@@ -216,7 +173,7 @@ int reader_start(reader **out, int fd, const char *name, const reader_limits *li
                  ? errno
                  : 0;
     r->socket = pair[0];
-    rc = rc == 0 ? spawn(r, fd, pair[1], name, limits) : rc;
+    rc = rc == 0 ? launch_reader(&r->pid, input, fds, pair[1], r->memory_fd, limits) : rc;
     if (pair[1] >= 0) {
         close(pair[1]);
     }

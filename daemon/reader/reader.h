@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/reader.h: the daemon's side of a reader child: start it on an open file, ask it for
+/* reader/reader.h: the daemon's side of a reader child: start it on open files, ask it for
  * stamps, outlive it.
  *
  * A reader is used by one thread at a time. Every call waits for the child at most the time it was
@@ -11,6 +11,7 @@
 
 #include "shear/error.h"
 #include "shear/field.h"
+#include "shear/input.h"
 
 #include <stdint.h>
 
@@ -32,9 +33,10 @@ typedef struct reader_limits {
 
 typedef struct reader reader;
 
-/* Start a child on `fd` (open for reading, a regular file; duplicated) and let it open the file.
- * Errors are those of shear_field_open, or enum reader_code. *r is NULL on error. */
-int reader_start(reader **r, int fd, const char *name, const reader_limits *limits,
+/* Start a child on the files of `input`, open for reading as `fds` (as of shear_field_open_input;
+ * duplicated), and let it open the field. Errors are those of shear_field_open_input, or enum
+ * reader_code. *r is NULL on error. */
+int reader_start(reader **r, const shear_input *input, const int *fds, const reader_limits *limits,
                  shear_error *err);
 /* Ask it to end, or kill it, and reap it. NULL is accepted. */
 void reader_stop(reader *r);

@@ -64,9 +64,18 @@ static int allow_path(int ruleset, int fd, uint64_t access) {
     return (int)syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
 }
 
-/* Files: read the one, and make scratch files. Everything else in the file system is out of reach.
- */
-static int enter_landlock(int file_fd, const char *scratch, int *landlocked, shear_error *err) {
+static bool allow_files(int ruleset, const int *fds, int n) {
+    bool allowed_all = true;
+    for (int i = 0; i < n; i++) {
+        allowed_all = allowed_all && (fds[i] < 0 || allow_path(ruleset, fds[i],
+                                                               LANDLOCK_ACCESS_FS_READ_FILE) == 0);
+    }
+    return allowed_all;
+}
+
+/* Files: read these, and make scratch files. Everything else in the file system is out of reach. */
+static int enter_landlock(const int *file_fds, int n_files, const char *scratch, int *landlocked,
+                          shear_error *err) {
     const struct landlock_ruleset_attr handled = {
         .handled_access_fs = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE |
                              LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR |
@@ -83,7 +92,7 @@ static int enter_landlock(int file_fd, const char *scratch, int *landlocked, she
     const int dir = open(scratch, O_PATH | O_DIRECTORY | O_CLOEXEC);
     const uint64_t scratch_access = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_WRITE_FILE |
                                     LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
-    const int ok = allow_path(ruleset, file_fd, LANDLOCK_ACCESS_FS_READ_FILE) == 0 &&
+    const int ok = allow_files(ruleset, file_fds, n_files) &&
                    (dir < 0 || allow_path(ruleset, dir, scratch_access) == 0) &&
                    syscall(SYS_landlock_restrict_self, ruleset, 0) == 0;
     const int code = ok ? SHEAR_OK : fail_errno(err, "Landlock rules");
@@ -175,15 +184,15 @@ static int enter_seccomp(shear_error *err) {
     return rc == 0 ? SHEAR_OK : fail_errno(err, "seccomp");
 }
 
-int sandbox_enter(const sandbox_limits *limits, int file_fd, const char *scratch, int *landlocked,
-                  shear_error *err) {
+int sandbox_enter(const sandbox_limits *limits, const int *file_fds, int n_files,
+                  const char *scratch, int *landlocked, shear_error *err) {
     int code = set_limits(limits, err);
     if (code == SHEAR_OK &&
         (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0)) {
         code = fail_errno(err, "no new privileges");
     }
     if (code == SHEAR_OK) {
-        code = enter_landlock(file_fd, scratch, landlocked, err);
+        code = enter_landlock(file_fds, n_files, scratch, landlocked, err);
     }
     return code == SHEAR_OK ? enter_seccomp(err) : code;
 }

@@ -12,8 +12,19 @@
 
 #include <stdint.h>
 
-/* Descriptors of the child, fixed by the daemon before exec. */
-enum { READER_FD_FILE = 3, READER_FD_SOCKET = 4, READER_FD_MEMORY = 5 };
+/* Descriptors of the child, fixed by the daemon before exec: a field file, or each part that there
+ * is at READER_FD_FILE + enum shear_part. */
+enum { READER_FD_SOCKET = 3, READER_FD_MEMORY = 4, READER_FD_FILE = 5 };
+
+/* Arguments of the child: memory, processor seconds, largest unpacked file, scratch directory; then
+ * the file's name; or, for each part, its file's name ("" where it is not given), its HDU's number
+ * (-1: none) and its HDU's name ("": none). Counted with argv[0]. */
+enum {
+    READER_ARG_FIRST_NAME = 5,
+    READER_ARGS_FILE = READER_ARG_FIRST_NAME + 1,
+    READER_ARGS_PARTS = READER_ARG_FIRST_NAME + 3 * SHEAR_N_PARTS
+};
+
 enum { READER_WIRE_VERSION = 1 };
 
 enum reader_op {

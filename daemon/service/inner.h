@@ -134,6 +134,11 @@ const char *spooled_name(service *s, const char *key);
 void spooled_end(service *s, const char *active_name, const store_job *job);
 void spooled_free(service *s);
 
+/* catalogues.c */
+char *catalogue_path(const service *s, int64_t job);  /* malloc'd; NULL where there are none */
+void catalogue_forget(const service *s, int64_t job); /* the temporary file of a job that is over */
+void catalogues_sweep(service *s); /* at the start: those of jobs that are over by now */
+
 /* submit.c */
 typedef struct submission {
     const shear_msg_submit *submit;

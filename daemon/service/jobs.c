@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From the queue into the engine, and from the engine's events back into the store. */
 #include "service/inner.h"
+#include "service/source.h"
 
 #include "sheard/report.h"
 
@@ -41,6 +42,7 @@ static void forget(service *s, active_job *j) {
 /* ---- the end of an attempt ---- */
 
 void jobs_final(service *s, const store_job *job) {
+    catalogue_forget(s, job->id);
     const char *name = spooled_name(s, job->key);
     if (name != NULL) {
         spooled_end(s, name, job);
@@ -96,6 +98,8 @@ static failure classify(const shear_error *error) {
     case READER_E_DIED:
     case READER_E_PROTOCOL:
         return (failure){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_CRASHED)->name};
+    case ENGINE_E_CHANGED:
+        return (failure){STORE_TRANSIENT, shear_rpc_code_get(SHEAR_RPC_FILE_CHANGED)->name};
     case READER_E_HUNG:
         return (failure){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_TIMEOUT)->name};
     case SHEAR_E_NOMEM:
@@ -148,68 +152,10 @@ static void fail_job(service *s, int64_t id, int64_t failures, int class, const 
 
 /* ---- starting ---- */
 
-/* Open what the job names: its file in active/, or a client's file, for that client. */
-static int open_source(service *s, const store_job *job, active_job *j, int *fd, int *class,
-                       const char **name, shear_error *err) {
-    shear_msg_source source = {0};
-    shear_rpc_error error;
-    char *canonical = NULL;
-    *class = STORE_DATA;
-    *name = shear_rpc_code_get(SHEAR_RPC_IO)->name;
-    if (shear_source_parse(&source, job->source, &error) != SHEAR_RPC_OK) {
-        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the job's source cannot be read: %s",
-                          error.message);
-    }
-    const char *spooled = spooled_name(s, job->key);
-    const bool own_file = job->origin == STORE_SPOOL && spooled != NULL && source.path != NULL &&
-                          strstr(source.path, spooled) != NULL;
-    j->path = strdup(source.path != NULL ? source.path : "");
-    int code;
-    if (own_file) {
-        /* By the name that its owner gave it: in messages, and where the field is named after it.
-         */
-        const char *dash = strchr(spooled, '-');
-        free(j->path);
-        j->path = strdup(dash != NULL ? dash + 1 : spooled);
-        j->active_name = strdup(spooled);
-        code = spool_open_file(s->spool, spooled, fd, err);
-        *name = code == SPOOL_GONE ? shear_rpc_code_get(SHEAR_RPC_FILE_VANISHED)->name : *name;
-        *class = code == SPOOL_GONE || code == SHEAR_E_IO ? STORE_TRANSIENT : STORE_DATA;
-    } else {
-        access_peer peer = {0};
-        code = access_peer_from_user(job->owner, (gid_t)-1, &peer, err);
-        code = code == SHEAR_OK ? access_open(s->roots, &peer, source.path, fd, &canonical, err)
-                                : code;
-        if (code != SHEAR_OK) {
-            const int rpc = rpc_from_access(&error, code, err);
-            *name =
-                shear_rpc_code_get(rpc == SHEAR_RPC_NO_SUCH_FILE ? SHEAR_RPC_FILE_VANISHED : rpc)
-                    ->name;
-            *class = code == ACCESS_E_NOT_FOUND || code == SHEAR_E_IO || code == SHEAR_E_NOMEM
-                         ? STORE_TRANSIENT
-                         : STORE_DATA;
-        }
-        access_peer_deinit(&peer);
-    }
-    free(canonical);
-    shear_source_deinit(&source);
-    return code;
-}
-
-static char *catalogue_path(const service *s, const store_job *job) {
-    char *path = NULL;
-    if (s->config.catalogues.enabled &&
-        asprintf(&path, "%s/%lld.shear.fits", s->config.catalogues.directory, (long long)job->id) <
-            0) {
-        path = NULL;
-    }
-    return path;
-}
-
 static void start(service *s, const store_job *job) {
     active_job *j = calloc(1, sizeof *j);
     shear_error err = {0};
-    int fd = -1;
+    source_opened o = {.files = {.fds = {-1, -1, -1, -1}}};
     int class = STORE_TRANSIENT;
     const char *name = shear_code_name(SHEAR_E_NOMEM);
     int code = j != NULL ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
@@ -225,20 +171,32 @@ static void start(service *s, const store_job *job) {
         class = STORE_BUG;
     }
     if (code == SHEAR_OK) {
-        code = open_source(s, job, j, &fd, &class, &name, &err);
+        code = source_open_for_job(s, job, &o, &err);
+        class = o.job_class;
+        name = o.name;
     }
-    char *catalogue = code == SHEAR_OK ? catalogue_path(s, job) : NULL;
+    if (code == SHEAR_OK) {
+        char text[SHEAR_INPUT_TEXT_SIZE];
+        j->path = strdup(shear_input_text(&o.input, text, sizeof text));
+        j->active_name = o.active_name;
+        o.active_name = NULL;
+    }
+    char *catalogue = code == SHEAR_OK ? catalogue_path(s, job->id) : NULL;
     if (code == SHEAR_OK) {
         const engine_job spec = {.id = job->id,
                                  .priority = job->priority,
-                                 .fd = fd,
-                                 .name = j->path,
+                                 .input = &o.input,
+                                 .fds = o.files.fds,
                                  .settings = j->settings,
                                  .catalogue = catalogue};
         code = engine_add(s->engine, &spec, &err);
         class = STORE_TRANSIENT;
+        for (int i = 0; i < SHEAR_N_PARTS; i++) {
+            o.files.fds[i] = -1; /* the engine's, in any case */
+        }
     }
     free(catalogue);
+    source_opened_deinit(&o);
     if (code != SHEAR_OK) {
         active_free(j);
         fail_job(s, job->id, job->failures, class, name, &err);
@@ -386,7 +344,10 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     const bool resumed =
         store_checkpoint_load(s->store, j->id, &checkpoint.next_block, &sums, &err) == SHEAR_OK;
     checkpoint.sums = sums;
-    engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
+    const int64_t first = engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
+    if (resumed) {
+        log_info("job %lld goes on at block %lld", (long long)j->id, (long long)first);
+    }
     free(sums);
 }
 
@@ -425,12 +386,7 @@ static void done(service *s, active_job *j, const engine_event *e) {
     shear_error err = {0};
     store_finished end;
     char *result = result_text(j, e, &err);
-    char *catalogue = NULL;
-    if (s->config.catalogues.enabled &&
-        asprintf(&catalogue, "%s/%lld.shear.fits", s->config.catalogues.directory,
-                 (long long)j->id) < 0) {
-        catalogue = NULL;
-    }
+    char *catalogue = catalogue_path(s, j->id);
     const store_work work = {.sums = e->sums,
                              .result = result,
                              .catalogue = catalogue,

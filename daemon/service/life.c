@@ -316,6 +316,9 @@ static int open_store(service *s, shear_error *err) {
         log_notice("%lld jobs were interrupted and go on",
                    (long long)store_opened(s->store)->requeued);
     }
+    if (code == SHEAR_OK) {
+        catalogues_sweep(s);
+    }
     return code;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What each method does. Anything that changes the store is answered after its commit. */
-#include "service/inner.h"
+#include "service/source.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -138,6 +138,30 @@ static void do_cancel(service *s, const server_request *r) {
     answer_later(s, reply_job, r->handle, SHEAR_METHOD_CANCEL, id, false);
 }
 
+/* The files of a job that is to be tried again are opened, as at its submission, and closed. Where
+ * they cannot be, the reply has been given. */
+static bool may_open(service *s, const server_request *r, int64_t id) {
+    store_job job = {0};
+    source_opened o;
+    shear_error err = {0};
+    shear_rpc_error error;
+    int code = store_job_get(s->store, id, &job, &err);
+    if (code != SHEAR_OK) {
+        refuse_store(s, r->handle, code, &err);
+        return false;
+    }
+    if (job.state == STORE_FAILED || job.state == STORE_CANCELLED) { /* else wrong_state, below */
+        code = source_open_for_job(s, &job, &o, &err);
+        source_opened_deinit(&o);
+    }
+    if (code != SHEAR_OK) {
+        rpc_from_access(&error, code, &err);
+        server_reply_error(s->server, r->handle, &error);
+    }
+    store_job_deinit(&job);
+    return code == SHEAR_OK;
+}
+
 static void do_retry(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
     shear_error err = {0};
@@ -146,6 +170,9 @@ static void do_retry(service *s, const server_request *r) {
     }
     if (s->state != SHEAR_SERVER_RUNNING) {
         refuse_new(s, r->handle);
+        return;
+    }
+    if (!may_open(s, r, id)) {
         return;
     }
     int code = group_begin(s, &err);

@@ -107,7 +107,7 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
                    .fields = totals.fields},
         .rates = rates(s),
         .store = {.path = store_path,
-                  .schema = 1,
+                  .schema = store_opened(s->store)->version,
                   .bytes = file_size(store_path),
                   .free_bytes = free_bytes(s->config.daemon.state_dir),
                   .commits = s->commits},

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/inner.h"
+#include "service/source.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 int rpc_from_store(shear_rpc_error *error, int code, const shear_error *err) {
     static const struct {
@@ -53,32 +52,29 @@ static void digest(const void *bytes, size_t n, char *hex, size_t size) {
     snprintf(hex, size, "%s", sum);
 }
 
-/* May the peer have this file measured? *canonical: its path without links, malloc'd. */
-static int check_file(service *s, const submission *sub, char **canonical, shear_rpc_error *error) {
-    const shear_msg_source *source = &sub->submit->source;
+/* May the peer have these files measured? They are opened, and closed again. */
+static int check_files(service *s, const submission *sub, source_files *files,
+                       shear_rpc_error *error) {
     shear_error err = {0};
-    int fd = -1;
-    if (source->path == NULL) {
-        return shear_rpc_fail(error, SHEAR_RPC_BAD_PARAMETER,
-                              "join them into one field file (docs/field-files.md)",
-                              "this version measures field files only, not separate images");
+    int part = -1;
+    const int code = source_files_open(s, &sub->peer, &sub->submit->source, files, &part, &err);
+    if (code == SHEAR_OK) {
+        return SHEAR_RPC_OK;
     }
-    const int code = access_open(s->roots, &sub->peer, source->path, &fd, canonical, &err);
-    if (code != SHEAR_OK) {
-        return rpc_from_access(error, code, &err);
-    }
-    close(fd);
-    return SHEAR_RPC_OK;
+    rpc_from_access(error, code, &err);
+    snprintf(error->parameter, sizeof error->parameter, "%s%spath",
+             part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
+    return error->code;
 }
 
-static int into_store(service *s, const submission *sub, const char *path,
-                      const shear_settings *settings, int64_t *id, bool *known,
+/* `groups`: of the peer, as text; NULL for the service's own files. */
+static int into_store(service *s, const submission *sub, const shear_msg_source *named,
+                      const char *groups, const shear_settings *settings, int64_t *id, bool *known,
                       shear_rpc_error *error) {
     char text[SHEAR_MSG_SETTINGS_SIZE];
     char hex[33];
     char *source = NULL;
     shear_error err = {0};
-    const shear_msg_source named = {.path = path};
     int code = shear_settings_write(settings, text, sizeof text, &err);
     if (code == SHEAR_OK) {
         code = shear_settings_digest(settings, digest, hex, sizeof hex, &err);
@@ -86,7 +82,7 @@ static int into_store(service *s, const submission *sub, const char *path,
     if (code != SHEAR_OK) {
         return shear_rpc_fail(error, SHEAR_RPC_BAD_SETTING, NULL, "%s", err.message);
     }
-    if (shear_source_text(&source, &named, error) != SHEAR_RPC_OK) {
+    if (shear_source_text(&source, named, error) != SHEAR_RPC_OK) {
         return error->code;
     }
     const store_spec spec = {.field = sub->submit->field,
@@ -98,6 +94,8 @@ static int into_store(service *s, const submission *sub, const char *path,
                              .priority = (int)sub->submit->priority,
                              .force = sub->submit->force,
                              .owner = sub->peer.uid,
+                             .gid = sub->peer.gid,
+                             .groups = groups,
                              .created_ms = wall_ms()};
     code = group_begin(s, &err);
     if (code == SHEAR_OK) {
@@ -111,15 +109,23 @@ int submit_job(service *s, const submission *sub, int64_t *id, bool *known,
                shear_rpc_error *error) {
     shear_settings settings = s->config.measure;
     shear_error err = {0};
-    char *canonical = NULL;
+    source_files files = {.fds = {-1, -1, -1, -1}};
+    char *groups = NULL;
     if (shear_settings_apply(&settings, sub->submit->settings, &err) != SHEAR_OK) {
         return shear_rpc_fail(error, SHEAR_RPC_BAD_SETTING, err.advice, "%s", err.message);
     }
-    int code = sub->source == NULL ? check_file(s, sub, &canonical, error) : SHEAR_RPC_OK;
-    if (code == SHEAR_RPC_OK) {
-        code = into_store(s, sub, sub->source != NULL ? sub->source : canonical, &settings, id,
-                          known, error);
+    if (sub->source != NULL) {
+        const shear_msg_source own = {.path = sub->source};
+        return into_store(s, sub, &own, NULL, &settings, id, known, error);
     }
-    free(canonical);
+    int code = check_files(s, sub, &files, error);
+    if (code == SHEAR_RPC_OK && access_peer_groups_text(&sub->peer, &groups, &err) != SHEAR_OK) {
+        code = shear_rpc_fail(error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "%s", err.message);
+    }
+    if (code == SHEAR_RPC_OK) {
+        code = into_store(s, sub, &files.named, groups, &settings, id, known, error);
+    }
+    free(groups);
+    source_files_deinit(&files);
     return code;
 }

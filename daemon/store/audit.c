@@ -67,6 +67,12 @@ static const char *const contradictions[][2] = {
     {"SELECT 1 FROM settings t WHERE uses <> (SELECT count(*) FROM jobs WHERE settings = t.digest)"
      " + (SELECT count(*) FROM fields WHERE settings = t.digest)",
      "the uses of a set of settings are wrong"},
+    {"SELECT id FROM credentials c"
+     " WHERE uses <> (SELECT count(*) FROM jobs WHERE credentials = c.id)",
+     "the uses of credentials are wrong"},
+    {"SELECT j.id FROM jobs j LEFT JOIN credentials c ON c.id = j.credentials"
+     " WHERE j.credentials IS NOT NULL AND c.id IS NULL",
+     "a job's credentials are not there"},
 };
 
 static int find_contradiction(store *s, const char *sql, const char *meaning, shear_error *err) {

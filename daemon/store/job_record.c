@@ -27,6 +27,7 @@ static void read_numbers(query *q, store_job *job) {
     job->elapsed_us = query_get_int(q);
     job->duplicate_of = query_get_int(q);
     job->failure_class = (int)query_get_int(q);
+    job->gid = (uint32_t)query_get_int(q);
 }
 
 static void read_texts(query *q, store_job *job) {
@@ -41,12 +42,13 @@ static void read_texts(query *q, store_job *job) {
     job->advice = query_get_text(q);
     job->result = query_get_text(q);
     job->catalogue = query_get_text(q);
+    job->groups = query_get_text(q);
 }
 
 void store_job_deinit(store_job *job) {
-    char *const texts[] = {job->field,  job->source,  job->settings, job->settings_digest,
-                           job->key,    job->content, job->code,     job->message,
-                           job->advice, job->result,  job->catalogue};
+    char *const texts[] = {job->field,  job->source,  job->settings,  job->settings_digest,
+                           job->key,    job->content, job->code,      job->message,
+                           job->advice, job->result,  job->catalogue, job->groups};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         free(texts[i]);
     }

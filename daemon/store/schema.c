@@ -175,7 +175,28 @@ static const char *const version_1[] = {
     " END",
     NULL};
 
-const schema_step schema_steps[SCHEMA_VERSION] = {version_1};
+/* With which groups a job's owner asked: kept once for all jobs that came with the same. NULL in
+ * jobs: not known (jobs of version 1, and files of the watch folder, which are the service's). */
+static const char *const version_2[] = {
+    "CREATE TABLE credentials("
+    " id INTEGER PRIMARY KEY,"
+    " gid INTEGER NOT NULL,"
+    " supplementary TEXT NOT NULL,"
+    " uses INTEGER NOT NULL DEFAULT 0,"
+    " UNIQUE (gid, supplementary)"
+    ") STRICT",
+    /* No foreign key: it would look through all jobs whenever credentials go. */
+    "ALTER TABLE jobs ADD COLUMN credentials INTEGER",
+    "CREATE TRIGGER credentials_used AFTER INSERT ON jobs WHEN NEW.credentials IS NOT NULL BEGIN"
+    " UPDATE credentials SET uses = uses + 1 WHERE id = NEW.credentials;"
+    " END",
+    "CREATE TRIGGER credentials_left AFTER DELETE ON jobs WHEN OLD.credentials IS NOT NULL BEGIN"
+    " UPDATE credentials SET uses = uses - 1 WHERE id = OLD.credentials;"
+    " DELETE FROM credentials WHERE id = OLD.credentials AND uses = 0;"
+    " END",
+    NULL};
+
+const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2};
 
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err) {

@@ -25,9 +25,11 @@ const char *const sql_texts[SQL_N] = {
         " FROM jobs INDEXED BY jobs_key WHERE owner = ?1 AND idempotency_key = ?2",
     [SQL_SETTINGS_FIND] = "SELECT text = ?2 FROM settings WHERE digest = ?1",
     [SQL_SETTINGS_ADD] = "INSERT INTO settings(digest, text) VALUES (?1, ?2)",
+    [SQL_CREDENTIALS_FIND] = "SELECT id FROM credentials WHERE gid = ?1 AND supplementary = ?2",
+    [SQL_CREDENTIALS_ADD] = "INSERT INTO credentials(gid, supplementary) VALUES (?1, ?2)",
     [SQL_JOB_ADD] = "INSERT INTO jobs(owner, idempotency_key, source, settings, field, field_asked,"
-                    " origin, priority, forced, created_ms)"
-                    " VALUES (?1, ?2, ?3, ?4, ?5, ?5, ?6, ?7, ?8, ?9)",
+                    " origin, priority, forced, created_ms, credentials)"
+                    " VALUES (?1, ?2, ?3, ?4, ?5, ?5, ?6, ?7, ?8, ?9, nullif(?10, 0))",
 
     [SQL_WAKE] = "UPDATE jobs INDEXED BY jobs_waiting SET state = 0, not_before_ms = 0"
                  " WHERE state = 2 AND not_before_ms <= ?1",
@@ -89,8 +91,10 @@ const char *const sql_texts[SQL_N] = {
         "SELECT id, state, outcome, origin, priority, forced, cancel_asked, owner,"
         " attempts, failures, interrupted, attempt, created_ms, started_ms, finished_ms,"
         " not_before_ms, n_stamps, n_used, elapsed_us, duplicate_of, failure_class,"
+        " (SELECT gid FROM credentials WHERE id = jobs.credentials),"
         " field, source, t.text, settings, idempotency_key, content, code, message,"
-        " advice, result, catalogue"
+        " advice, result, catalogue,"
+        " (SELECT supplementary FROM credentials WHERE id = jobs.credentials)"
         " FROM jobs CROSS JOIN settings t ON t.digest = settings WHERE id = ?1",
     [SQL_JOBS_BY_STATE] = "SELECT id FROM jobs INDEXED BY jobs_state"
                           " WHERE state = ?1 AND id < ?2 ORDER BY id DESC LIMIT ?3",

@@ -27,6 +27,7 @@ static int take_path(store *s, const char *path, shear_error *err) {
 static int bring_up_to_date(store *s, int version, shear_error *err) {
     int code = SHEAR_OK;
     s->opening.created = version < 0;
+    s->opening.version = SCHEMA_VERSION;
     s->opening.migrated_from = version < 0 ? SCHEMA_VERSION : version;
     if (version < SCHEMA_VERSION) {
         const int from = version < 0 ? 0 : version;

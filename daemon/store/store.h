@@ -61,7 +61,8 @@ enum {
     STORE_FIELD_MAX = 255,
     STORE_DIGEST_MAX = 128, /* settings digest, content checksum */
     STORE_KEY_MAX = 128,
-    STORE_SOURCE_MAX = 16384,
+    STORE_SOURCE_MAX = 65536,
+    STORE_GROUPS_MAX = 1 << 20,
     STORE_SETTINGS_MAX = 65536,
     STORE_RESULT_MAX = 262144,
     STORE_PATH_MAX = 4096, /* catalogue */
@@ -123,6 +124,7 @@ typedef struct store_options {
 /* What store_open found and did. */
 typedef struct store_opening {
     bool created;      /* there was no database */
+    int version;       /* of the schema, now */
     int migrated_from; /* schema version before; the present one where nothing was migrated */
     int64_t requeued;  /* jobs that ran when the service died */
     int64_t cancelled; /* of those, the ones that had been told to cancel */
@@ -173,14 +175,17 @@ typedef struct store_spec {
     int priority;         /* higher runs first */
     bool force;           /* count it even where its identity was counted before */
     uint32_t owner;       /* uid */
+    uint32_t gid;         /* the owner's group ... */
+    const char *groups;   /* ... and supplementary ones when it asked, a text of the caller's; NULL:
+                             not known, and gid does not count */
     int64_t created_ms;
 } store_spec;
 
 /* Queue a job. *id grows with every new job and is never given twice. Where the owner's key is
- * known: the same request (all of the spec but created_ms) gives that job's id, and *known is true,
- * whatever the queue; another is STORE_KEY_REUSED. A key is known as long as its job is kept
- * (store_retire). STORE_QUEUE_FULL where there are `max_unfinished` queued, running and waiting
- * jobs or more. */
+ * known: the same request (all of the spec but gid, groups and created_ms) gives that job's id, and
+ * *known is true, whatever the queue; another is STORE_KEY_REUSED. A key is known as long as its
+ * job is kept (store_retire). STORE_QUEUE_FULL where there are `max_unfinished` queued, running and
+ * waiting jobs or more. */
 int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64_t *id, bool *known,
                  shear_error *err);
 
@@ -193,6 +198,7 @@ typedef struct store_job {
     bool force;
     bool cancel_asked; /* while running */
     uint32_t owner;
+    uint32_t gid;        /* where groups is not NULL */
     int64_t attempts;    /* since it was submitted or retried by hand: */
     int64_t failures;    /* ... those that failed */
     int64_t interrupted; /* ... and those that ended with the service's death */
@@ -212,6 +218,7 @@ typedef struct store_job {
     char *settings;    /* never NULL */
     char *settings_digest; /* never NULL */
     char *key;
+    char *groups;  /* as given to store_submit */
     char *content; /* checksum */
     char *code;    /* the last failure's, and its message and advice */
     char *message;

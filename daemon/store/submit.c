@@ -4,6 +4,7 @@
 #include "operation.h"
 
 #include <inttypes.h>
+#include <string.h>
 
 static int check_spec(const store_spec *p, shear_error *err) {
     int code = query_check_text("field's name", p->field, STORE_FIELD_MAX, true, err);
@@ -19,6 +20,10 @@ static int check_spec(const store_spec *p, shear_error *err) {
     }
     if (code == SHEAR_OK) {
         code = query_check_text("idempotency key", p->key, STORE_KEY_MAX, true, err);
+    }
+    if (code == SHEAR_OK && p->groups != NULL && strlen(p->groups) > STORE_GROUPS_MAX) {
+        code = shear_fail(err, STORE_BAD_TEXT, NULL, "the list of groups has more than %d bytes",
+                          STORE_GROUPS_MAX);
     }
     return code;
 }
@@ -81,10 +86,40 @@ static int keep_settings(store *s, const store_spec *p, shear_error *err) {
     return query_run(&add, err);
 }
 
+/* The number of these groups; 0 where they are not known. */
+static int keep_credentials(store *s, const store_spec *p, int64_t *number, shear_error *err) {
+    bool row = false;
+    *number = 0;
+    if (p->groups == NULL) {
+        return SHEAR_OK;
+    }
+    query find = query_on(s, SQL_CREDENTIALS_FIND);
+    query_int(&find, p->gid);
+    query_text(&find, p->groups);
+    int code = query_step(&find, &row, err);
+    *number = row ? query_get_int(&find) : 0;
+    query_end(&find);
+    if (code != SHEAR_OK || row) {
+        return code;
+    }
+    query add = query_on(s, SQL_CREDENTIALS_ADD);
+    query_int(&add, p->gid);
+    query_text(&add, p->groups);
+    code = query_run(&add, err);
+    *number = code == SHEAR_OK ? sqlite3_last_insert_rowid(s->db) : 0;
+    return code;
+}
+
 static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err) {
+    int64_t credentials = 0;
+    int code = keep_credentials(s, p, &credentials, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     query q = query_spec(s, SQL_JOB_ADD, p);
     query_int(&q, p->created_ms);
-    const int code = query_run(&q, err);
+    query_int(&q, credentials);
+    code = query_run(&q, err);
     *id = code == SHEAR_OK ? sqlite3_last_insert_rowid(s->db) : 0;
     return code;
 }

@@ -42,6 +42,29 @@ static void read_psf(shear_field *field, const shear_field_info *info) {
     free(psf);
 }
 
+static void read_all(shear_field *field) {
+    const shear_field_info *info = shear_field_get_info(field);
+    read_stamps(field, info);
+    read_psf(field, info);
+}
+
+/* The same bytes as a field in parts, with HDUs that the bytes themselves choose. */
+static void read_parts(int fd, const uint8_t *bytes, size_t size) {
+    shear_field *field = NULL;
+    shear_error err = {0};
+    shear_input input = shear_input_of_file(NULL);
+    const int fds[SHEAR_N_PARTS] = {fd, fd, fd, fd};
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const int chosen = size > 0 ? bytes[(size - 1) / (size_t)(i + 1)] % 8 : 0;
+        input.parts[i].path = i < SHEAR_PART_CATALOG || chosen < 4 ? "input.fits" : NULL;
+        input.parts[i].hdu = chosen < 6 ? chosen : -1;
+    }
+    if (shear_field_open_input(&field, &input, fds, &err) == SHEAR_OK) {
+        read_all(field);
+    }
+    shear_field_close(field);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     const int fd = memfd_create("field", MFD_CLOEXEC);
     if (fd < 0) {
@@ -49,13 +72,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     }
     shear_field *field = NULL;
     shear_error err = {0};
-    if (write(fd, bytes, size) == (ssize_t)size &&
-        shear_field_open_fd(&field, fd, "input.fits", &err) == SHEAR_OK) {
-        const shear_field_info *info = shear_field_get_info(field);
-        read_stamps(field, info);
-        read_psf(field, info);
+    const bool written = write(fd, bytes, size) == (ssize_t)size;
+    if (written && shear_field_open_fd(&field, fd, "input.fits", &err) == SHEAR_OK) {
+        read_all(field);
     }
     shear_field_close(field);
+    if (written) {
+        read_parts(fd, bytes, size);
+    }
     close(fd);
     return 0;
 }

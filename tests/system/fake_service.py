@@ -21,7 +21,7 @@ def job(number=1, state="done", **other):
     """A job as the service sends it."""
     final = state in ("done", "failed", "cancelled")
     return {"id": number, "state": state, "class": None, "code": None, "message": None, "advice": None, "field": "deep",
-            "source": {"path": f"/data/{number}.fits", "galaxy": None, "noise": None, "psf": None},
+            "source": {"path": f"/data/{number}.fits", "galaxy": None, "noise": None, "psf": None, "catalog": None},
             "owner": 1000, "user": "ann", "origin": "socket", "priority": 0, "force": False, "key": None,
             "cancel_asked": False, "created": "2026-01-31T12:00:00.000Z", "started": "2026-01-31T12:00:01.000Z",
             "finished": "2026-01-31T12:03:06.000Z" if final else None, "not_before": None, "attempts": 1,

@@ -173,3 +173,24 @@ class Field:
 def rotate(stamp, n):
     """A square stamp turned by 90 degrees: f'(x, y) = f(y, -x)."""
     return [stamp[(n - 1 - x) * n + y] for y in range(n) for x in range(n)]
+
+
+def hdus(content):
+    """A file taken apart: (EXTNAME or "", bytes) of each HDU."""
+    found, at = [], 0
+    while at < len(content):
+        end, keys = at, {}
+        while content[end:end + 80] != card("END"):
+            text = content[end:end + 80].decode("ascii")
+            if text[8:10] == "= ":
+                keys[text[:8].strip()] = text[10:].split(" /")[0].strip().strip("'").strip()
+            end += 80
+        data = end + 80 + -(end + 80 - at) % BLOCK
+        size = abs(int(keys["BITPIX"])) // 8 if int(keys["NAXIS"]) else 0
+        for i in range(int(keys["NAXIS"])):
+            size *= int(keys[f"NAXIS{i + 1}"])
+        size += int(keys.get("PCOUNT", 0))
+        after = data + size + -size % BLOCK
+        found.append((keys.get("EXTNAME", ""), content[at:after]))
+        at = after
+    return found

@@ -209,7 +209,7 @@ class Usage(ServiceTest):
             (["submit", "--priority", "101", "x"], "--priority"), (["submit", "--galaxy", "a", "b.fits"], "either"),
             (["submit", "--galaxy", "a", "--noise", "b"], "belong together"), (["submit", "--key", "k", "a", "b"], "--key"),
             (["submit", "--timeout", "3", "a"], "--wait"), (["submit", "--beta", "wide", "a"], "beta"),
-            (["submit", "--galaxy", "a[99999]", "--noise", "b", "--psf", "c"], "HDU"),
+            (["submit", "--galaxy", "a:99999", "--noise", "b", "--psf", "c"], "HDU"), (["submit", "--catalog", "t"], "belong"),
             (["shutdown", "--timeout", "x"], "--timeout"), (["shutdown", "--json=1"], "takes no value"),
         ]
         for args, word in cases:
@@ -229,7 +229,8 @@ class Submit(ServiceTest):
     def accept(self, **other):
         numbers = iter(range(1, 1000))
         return self.serve(submit=lambda p, c: {"job": job(next(numbers), "queued", source={
-            "path": p.get("path"), "galaxy": p.get("galaxy"), "noise": p.get("noise"), "psf": p.get("psf")}),
+            "path": p.get("path"), "galaxy": p.get("galaxy"), "noise": p.get("noise"), "psf": p.get("psf"),
+            "catalog": p.get("catalog")}),
             "known": False}, **other)
 
     def test_paths_become_absolute_and_links_stay(self):
@@ -261,12 +262,16 @@ class Submit(ServiceTest):
 
     def test_separate_images(self):
         service = self.accept()
-        self.touch("odd[1]")
-        answer = self.ctl("submit", "--galaxy", "/g.fits[2]", "--noise", "/n.fits", "--psf", self.path("odd[1]"))
+        self.touch("odd:1")
+        parts = ("--galaxy", "/g.fits:2", "--noise", "/n.fits:SKY", "--psf", self.path("odd:1"))
+        answer = self.ctl("submit", *parts)
         self.assertCode(answer, DONE)
-        self.assertEqual(service.named("submit"), [{
-            "galaxy": {"path": "/g.fits", "hdu": 2}, "noise": {"path": "/n.fits"}, "psf": {"path": self.path("odd[1]")}}])
-        self.assertIn("/g.fits[2] + noise, psf", answer.out)
+        self.assertCode(self.ctl("submit", *parts, "--catalog", "/t.fits:STARS"), DONE)
+        images = {"galaxy": {"path": "/g.fits", "hdu": 2}, "noise": {"path": "/n.fits", "extname": "SKY"},
+                  "psf": {"path": self.path("odd:1")}}
+        self.assertEqual(service.named("submit"),
+                         [images, {**images, "catalog": {"path": "/t.fits", "extname": "STARS"}}])
+        self.assertIn("/g.fits:2 + noise, psf", answer.out)
 
     def test_job_files(self):
         service = self.accept()

@@ -11,6 +11,23 @@ from daemon import DaemonTest, FINAL, RpcError, measured, mock, until
 USER, OTHER = 65501, 65502  # uids, of nobody here
 
 
+def as_user(test, uid, do, groups=()):
+    """do() as that user, in a child: it must not raise."""
+    child = os.fork()
+    if child == 0:
+        try:
+            os.setgroups(groups)
+            os.setgid(uid)
+            os.setuid(uid)
+            do()
+            os._exit(0)
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            os._exit(1)
+    test.assertEqual(os.waitpid(child, 0)[1], 0, "the child's assertion failed; see above")
+
+
 @unittest.skipUnless(os.getuid() == 0, "only root can become somebody else")
 class Access(DaemonTest):
     def setUp(self):
@@ -18,30 +35,14 @@ class Access(DaemonTest):
         self.d = self.daemon({"daemon.socket_mode": "0666"})
         os.chmod(self.d.data, 0o777)
 
-    def as_user(self, uid, do, groups=()):
-        """do() as that user, in a child: it must not raise."""
-        child = os.fork()
-        if child == 0:
-            try:
-                os.setgroups(groups)
-                os.setgid(uid)
-                os.setuid(uid)
-                do()
-                os._exit(0)
-            except BaseException:
-                traceback.print_exc()
-            finally:
-                os._exit(1)
-        self.assertEqual(os.waitpid(child, 0)[1], 0, "the child's assertion failed; see above")
-
     def refused(self, uid, path, code, groups=()):
         def ask():
             with self.assertRefused(code):
                 self.d.submit(path)
-        self.as_user(uid, ask, groups)
+        as_user(self, uid, ask, groups)
 
     def accepted(self, uid, path, groups=()):
-        self.as_user(uid, lambda: self.assertEqual(
+        as_user(self, uid, lambda: self.assertEqual(
             self.d.submit(path, force=True, wait=True)["state"], "done"), groups)
 
     def file(self, *names, mode=0o644, owner=0, group=0):
@@ -61,7 +62,7 @@ class Access(DaemonTest):
         self.refused(OTHER, own, "not_readable")
         shared = self.file("shared.fits", mode=0o640, group=65510)
         self.refused(USER, shared, "not_readable")
-        self.as_user(USER, lambda: self.d.submit(shared), groups=[65510])
+        self.accepted(USER, shared, groups=[65510])
         self.accepted(USER, self.file("open.fits"))
 
     def test_closed_directory(self):
@@ -143,7 +144,7 @@ class Access(DaemonTest):
         bad = self.file("bad.fits")
         with open(bad, "r+b") as f:
             f.truncate(3000)
-        self.as_user(USER, lambda: self.d.submit(bad, wait=True))
+        as_user(self, USER, lambda: self.d.submit(bad, wait=True))
         job = self.d.jobs()[0]
         self.assertEqual((job["state"], job["owner"]), ("failed", USER))
 
@@ -157,8 +158,8 @@ class Access(DaemonTest):
             self.assertFalse(self.d.call("hello")["admin"])
             self.assertEqual(self.d.call("hello")["uid"], OTHER)
             self.d.call("status")
-        self.as_user(OTHER, meddle)
-        self.as_user(USER, lambda: self.d.call("retry", id=job["id"]))
+        as_user(self, OTHER, meddle)
+        as_user(self, USER, lambda: self.d.call("retry", id=job["id"]))
         self.d.wait_state(job["id"], *FINAL)
         self.d.call("retry", id=job["id"])
         until(lambda: self.d.job(job["id"])["state"] in FINAL, "root's retry ran")
@@ -167,7 +168,7 @@ class Access(DaemonTest):
     def test_keys_belong_to_owners(self):
         path = self.file("a.fits")
         self.assertFalse(self.d.call("submit", path=path, key="k")["known"])
-        self.as_user(USER, lambda: self.assertFalse(
+        as_user(self, USER, lambda: self.assertFalse(
             self.d.call("submit", path=path, key="k", wait=True)["known"]))
         self.assertEqual(len(self.d.jobs()), 2)
         self.d.wait_idle()
@@ -179,7 +180,7 @@ class Access(DaemonTest):
         def connect():
             with self.assertRaises(PermissionError):
                 d.call("status")
-        self.as_user(USER, connect)
+        as_user(self, USER, connect)
 
 
 if __name__ == "__main__":

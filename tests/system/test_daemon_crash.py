@@ -17,6 +17,8 @@ SEED = int(os.environ.get("SHEARD_SEED", "3"))
 PARTS = 4     # files of a field: half are submitted, half are dropped
 BLOCK = 16        # stamps
 CHECKPOINT_S = 5  # between two checkpoints of a job
+SLOW = {"interpolation": "bicubic", "oversample": 32}
+SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "32")
 BACKLOG = 24  # jobs that may be unfinished before the stream pauses
 
 
@@ -139,35 +141,81 @@ class Checkpoint(DaemonTest):
         base.close()
         return [row[0] for row in rows]
 
-    def interrupt(self, daemon, job):
-        """Kill it when a checkpoint is due; the blocks that it saved."""
+    def interrupt(self, daemon, job, meanwhile=lambda: None):
+        """Kill it when a checkpoint is due, and start it again; the blocks that it saved."""
         begun = time.monotonic()
         until(lambda: daemon.job(job)["state"] == "done" or
               time.monotonic() > begun + CHECKPOINT_S + 1, "a checkpoint is due")
         self.assertEqual(daemon.job(job)["state"], "running", "no longer when a checkpoint is due")
         daemon.kill()
         saved = self.saved(daemon)
+        meanwhile()
         daemon.start()
         return saved
 
     def test_resume(self):
         daemon = self.daemon({"daemon.workers": 1})
-        settings = {"interpolation": "bicubic", "oversample": 32}
-        options = ("--interpolation", "bicubic", "--oversample", "32", "--threads", "1")
-        stamps = stamps_for(3 * CHECKPOINT_S, 32, *options)
-        path = mock(os.path.join(daemon.data, "large.fits"), stamps, 32, 9)
-        job = daemon.submit(path, settings=settings)["id"]
-        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
+        job, path = self.large(daemon, 3)
         saved = self.interrupt(daemon, job)
         self.assertEqual(len(saved), 1, "no checkpoint")
         self.assertGreater(saved[0], 0)
         done = until(lambda: daemon.job(job)["progress"]["done"], "it goes on")
         self.assertGreaterEqual(done, saved[0] * BLOCK, "it began anew")
         daemon.wait_state(job, "done")
-        expected = measured([path], *options)
+        expected = measured([path], *SLOW_OPTIONS)
         self.assertRow(daemon, "large", expected, 1)
         endings = [a["ending"] for a in daemon.call("job", id=job)["history"]]
         self.assertEqual(endings, ["interrupted", "done"])
+
+    def large(self, daemon, checkpoints):
+        """A job that is measured for so many checkpoints, and its file."""
+        stamps = stamps_for(checkpoints * CHECKPOINT_S, 32, *SLOW_OPTIONS, "--threads", "1")
+        path = mock(os.path.join(daemon.data, "large.fits"), stamps, 32, 9)
+        job = daemon.submit(path, settings=SLOW)["id"]
+        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
+        return job, path
+
+    def kept(self, daemon):
+        """Temporary files of catalogues."""
+        return [n for n in os.listdir(daemon.path("catalogues")) if n.startswith(".")]
+
+    def test_resume_with_catalogue(self):
+        """The rows of before the kill are on disk: the catalogue is that of an uninterrupted run,
+        to the last byte."""
+        daemon = self.daemon({"daemon.workers": 1, "catalogues.enabled": "true"})
+        job, path = self.large(daemon, 3)
+        saved = self.interrupt(daemon, job)
+        self.assertEqual(len(saved), 1, "no checkpoint")
+        self.assertGreater(saved[0], 0)
+        done = until(lambda: daemon.job(job)["progress"]["done"], "it goes on")
+        self.assertGreaterEqual(done, saved[0] * BLOCK, "it began anew")
+        self.assertIn(f"goes on at block {saved[0]}", daemon.log_text())
+        self.assertEqual(self.kept(daemon), [f".{job}.shear.fits.part"])
+        catalogue = daemon.wait_state(job, "done")["catalogue"]
+        expected = os.path.join(self.directory, "expected.fits")
+        row = measured([path], *SLOW_OPTIONS, "--catalog", expected)
+        self.assertRow(daemon, "large", row, 1)
+        self.assertEqual(content_of(catalogue), content_of(expected))
+        self.assertEqual(self.kept(daemon), [])
+
+    def test_without_its_rows_it_begins_anew(self):
+        """And what is left of jobs that are over goes at the start, what is cancelled at once."""
+        daemon = self.daemon({"daemon.workers": 1, "catalogues.enabled": "true"})
+        job, _ = self.large(daemon, 3)
+
+        def lose():
+            os.unlink(daemon.path("catalogues", f".{job}.shear.fits.part"))
+            for orphan in (".77.shear.fits.part", ".x.shear.fits.part"):
+                with open(daemon.path("catalogues", orphan), "wb"):
+                    pass
+        self.assertEqual(len(self.interrupt(daemon, job, lose)), 1, "no checkpoint")
+        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
+        self.assertIn("goes on at block 0", daemon.log_text())
+        self.assertEqual(sorted(self.kept(daemon)),
+                         [f".{job}.shear.fits.part", ".x.shear.fits.part"])
+        daemon.call("cancel", id=job)
+        daemon.wait_state(job, "cancelled")
+        until(lambda: self.kept(daemon) == [".x.shear.fits.part"], "its rows are gone")
 
 
 if __name__ == "__main__":

@@ -2,11 +2,12 @@
 """shearctl measure on good files: numbers against closed forms, several files of a field, --json
 and the table."""
 import math
+import os
 import re
 import shutil
 import unittest
 
-from fitsfile import Field, rotate
+from fitsfile import BLOCK, Field, hdus, primary, rotate
 from tool import DONE, INPUT, PARTLY, USAGE, ToolTest, shearctl
 
 KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "n_flagged",
@@ -19,6 +20,11 @@ SETTINGS = {"interpolation": "auto", "oversample": "auto", "beta": "auto", "beta
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True}
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",
             "k_cut"]
+
+
+def content_of(path):
+    with open(path, "rb") as f:
+        return f.read()
 
 
 def numbers(result):
@@ -254,6 +260,51 @@ class Advice(ToolTest):
         self.assertTrue(all("--filter edge" in w for w in warnings), warnings)
         self.assertIn("shearctl: warning: field gauss: ", answer.err)
         self.assertEqual(self.measure_one(path, "--filter", "edge")["warnings"], [])
+
+
+class Parts(ToolTest):
+    """Galaxies, noise and PSF in separate files."""
+
+    def cut(self, field):
+        """The whole file, and options for its parts in files of their own."""
+        whole, options = field.write(self.path("whole.fits")), []
+        for name, content in hdus(content_of(whole))[1:]:
+            path = self.path(f"{name}.fits")
+            with open(path, "wb") as f:
+                f.write(primary() + content)
+            options += ["--catalog-in" if name == "CATALOG" else "--" + name.lower(), path]
+        return whole, options
+
+    def test_the_same_numbers(self):
+        whole, options = self.cut(Field(n=20, sigma=0.2))
+        parts = self.measure_one(*options)
+        self.assertEqual(numbers(parts), numbers(self.measure_one(whole)))
+        self.assertEqual(parts["field"], "GALAXY")  # of the galaxies' file
+        self.assertEqual(self.measure_one(*options, "--jackknife", 2)["jackknife"], 2)
+
+    def test_catalogue(self):
+        whole, options = self.cut(Field(n=20))
+        os.mkdir(self.path("out"))
+        self.measure_one(*options, "--catalog", self.path("out"))
+        self.measure_one(whole, "--catalog", self.path("whole.cat"))
+        rows = [content_of(self.path(name))[-BLOCK:]  # 20 rows of less than 144 bytes
+                for name in ("out/GALAXY.shear.fits", "whole.cat")]
+        self.assertEqual(*rows)
+        for path in options[1::2]:  # no part is overwritten
+            self.assertFails(shearctl("measure", *options, "--catalog", path, "--force"), USAGE,
+                             "one of the input files")
+
+    def test_usage(self):
+        whole, options = self.cut(Field(n=4))
+        self.assertFails(shearctl("measure", *options, whole), USAGE, "either field files")
+        self.assertFails(shearctl("measure", *options[:4]), USAGE, "belong together")
+        self.assertFails(shearctl("measure", "--catalog-in", whole), USAGE, "belong together")
+        self.assertFails(shearctl("measure", *options[2:], "--galaxy", whole + ":99999"), USAGE,
+                         "from 0 to 9999")
+        self.assertFails(shearctl("measure", *options[2:], "--galaxy", whole + ":NONE"), INPUT,
+                         "has no HDU NONE")
+        self.assertFails(shearctl("measure", *options[2:], "--galaxy", self.path("no")), INPUT,
+                         "No such file")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Field files and result catalogues. The fixtures write odd files with CFITSIO itself.
-add_library(fits_fixtures STATIC fits_fixture.c)
+add_library(fits_fixtures STATIC fits_fixture.c catalog_fixture.c)
 target_include_directories(fits_fixtures PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(fits_fixtures PUBLIC shear_flags shear_static PkgConfig::CFITSIO PkgConfig::ZLIB
   PkgConfig::CMOCKA m)
@@ -10,6 +10,7 @@ function(fits_test name)
 endfunction()
 
 fits_test(field_layouts)
+fits_test(field_parts)
 fits_test(field_types)
 fits_test(field_errors)
 fits_test(field_tiles)
@@ -17,3 +18,4 @@ fits_test(field_gzip)
 fits_test(field_open)
 fits_test(field_output)
 fits_test(catalog)
+fits_test(catalog_kept)

@@ -182,20 +182,23 @@ static void drop_path(const char **path) {
 }
 
 static void one_source(shear_msg_source *s, uint64_t *seed) {
-    if (!s->path || coin(seed)) {
-        shear_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf};
-        drop_path(&s->path);
-        for (int i = 0; i < 3; i++) {
-            drop_path(&images[i]->path);
-            images[i]->path = some_text(SHEAR_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
-            images[i]->hdu = integer_within(-1, SHEAR_MSG_HDU_MAX, seed);
-        }
-        return;
-    }
-    shear_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf};
-    for (int i = 0; i < 3; i++) {
+    shear_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf, &s->catalog};
+    const bool separate = !s->path || coin(seed);
+    for (int i = 0; i < 4; i++) {
         drop_path(&images[i]->path);
+        drop_path(&images[i]->extname);
         images[i]->hdu = -1;
+        if (separate && (i < 3 || coin(seed))) {
+            images[i]->path = some_text(SHEAR_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
+            if (coin(seed)) {
+                images[i]->extname = some_text(SHEAR_MSG_EXTNAME_MAX, MSG_PLAIN, seed);
+            } else {
+                images[i]->hdu = integer_within(-1, SHEAR_MSG_HDU_MAX, seed);
+            }
+        }
+    }
+    if (separate) {
+        drop_path(&s->path);
     }
 }
 

@@ -460,6 +460,34 @@ static void peer_of_a_user(void **state) {
     access_peer_deinit(&peer);
 }
 
+static void groups_as_text(void **state) {
+    (void)state;
+    gid_t some[] = {4, 27, 4294967294u};
+    const access_peer peers[] = {
+        {ALICE, STAFF, some, 3}, {ALICE, STAFF, some, 1}, {ALICE, STAFF, NULL, 0}};
+    const char *const texts[] = {"4 27 4294967294", "4", ""};
+    access_peer back;
+    shear_error err = {0};
+    for (int i = 0; i < 3; i++) {
+        char *text = NULL;
+        assert_int_equal(access_peer_groups_text(&peers[i], &text, &err), SHEAR_OK);
+        assert_string_equal(text, texts[i]);
+        assert_int_equal(access_peer_from_text(ALICE, STAFF, text, &back, &err), SHEAR_OK);
+        assert_int_equal(back.uid, ALICE);
+        assert_int_equal(back.gid, STAFF);
+        assert_int_equal(back.n_groups, peers[i].n_groups);
+        assert_memory_equal(back.groups, some, back.n_groups * sizeof *some);
+        access_peer_deinit(&back);
+        free(text);
+    }
+    const char *const bad[] = {"x", " 4", "4 ", "4  5", "4,5", "-4", "4294967296", "0x4", "4\n"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_equal(access_peer_from_text(ALICE, STAFF, bad[i], &back, &err),
+                         SHEAR_E_INTERNAL);
+        assert_int_equal(back.n_groups, 0); /* no rights where they cannot be read */
+    }
+}
+
 static void lists_of_users_and_groups(void **state) {
     (void)state;
     char root_name[] = "root";
@@ -520,6 +548,7 @@ int main(void) {
         cmocka_unit_test(paths_by_component),
         cmocka_unit_test(peer_of_a_socket),
         cmocka_unit_test(peer_of_a_user),
+        cmocka_unit_test(groups_as_text),
         cmocka_unit_test(lists_of_users_and_groups),
         cmocka_unit_test(codes_have_names),
     };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Result catalogues: what is written is read back, and the header says how it came about. */
+#include "catalog_fixture.h"
 #include "fits_fixture.h"
 
 #include "shear/catalog.h"
@@ -11,77 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { N = 11, SIDE = 16 };
-
-static shear_plan *plan;
-
-static int setup(void **state) {
-    double psf[SIDE * SIDE];
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        const double x = i % SIDE - SIDE / 2;
-        const double y = i / SIDE - SIDE / 2;
-        psf[i] = exp(-(x * x + y * y) / (2 * 1.5 * 1.5));
-    }
-    const shear_geometry geometry = {
-        .nx = SIDE, .ny = SIDE, .psf_nx = SIDE, .psf_ny = SIDE, .psf_oversample = 1};
-    shear_settings settings;
-    shear_error err = {0};
-    shear_settings_init(&settings);
-    if (shear_plan_new(&plan, &settings, &geometry, psf, 0.0, false, &err) != SHEAR_OK) {
-        print_error("%s\n", err.message);
-        return -1;
-    }
-    return fixture_setup(state);
-}
-
-static int teardown(void **state) {
-    shear_plan_free(plan);
-    return fixture_teardown(state);
-}
-
-static shear_field_info make_info(unsigned columns) {
-    shear_field_info info = {.name = "field one",
-                             .pixscale = NAN,
-                             .has_truth = true,
-                             .sim_g1 = 0.1,
-                             .sim_g2 = -0.02,
-                             .n_stamps = N,
-                             .n_psf = 1,
-                             .columns = columns};
-    info.geometry = (shear_geometry){
-        .nx = SIDE, .ny = SIDE, .psf_nx = SIDE, .psf_ny = SIDE, .psf_oversample = 1};
-    return info;
-}
-
-static shear_row make_row(int64_t i) {
-    shear_row row;
-    double *members = (double *)&row;
-    for (size_t k = 0; k < offsetof(shear_row, flags) / sizeof(double); k++) {
-        members[k] = (double)i + 1.0 / (double)(k + 3); /* needs all bits of a double */
-    }
-    row.flags = i % 4 == 0 ? (1u << (i % SHEAR_N_FLAGS)) | SHEAR_FLAG_OVERFLOW : 0u;
-    if (row.flags != 0) {
-        row.d = NAN;
-        row.snr = INFINITY;
-    }
-    return row;
-}
-
-static shear_result make_result(void) {
-    shear_result r = {.valid = true,
-                      .g1 = 0.1 + 1e-17,
-                      .g2 = -1.0 / 3.0,
-                      .g1_err = 1e-3,
-                      .g2_err = 2.0 / 7.0,
-                      .cov12 = -1e-300,
-                      .n_stamps = N,
-                      .n_used = 8,
-                      .n_flagged = 3};
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
-        r.flagged[i] = i + 1;
-    }
-    return r;
-}
+enum { N = CATALOG_ROWS };
 
 /* Chunks from the last to the first. */
 static void write_rows(shear_catalog *c, const shear_field_info *info) {
@@ -92,7 +23,7 @@ static void write_rows(shear_catalog *c, const shear_field_info *info) {
         shear_row rows[4];
         const int count = first == 8 ? N - 8 : 4;
         for (int k = 0; k < count; k++) {
-            rows[k] = make_row(first + k);
+            rows[k] = catalog_row(first + k);
             double *const doubles[] = {b->x, b->y, b->ra, b->dec};
             for (int i = 0; i < 4; i++) {
                 if (doubles[i] != NULL) {
@@ -111,15 +42,15 @@ static void write_rows(shear_catalog *c, const shear_field_info *info) {
 }
 
 static void write_catalog(const char *path, unsigned columns, const shear_result *result) {
-    const shear_field_info info = make_info(columns);
+    const shear_field_info info = catalog_info(N, columns);
     shear_catalog *c = NULL;
     shear_error err = {0};
     if (shear_catalog_create(&c, path, &info, true, &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     write_rows(c, &info);
-    if (shear_catalog_finish(c, plan, result, "dir/in put.fits", "0123456789abcdef", &err) !=
-        SHEAR_OK) {
+    if (shear_catalog_finish(c, catalog_plan, result, "dir/in put.fits", "0123456789abcdef",
+                             &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
 }
@@ -129,7 +60,7 @@ static bool same(double a, double b) {
 }
 
 static void check_row(const shear_row *a, int64_t i) {
-    const shear_row b = make_row(i);
+    const shear_row b = catalog_row(i);
     assert_true(same(a->n1, b.n1) && same(a->n2, b.n2) && same(a->d, b.d));
     assert_true(same(a->u, b.u) && same(a->v, b.v) && same(a->weight, b.weight));
     assert_true(same(a->m20, b.m20) && same(a->m02, b.m02) && same(a->m11, b.m11));
@@ -145,7 +76,7 @@ static void round_trips(void **state) {
     static const unsigned columns[] = {
         0, SHEAR_COL_ID, SHEAR_COL_X | SHEAR_COL_Y | SHEAR_COL_WEIGHT,
         SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_Y | SHEAR_COL_RA | SHEAR_COL_DEC};
-    const shear_result wanted = make_result();
+    const shear_result wanted = catalog_result(N);
     for (int i = 0; i < 4; i++) {
         const char *path = fixture_path("round.fits");
         write_catalog(path, columns[i], &wanted);
@@ -160,8 +91,8 @@ static void round_trips(void **state) {
         }
         assert_string_equal(t->field, "field one");
         assert_true(t->has_truth && same(t->sim_g1, 0.1) && same(t->sim_g2, -0.02));
-        assert_true(same(t->beta_px, shear_plan_get_info(plan)->beta_px));
-        assert_true(same(t->r_psf_px, shear_plan_get_info(plan)->r_psf_px));
+        assert_true(same(t->beta_px, shear_plan_get_info(catalog_plan)->beta_px));
+        assert_true(same(t->r_psf_px, shear_plan_get_info(catalog_plan)->r_psf_px));
         const shear_result *r = &t->result;
         assert_true(r->valid && same(r->g1, wanted.g1) && same(r->g2, wanted.g2));
         assert_true(same(r->g1_err, wanted.g1_err) && same(r->g2_err, wanted.g2_err));
@@ -176,7 +107,7 @@ static void round_trips(void **state) {
 
 static void a_field_without_result(void **state) {
     (void)state;
-    shear_result r = make_result();
+    shear_result r = catalog_result(N);
     r.valid = false;
     r.g1 = r.g2 = r.g1_err = r.g2_err = r.cov12 = NAN;
     r.jackknife = 25;
@@ -219,7 +150,7 @@ static void expect_keyword(fitsfile *f, const char *key, const char *wanted) {
 /* Every setting, as the text that sets it. */
 static void the_header_holds_all_settings(void **state) {
     (void)state;
-    const shear_result result = make_result();
+    const shear_result result = catalog_result(N);
     const char *path = fixture_path("header.fits");
     write_catalog(path, 0, &result);
     fitsfile *f = open_table(path);
@@ -248,7 +179,7 @@ static void the_header_holds_all_settings(void **state) {
         }
         char was[64];
         char is[64];
-        shear_settings_format(shear_plan_get_settings(plan), &table[i], was, sizeof was);
+        shear_settings_format(shear_plan_get_settings(catalog_plan), &table[i], was, sizeof was);
         shear_settings_format(&back, &table[i], is, sizeof is);
         assert_string_equal(was, is);
     }
@@ -270,7 +201,7 @@ static void the_header_holds_all_settings(void **state) {
 /* No keyword of ours is given twice, so that settings never hide results. */
 static void keywords_are_unique(void **state) {
     (void)state;
-    const shear_result result = make_result();
+    const shear_result result = catalog_result(N);
     const char *path = fixture_path("unique.fits");
     write_catalog(path, 0, &result);
     fitsfile *f = open_table(path);
@@ -293,7 +224,7 @@ static void keywords_are_unique(void **state) {
 
 static void equal_results_make_equal_files(void **state) {
     (void)state;
-    const shear_result result = make_result();
+    const shear_result result = catalog_result(N);
     char sums[2][SHEAR_CHECKSUM_SIZE];
     for (int i = 0; i < 2; i++) {
         const char *path = fixture_path(i == 0 ? "a.fits" : "b.fits");
@@ -305,7 +236,7 @@ static void equal_results_make_equal_files(void **state) {
 
 static void outputs_that_cannot_be(void **state) {
     (void)state;
-    const shear_field_info info = make_info(0);
+    const shear_field_info info = catalog_info(N, 0);
     shear_catalog *c = (shear_catalog *)1;
     shear_error err = {0};
     assert_int_equal(shear_catalog_create(&c, fixture_path("no/such.fits"), &info, true, &err),
@@ -320,9 +251,9 @@ static void outputs_that_cannot_be(void **state) {
 
 static void incomplete_catalogues_do_not_appear(void **state) {
     (void)state;
-    const shear_field_info info = make_info(0);
-    const shear_result result = make_result();
-    const shear_row row = make_row(0);
+    const shear_field_info info = catalog_info(N, 0);
+    const shear_result result = catalog_result(N);
+    const shear_row row = catalog_row(0);
     const char *path = fixture_path("incomplete.fits");
     const int before = fixture_count_files();
     shear_catalog *c = NULL;
@@ -333,7 +264,8 @@ static void incomplete_catalogues_do_not_appear(void **state) {
     assert_int_equal(shear_catalog_write(c, N, 1, &row, b, &err), SHEAR_E_INTERNAL);
     assert_int_equal(shear_catalog_write(c, -1, 1, &row, b, &err), SHEAR_E_INTERNAL);
     assert_int_equal(shear_catalog_write(c, 0, 1, &row, b, &err), SHEAR_OK);
-    assert_int_equal(shear_catalog_finish(c, plan, &result, "in", "sum", &err), SHEAR_E_INTERNAL);
+    assert_int_equal(shear_catalog_finish(c, catalog_plan, &result, "in", "sum", &err),
+                     SHEAR_E_INTERNAL);
     assert_non_null(strstr(err.message, "row 1"));
     assert_int_equal(shear_catalog_create(&c, path, &info, false, &err), SHEAR_OK);
     shear_catalog_abort(c);
@@ -364,7 +296,7 @@ static void catalogues_that_cannot_be_read(void **state) {
                  {"FIELD", "'tab\there'", "FIELD"},
                  {"EXTNAME", "'OTHER'", "no HDU SHEAR"},
                  {"NAXIS2", "100000000", "end at"}};
-    const shear_result result = make_result();
+    const shear_result result = catalog_result(N);
     const char *path = fixture_path("bad.fits");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         write_catalog(path, 0, &result);
@@ -388,5 +320,5 @@ int main(void) {
         cmocka_unit_test(incomplete_catalogues_do_not_appear),
         cmocka_unit_test(catalogues_that_cannot_be_read),
     };
-    return cmocka_run_group_tests(tests, setup, teardown);
+    return cmocka_run_group_tests(tests, catalog_setup, catalog_teardown);
 }

@@ -248,21 +248,38 @@ static void hdus(void **state) {
     const struct {
         const char *name;
         int64_t hdu;
+        const char *extname;
         size_t length;
-    } cases[] = {{"a.fits", -1, 6}, {"a.fits[0]", 0, 6}, {"a[1].fits[12]", 12, 9},
-                 {"a[]", -1, 3},    {"a[x]", -1, 4},     {"[1]", -1, 3},
-                 {"a[1]b", -1, 5},  {"a[-1]", -1, 5},    {"a[9999]", 9999, 1}};
+    } cases[] = {{"a.fits", -1, NULL, 6}, {"a.fits:0", 0, NULL, 6},    {"a:1.fits:12", 12, NULL, 8},
+                 {"a:", -1, NULL, 2},     {"a:SCI 2", -1, "SCI 2", 1}, {":1", -1, NULL, 2},
+                 {"a:1/b", -1, NULL, 5},  {"a:-1", -1, "-1", 1},       {"a:9999", 9999, NULL, 1},
+                 {"a:1b", -1, "1b", 1}};
     shear_error err = {0};
-    int64_t hdu = 0;
+    shear_input_part part;
     size_t length = 0;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        assert_int_equal(input_path_hdu(cases[i].name, &hdu, &length, &err), SHEAR_OK);
-        assert_int_equal(hdu, cases[i].hdu);
+        assert_int_equal(input_path_hdu(cases[i].name, &part, &length, &err), SHEAR_OK);
+        assert_int_equal(part.hdu, cases[i].hdu);
+        assert_int_equal(part.extname != NULL, cases[i].extname != NULL);
+        if (part.extname) {
+            assert_string_equal(part.extname, cases[i].extname);
+        }
         assert_int_equal(length, cases[i].length);
     }
-    assert_int_equal(input_path_hdu("a[10000]", &hdu, &length, &err), SHEAR_E_SETTING);
-    assert_int_equal(input_path_hdu("a[99999999999999999999]", &hdu, &length, &err),
-                     SHEAR_E_SETTING);
+    const char *const bad[] = {
+        "a:10000", "a:99999999999999999999",
+        "a:a name of more than sixty-eight characters, which no header card can have as a value"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_equal(input_path_hdu(bad[i], &part, &length, &err), SHEAR_E_SETTING);
+    }
+    FILE *file = fopen("odd:1", "w"); /* a file of this very name */
+    assert_non_null(file);
+    fclose(file);
+    assert_int_equal(input_path_hdu("odd:1", &part, &length, &err), SHEAR_OK);
+    assert_int_equal(part.hdu, -1);
+    assert_int_equal(input_path_hdu("odd:1:2", &part, &length, &err), SHEAR_OK);
+    assert_int_equal(part.hdu, 2);
+    assert_int_equal(unlink("odd:1"), 0);
 }
 
 /* ---- conf_text.h ---- */

@@ -176,9 +176,9 @@ static void test_wire(void **state) {
     size_t n = 0;
     shear_params params;
     shear_params_init(&params, SHEAR_METHOD_SUBMIT);
-    params.submit.source.galaxy = (shear_msg_image){"/data/g.fits", 1};
-    params.submit.source.noise = (shear_msg_image){"/data/n.fits", -1};
-    params.submit.source.psf = (shear_msg_image){"/data/p.fits", 0};
+    params.submit.source.galaxy = (shear_msg_image){"/data/g.fits", 1, NULL};
+    params.submit.source.noise = (shear_msg_image){"/data/n.fits", -1, "SKY"};
+    params.submit.source.psf = (shear_msg_image){"/data/p.fits", 0, NULL};
     params.submit.settings = "beta=1.5\nnoise-correction=false\nzeros=floor\n";
     params.submit.priority = -3;
     params.submit.key = "k";
@@ -187,7 +187,7 @@ static void test_wire(void **state) {
     assert_string_equal(
         line, "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"submit\",\"params\":{"
               "\"galaxy\":{\"path\":\"/data/g.fits\",\"hdu\":1},"
-              "\"noise\":{\"path\":\"/data/n.fits\"},"
+              "\"noise\":{\"path\":\"/data/n.fits\",\"extname\":\"SKY\"},"
               "\"psf\":{\"path\":\"/data/p.fits\",\"hdu\":0},"
               "\"settings\":{\"beta\":1.5,\"noise-correction\":false,\"zeros\":\"floor\"},"
               "\"priority\":-3,\"key\":\"k\",\"wait\":true}}\n");

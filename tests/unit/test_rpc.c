@@ -193,6 +193,13 @@ static void test_wrong_submit(void **state) {
         {CALL("submit", "{\"galaxy\":{}}"), SHEAR_RPC_MISSING_PARAMETER, "7", "galaxy.path", NULL},
         {CALL("submit", "{\"galaxy\":{\"path\":\"/a\",\"hdu\":-1}}"), SHEAR_RPC_BAD_PARAMETER, "7",
          "galaxy.hdu", "from 0 to 9999"},
+        {CALL("submit", "{\"galaxy\":{\"path\":\"/a\"},\"noise\":{\"path\":\"/a\"},"
+                        "\"psf\":{\"path\":\"/a\",\"hdu\":1,\"extname\":\"P\"}}"),
+         SHEAR_RPC_BAD_PARAMETER, "7", "psf.hdu", "extname"},
+        {CALL("submit", "{\"path\":\"/a\",\"catalog\":{\"path\":\"/a\"}}"), SHEAR_RPC_BAD_PARAMETER,
+         "7", "path", "contradicts"},
+        {CALL("submit", "{\"catalog\":{\"path\":\"/a\"}}"), SHEAR_RPC_MISSING_PARAMETER, "7",
+         "galaxy", NULL},
         {CALL("submit", "{\"galaxy\":{\"path\":\"/a\",\"ext\":1}}"), SHEAR_RPC_UNKNOWN_PARAMETER,
          "7", "galaxy.ext", NULL},
         {CALL("submit", "{\"path\":\"/a\",\"priority\":101}"), SHEAR_RPC_BAD_PARAMETER, "7",

@@ -185,13 +185,16 @@ static void refuses_and_leaves_as_it_was(fixture *f, int code) {
 
 static void refuses_a_newer_one(void **state) {
     fixture *f = *state;
+    char mark[64];
     fx_open(f);
     fx_close(f);
-    run_sql(f->path, "PRAGMA user_version = 2");
+    snprintf(mark, sizeof mark, "PRAGMA user_version = %d", SCHEMA_VERSION + 1);
+    run_sql(f->path, mark);
     refuses_and_leaves_as_it_was(f, STORE_NEWER);
     run_sql(f->path, "PRAGMA user_version = -1");
     refuses_and_leaves_as_it_was(f, STORE_NEWER);
-    run_sql(f->path, "PRAGMA user_version = 1");
+    snprintf(mark, sizeof mark, "PRAGMA user_version = %d", SCHEMA_VERSION);
+    run_sql(f->path, mark);
     fx_open(f);
 }
 
@@ -300,6 +303,57 @@ static void opens_an_older_one(void **state) {
     fx_submit(f, "a");
 }
 
+/* A database of version 1, with a job in it. */
+static void make_version_1(const char *path) {
+    shear_error err = {0};
+    sqlite3 *db = NULL;
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    FX_OK(database_exec(db, path, "BEGIN", &err));
+    FX_OK(schema_migrate(db, path, schema_steps, 0, 1, &err));
+    FX_OK(database_exec(db, path,
+                        "INSERT INTO settings(digest, text) VALUES ('d0', '{}');"
+                        "INSERT INTO jobs(owner, idempotency_key, source, settings, field,"
+                        " field_asked, origin, priority, forced, created_ms)"
+                        " VALUES (7, 'k', '/a', 'd0', 'f', 'f', 1, 3, 0, 5); COMMIT",
+                        &err));
+    assert_int_equal(ask(db, "PRAGMA user_version"), 1);
+    sqlite3_close(db);
+}
+
+/* Its jobs go on, their groups not known; new ones have theirs beside them. */
+static void opens_version_1(void **state) {
+    fixture *f = *state;
+    shear_error err = {0};
+    store_job job = {0};
+    int64_t id = 0;
+    bool known = false;
+    make_version_1(f->path);
+    fx_open(f);
+    assert_int_equal(store_opened(f->s)->migrated_from, 1);
+    assert_int_equal(store_opened(f->s)->version, SCHEMA_VERSION);
+    FX_OK(store_audit(f->s, &err));
+    FX_OK(store_job_get(f->s, 1, &job, &err));
+    assert_string_equal(job.source, "/a");
+    assert_int_equal(job.owner, 7);
+    assert_int_equal(job.priority, 3);
+    assert_null(job.groups);
+    store_job_deinit(&job);
+    store_spec spec = fx_spec(f, "f");
+    spec.gid = 12;
+    spec.groups = "4 12";
+    FX_OK(store_submit(f->s, &spec, 10, &id, &known, &err));
+    fx_close(f);
+    fx_open(f);
+    assert_int_equal(store_opened(f->s)->migrated_from, SCHEMA_VERSION);
+    FX_OK(store_audit(f->s, &err));
+    FX_OK(store_job_get(f->s, id, &job, &err));
+    assert_int_equal(job.gid, 12);
+    assert_string_equal(job.groups, "4 12");
+    store_job_deinit(&job);
+    assert_int_equal(fx_next(f), 1); /* the older one first: its priority is higher */
+    assert_int_equal(fx_next(f), id);
+}
+
 /* Marked as the first version, but not its tables: no statement fits. */
 static void refuses_other_tables(void **state) {
     fixture *f = *state;
@@ -369,6 +423,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(says_why_it_cannot, setup, teardown),
         cmocka_unit_test_setup_teardown(takes_names_literally, setup, teardown),
         cmocka_unit_test_setup_teardown(migrates_step_by_step, setup, teardown),
+        cmocka_unit_test_setup_teardown(opens_version_1, setup, teardown),
         cmocka_unit_test_setup_teardown(opens_an_older_one, setup, teardown),
         cmocka_unit_test_setup_teardown(refuses_other_tables, setup, teardown),
     };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Retention: jobs go, what they contributed stays. */
+#include "database.h"
 #include "store_test.h"
 
 #include <stdlib.h>
@@ -131,6 +132,46 @@ static void unused_settings_go(void **state) {
     assert_false(known);
 }
 
+static int64_t rows_of_credentials(fixture *f) {
+    shear_error err = {0};
+    int64_t n = -1;
+    FX_OK(database_number(f->s->db, "", "SELECT count(*) FROM credentials", &n, &err));
+    return n;
+}
+
+/* Groups are kept once for all jobs that have the same, and go with the last of these. The same
+ * key with other groups is the same request: people log in again. */
+static void credentials_are_shared(void **state) {
+    fixture *f = *state;
+    shear_error err = {0};
+    int64_t ids[4] = {0};
+    bool known = false;
+    int end = 0;
+    const char *const groups[] = {"4 27", "4 27", "", NULL};
+    for (int i = 0; i < 4; i++) {
+        store_spec spec = fx_spec(f, "a");
+        spec.gid = 5;
+        spec.groups = groups[i];
+        spec.key = i == 0 ? "k" : NULL;
+        FX_OK(store_submit(f->s, &spec, 10, &ids[i], &known, &err));
+    }
+    assert_int_equal(rows_of_credentials(f), 2);
+    store_spec again = fx_spec(f, "a");
+    again.key = "k";
+    again.groups = "99";
+    int64_t id = 0;
+    FX_OK(store_submit(f->s, &again, 10, &id, &known, &err));
+    assert_true(known && id == ids[0]);
+    assert_int_equal(rows_of_credentials(f), 2);
+    for (int i = 0; i < 4; i++) {
+        FX_OK(store_audit(f->s, &err));
+        FX_OK(store_cancel(f->s, ids[i], fx_now(f), &end, &err));
+        assert_int_equal(retire(f, INT64_MAX, -1, 10), 1);
+        assert_int_equal(rows_of_credentials(f), i < 1 ? 2 : i < 2 ? 1 : 0);
+    }
+    FX_OK(store_audit(f->s, &err));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(by_age),
@@ -138,6 +179,7 @@ int main(void) {
         STORE_TEST(only_finished_ones),
         STORE_TEST(what_they_contributed_stays),
         STORE_TEST(unused_settings_go),
+        STORE_TEST(credentials_are_shared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

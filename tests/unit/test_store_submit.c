@@ -30,6 +30,8 @@ static void keeps_what_was_asked(void **state) {
                              .priority = -7,
                              .force = true,
                              .owner = 4294967295u,
+                             .gid = 4294967294u,
+                             .groups = "0 1 4294967294",
                              .created_ms = 123456789012345};
     const int64_t id = submit(f, &spec, SHEAR_OK, false);
     fx_close(f);
@@ -48,6 +50,8 @@ static void keeps_what_was_asked(void **state) {
     assert_true(job.force);
     assert_false(job.cancel_asked);
     assert_true(job.owner == spec.owner);
+    assert_true(job.gid == spec.gid);
+    assert_string_equal(job.groups, spec.groups);
     assert_true(job.created_ms == spec.created_ms);
     assert_int_equal(job.attempts + job.failures + job.interrupted + job.attempt, 0);
     assert_int_equal(job.started_ms + job.finished_ms + job.not_before_ms, 0);

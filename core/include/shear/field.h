@@ -11,6 +11,7 @@
 #define SHEAR_FIELD_H
 
 #include "shear/error.h"
+#include "shear/input.h"
 #include "shear/plan.h"
 #include "shear/stamp.h"
 
@@ -49,8 +50,10 @@ typedef struct shear_field_info {
     unsigned columns;   /* or of enum shear_column */
     int bitpix;         /* of GALAXY as stored: 8, 16, 32, 64, -32, -64 */
     bool compressed;    /* GALAXY is tile-compressed */
-    bool gzipped;       /* the whole file is */
-    int64_t file_bytes; /* as on disk */
+    bool gzipped;       /* the whole file is (any of them, where the parts are in several) */
+    int64_t file_bytes; /* as on disk, of all files */
+    bool separate;      /* the parts are not those of one field file */
+    int64_t hdu[SHEAR_N_PARTS]; /* of each part (enum shear_part), from 0; -1: there is none */
 } shear_field_info;
 
 /* Open and check a field file. SHEAR_E_IO (cannot open, not a regular file, no room for a temporary
@@ -60,6 +63,13 @@ int shear_field_open(shear_field **field, const char *path, shear_error *err);
 /* The same on a descriptor (open for reading; duplicated, the caller keeps his). `name` is for
  * messages and FIELD. */
 int shear_field_open_fd(shear_field **field, int fd, const char *name, shear_error *err);
+/* A field from one file or from parts in several. FIELD, PIXSCALE and the truth are those of the
+ * galaxies' file. `fds`: NULL, where the paths are to be opened; or, open for reading and the
+ * caller's, fds[0] of a field file, fds[SHEAR_N_PARTS] of parts (of those that are not given: -1):
+ * then paths are only names. A file that holds several parts may be given as several descriptors:
+ * it is read as one. */
+int shear_field_open_input(shear_field **field, const shear_input *input, const int *fds,
+                           shear_error *err);
 void shear_field_close(shear_field *field);
 const shear_field_info *shear_field_get_info(const shear_field *field);
 
@@ -97,12 +107,17 @@ int shear_field_read(shear_field *field, int64_t first, int count, shear_block *
 /* Read PSF image number `index` (0-based) into out[psf_ny][psf_nx]. */
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err);
 
-/* Content hash of a file (XXH3, 128 bits, lower-case hex): what the store recognises an input by.
- */
+/* Content hash of a file (XXH3, 128 bits, lower-case hex). */
 enum { SHEAR_CHECKSUM_SIZE = 33 }; /* with the NUL */
 int shear_file_checksum(const char *path, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
 int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
-/* The same of bytes in memory. */
+/* What the store recognises an input by: of a field file, its content hash; of parts, a hash of
+ * those of their files and of the HDUs chosen (`info`: of the open field), so that how they were
+ * named does not matter. Parts that are those of one field file have that file's hash. `fds` as
+ * above. */
+int shear_input_checksum(const shear_input *input, const int *fds, const shear_field_info *info,
+                         char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
+/* Content hash of bytes in memory. */
 void shear_bytes_checksum(const void *bytes, size_t n, char out[SHEAR_CHECKSUM_SIZE]);
 
 /* ---- writing ---- */

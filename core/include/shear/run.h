@@ -58,5 +58,9 @@ typedef struct shear_run_report {
 int shear_run_file(const char *path, const shear_settings *settings,
                    const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
                    shear_run_report *report, shear_error *err);
+/* The same of parts in separate files. */
+int shear_run_input(const shear_input *input, const shear_settings *settings,
+                    const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
+                    shear_run_report *report, shear_error *err);
 
 #endif

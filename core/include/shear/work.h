@@ -30,6 +30,9 @@ typedef struct shear_sink {
     void *self;
     int (*write)(void *self, int64_t first, int count, const shear_row *rows,
                  const shear_block *block, shear_error *err);
+    /* May be NULL. Bring rows [0, rows) to where they outlive the process. Not while `write` runs.
+     */
+    int (*keep)(void *self, int64_t rows, shear_error *err);
 } shear_sink;
 
 /* How much a thread takes at a time. */
@@ -85,6 +88,10 @@ typedef struct shear_work_status {
 shear_work_status shear_work_get_status(shear_work *work);
 /* The first failure in the file; only where code is not SHEAR_OK. */
 int shear_work_get_error(shear_work *work, shear_error *err);
+
+/* Have the sink keep the rows of blocks [0, next_block), which have been joined; nothing where it
+ * cannot. Thread-safe; other threads wait with their rows meanwhile. */
+int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err);
 
 /* Add the joined sums to `sums` (exact) and return next_block; thread-safe. */
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums);

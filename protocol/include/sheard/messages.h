@@ -11,6 +11,7 @@
 #define SHEARD_MESSAGES_H
 
 #include "shear/error.h"
+#include "shear/input.h"
 #include "shear/settings.h"
 
 #include <stdbool.h>
@@ -32,6 +33,7 @@ enum {
     SHEAR_MSG_FIELDS_PAGE = 1000, /* most fields, and contributions, in a page */
     SHEAR_MSG_PRIORITY_MAX = 100,
     SHEAR_MSG_HDU_MAX = 9999,
+    SHEAR_MSG_EXTNAME_MAX = 68,
     SHEAR_MSG_WAIT_MAX = 86400, /* seconds */
     SHEAR_MSG_JOB_FILE_MAX = 65536,
     SHEAR_MSG_SETTINGS_SIZE = 2048 /* canonical settings, with the NUL */
@@ -83,15 +85,19 @@ bool shear_job_state_is_final(int state);
 /* ---- What a job reads ---- */
 
 typedef struct shear_msg_image {
-    const char *path; /* NULL: no such image */
-    int64_t hdu;      /* from 0; -1: the first that holds an image */
+    const char *path;    /* NULL: no such part */
+    int64_t hdu;         /* from 0; -1: by its name, or the default */
+    const char *extname; /* NULL: by its number, or the default */
 } shear_msg_image;
 
-/* Either a field file, or all three images. */
+/* Either a field file, or all three images, with or without a catalogue. */
 typedef struct shear_msg_source {
     const char *path;
-    shear_msg_image galaxy, noise, psf;
+    shear_msg_image galaxy, noise, psf, catalog;
 } shear_msg_source;
+
+/* The same as the library has it; the texts stay the source's. */
+shear_input shear_source_input(const shear_msg_source *source);
 
 /* ---- Requests ---- */
 

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* part_options.h: the options that give a field's parts in separate files or HDUs: --galaxy,
+ * --noise, --psf and --catalog-in, each FILE or FILE:HDU. */
+#ifndef CLIENT_PART_OPTIONS_H
+#define CLIENT_PART_OPTIONS_H
+
+#include "command.h"
+#include "shear/error.h"
+#include "shear/input.h"
+
+#include <getopt.h>
+#include <stdbool.h>
+
+/* For a subcommand's table of options (its own values are below) and for its help. */
+enum { PART_OPTION_FIRST = 3072 };
+#define PART_OPTIONS                                                                               \
+    {"galaxy", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_GALAXY},                    \
+        {"noise", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_NOISE},                  \
+        {"psf", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_PSF}, {                    \
+        "catalog-in", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_CATALOG              \
+    }
+#define PART_OPTIONS_HELP                                                                          \
+    "  --galaxy FILE[:HDU]     galaxy stamps in a file of their own. HDU is a number from 0 or\n"  \
+    "                          a name (default: GALAXY, else the first that holds an image)\n"     \
+    "  --noise FILE[:HDU]      noise stamps (default: NOISE, else the first image)\n"              \
+    "  --psf FILE[:HDU]        PSF image or images (default: PSF, else the first image)\n"         \
+    "  --catalog-in FILE[:HDU]  the table that goes with them (default: CATALOG of the "           \
+    "galaxies'\n"                                                                                  \
+    "                          file, where there is one)\n"
+
+/* What was given: "FILE" or "FILE:HDU", or NULL. Begin as {0}. */
+struct part_options {
+    const char *given[SHEAR_N_PARTS];
+};
+
+bool part_options_is(int value);
+void part_options_set(struct part_options *o, int value, const char *argument);
+/* Is any given? */
+bool part_options_any(const struct part_options *o);
+/* All that belong together, and no field files (`n_files`) beside them? Returns an exit code, with
+ * an error printed. */
+int part_options_check(const struct part_options *o, const struct command *command, int n_files);
+
+/* The input that they name, and what its texts are kept in. */
+struct part_input {
+    shear_input input;
+    char *paths[SHEAR_N_PARTS];
+};
+/* `absolute`: with absolute paths, as the service wants them. SHEAR_E_SETTING (an HDU that can be
+ * none), SHEAR_E_IO, SHEAR_E_NOMEM; deinit it either way. */
+int part_input_init(struct part_input *p, const struct part_options *o, bool absolute,
+                    shear_error *err);
+void part_input_deinit(struct part_input *p);
+
+#endif

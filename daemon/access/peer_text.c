@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A peer's groups as text and back. */
+#include "access/access.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int access_peer_groups_text(const access_peer *peer, char **text, shear_error *err) {
+    enum { LONGEST = 11 }; /* ten digits and a blank */
+    const size_t size = peer->n_groups * LONGEST + 1;
+    size_t used = 0;
+    *text = calloc(size, 1);
+    if (*text == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of groups");
+    }
+    for (size_t i = 0; i < peer->n_groups; i++) {
+        used += (size_t)snprintf(*text + used, size - used, "%s%" PRIu32, i > 0 ? " " : "",
+                                 (uint32_t)peer->groups[i]);
+    }
+    return SHEAR_OK;
+}
+
+static int bad_text(access_peer *peer, const char *groups, shear_error *err) {
+    access_peer_deinit(peer);
+    return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
+                      "\"%.80s\" is no list of groups", groups);
+}
+
+/* One number at *at, which moves behind it and one blank. */
+static bool read_group(const char **at, gid_t *group) {
+    char *end = NULL;
+    errno = 0;
+    const unsigned long long value = strtoull(*at, &end, 10);
+    const bool good = **at >= '0' && **at <= '9' && errno == 0 && value <= UINT32_MAX &&
+                      (*end == '\0' || (*end == ' ' && end[1] != '\0'));
+    *group = (gid_t)value;
+    *at = good && *end == ' ' ? end + 1 : end;
+    return good;
+}
+
+int access_peer_from_text(uid_t uid, gid_t gid, const char *groups, access_peer *peer,
+                          shear_error *err) {
+    *peer = (access_peer){uid, gid, NULL, 0};
+    peer->groups = calloc(strlen(groups) / 2 + 1, sizeof *peer->groups);
+    if (peer->groups == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of groups");
+    }
+    for (const char *at = groups; *at != '\0';) {
+        if (!read_group(&at, &peer->groups[peer->n_groups])) {
+            return bad_text(peer, groups, err);
+        }
+        peer->n_groups++;
+    }
+    return SHEAR_OK;
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "engine/files.h"
+
+#include "engine/engine.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int n_files(const shear_input *input) {
+    return input->path != NULL ? 1 : SHEAR_N_PARTS;
+}
+
+static bool copy(const char **to, const char *from) {
+    *to = from != NULL ? strdup(from) : NULL;
+    return from == NULL || *to != NULL;
+}
+
+bool job_files_take(job_files *f, const shear_input *input, const int *fds) {
+    *f = (job_files){.input = shear_input_of_file(NULL)};
+    bool ok = copy(&f->input.path, input->path);
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        f->fds[i] = i < n_files(input) ? fds[i] : -1;
+        f->input.parts[i].hdu = input->parts[i].hdu;
+        ok = copy(&f->input.parts[i].path, input->parts[i].path) && ok;
+        ok = copy(&f->input.parts[i].extname, input->parts[i].extname) && ok;
+        if (f->fds[i] >= 0) {
+            fstat(f->fds[i], &f->taken[i]); /* zeros where it fails: then the check will, too */
+        }
+    }
+    return ok;
+}
+
+void job_files_close(job_files *f) {
+    free((char *)f->input.path);
+    f->input.path = NULL;
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        free((char *)f->input.parts[i].path);
+        free((char *)f->input.parts[i].extname);
+        f->input.parts[i] = (shear_input_part){.hdu = -1};
+        if (f->fds[i] >= 0) {
+            close(f->fds[i]);
+        }
+        f->fds[i] = -1;
+    }
+}
+
+static bool same_time(const struct timespec *a, const struct timespec *b) {
+    return a->tv_sec == b->tv_sec && a->tv_nsec == b->tv_nsec;
+}
+
+static bool same(const struct stat *a, const struct stat *b) {
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino && a->st_size == b->st_size &&
+           same_time(&a->st_mtim, &b->st_mtim) && same_time(&a->st_ctim, &b->st_ctim);
+}
+
+int job_files_check(const job_files *f, shear_error *err) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        struct stat now;
+        const char *name = f->input.path != NULL ? f->input.path : f->input.parts[i].path;
+        if (f->fds[i] < 0) {
+            continue;
+        }
+        if (fstat(f->fds[i], &now) != 0) {
+            return shear_fail(err, SHEAR_E_IO, NULL, "%.300s: cannot be examined: %s", name,
+                              strerror(errno));
+        }
+        if (!same(&f->taken[i], &now)) {
+            return shear_fail(err, ENGINE_E_CHANGED,
+                              "leave a file alone from its submission until its job has ended",
+                              "%.300s: changed while it was read", name);
+        }
+    }
+    return SHEAR_OK;
+}

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reader/launch.h"
+
+#include "reader/wire.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <unistd.h>
+
+enum { N_FDS = 2 + SHEAR_N_PARTS, NUMBER = 24 };
+
+/* The child's arguments, and what their numbers are kept in. */
+typedef struct arguments {
+    char numbers[3][NUMBER];
+    char hdus[SHEAR_N_PARTS][NUMBER];
+    char *argv[READER_ARGS_PARTS + 1];
+} arguments;
+
+static void fill_arguments(arguments *a, const shear_input *input, const reader_limits *limits) {
+    int n = 0;
+    snprintf(a->numbers[0], NUMBER, "%" PRId64, limits->memory_bytes);
+    snprintf(a->numbers[1], NUMBER, "%" PRId64, limits->cpu_seconds);
+    snprintf(a->numbers[2], NUMBER, "%" PRId64, limits->unpacked_bytes);
+    a->argv[n++] = (char *)"sheard-reader";
+    for (int i = 0; i < 3; i++) {
+        a->argv[n++] = a->numbers[i];
+    }
+    a->argv[n++] = (char *)limits->scratch;
+    if (input->path != NULL) {
+        a->argv[n++] = (char *)input->path;
+    }
+    for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
+        const shear_input_part *part = &input->parts[i];
+        snprintf(a->hdus[i], NUMBER, "%" PRId64, part->hdu);
+        a->argv[n++] = (char *)(part->path != NULL ? part->path : "");
+        a->argv[n++] = a->hdus[i];
+        a->argv[n++] = (char *)(part->extname != NULL ? part->extname : "");
+    }
+    a->argv[n] = NULL;
+}
+
+/* Duplicates above the fixed numbers first, so that no dup2 in the child overwrites one that is
+ * still needed. All others of the daemon's are close-on-exec. Returns 0 or errno. */
+static int add_descriptors(posix_spawn_file_actions_t *actions, const int given[N_FDS],
+                           int from[N_FDS]) {
+    int rc = 0;
+    for (int i = 0; i < N_FDS && rc == 0; i++) {
+        if (given[i] < 0) {
+            continue;
+        }
+        from[i] = fcntl(given[i], F_DUPFD_CLOEXEC, 16);
+        rc = from[i] < 0 ? errno
+                         : posix_spawn_file_actions_adddup2(actions, from[i], READER_FD_SOCKET + i);
+    }
+    return rc;
+}
+
+static void fill_attributes(posix_spawnattr_t *attributes) {
+    sigset_t none;
+    sigset_t defaults;
+    sigemptyset(&none);
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGPIPE);
+    sigaddset(&defaults, SIGTERM);
+    sigaddset(&defaults, SIGINT);
+    posix_spawnattr_setsigmask(attributes, &none);
+    posix_spawnattr_setsigdefault(attributes, &defaults);
+    posix_spawnattr_setpgroup(attributes, 0); /* a terminal's ^C is the daemon's to handle */
+    posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF |
+                                             POSIX_SPAWN_SETPGROUP);
+}
+
+int launch_reader(pid_t *pid, const shear_input *input, const int *fds, int child_socket,
+                  int memory_fd, const reader_limits *limits) {
+    char *const environment[] = {NULL};
+    int given[N_FDS] = {child_socket, memory_fd, -1, -1, -1, -1};
+    int from[N_FDS] = {-1, -1, -1, -1, -1, -1};
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    arguments a;
+    for (int i = 0; i < (input->path != NULL ? 1 : SHEAR_N_PARTS); i++) {
+        given[2 + i] = fds[i];
+    }
+    fill_arguments(&a, input, limits);
+    posix_spawn_file_actions_init(&actions);
+    posix_spawnattr_init(&attributes);
+    fill_attributes(&attributes);
+    int rc = add_descriptors(&actions, given, from);
+    if (rc == 0) {
+        rc = posix_spawn(pid, limits->program, &actions, &attributes, a.argv, environment);
+    }
+    for (int i = 0; i < N_FDS; i++) {
+        if (from[i] >= 0) {
+            close(from[i]);
+        }
+    }
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    return rc;
+}

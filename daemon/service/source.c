@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/source.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int open_part(const service *s, const access_peer *peer, const shear_msg_image *wanted,
+                     source_files *files, int i, shear_error *err) {
+    shear_msg_image *const named[] = {&files->named.galaxy, &files->named.noise, &files->named.psf,
+                                      &files->named.catalog};
+    if (wanted->path == NULL) {
+        return SHEAR_OK;
+    }
+    const int code =
+        access_open(s->roots, peer, wanted->path, &files->fds[i], &files->paths[i], err);
+    *named[i] = (shear_msg_image){files->paths[i], wanted->hdu, wanted->extname};
+    return code;
+}
+
+int source_files_open(const service *s, const access_peer *peer, const shear_msg_source *source,
+                      source_files *files, int *part, shear_error *err) {
+    const shear_msg_image *const wanted[] = {&source->galaxy, &source->noise, &source->psf,
+                                             &source->catalog};
+    int code = SHEAR_OK;
+    *files = (source_files){.fds = {-1, -1, -1, -1}};
+    *part = -1;
+    if (source->path != NULL) {
+        code = access_open(s->roots, peer, source->path, &files->fds[0], &files->paths[0], err);
+        files->named.path = files->paths[0];
+        return code;
+    }
+    for (int i = 0; i < SHEAR_N_PARTS && code == SHEAR_OK; i++) {
+        *part = i;
+        code = open_part(s, peer, wanted[i], files, i, err);
+    }
+    return code;
+}
+
+void source_files_deinit(source_files *files) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        if (files->fds[i] >= 0) {
+            close(files->fds[i]);
+        }
+        free(files->paths[i]);
+    }
+    *files = (source_files){.fds = {-1, -1, -1, -1}};
+}
+
+/* As who asked: with the groups of then; of older jobs these are not known, there it is the user
+ * database's word. */
+static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
+    return job->groups != NULL ? access_peer_from_text(job->owner, job->gid, job->groups, peer, err)
+                               : access_peer_from_user(job->owner, (gid_t)-1, peer, err);
+}
+
+static int open_clients(service *s, const store_job *job, source_opened *o, shear_error *err) {
+    access_peer peer = {0};
+    int part = -1;
+    int code = peer_of(job, &peer, err);
+    if (code == SHEAR_OK) {
+        code = source_files_open(s, &peer, &o->source, &o->files, &part, err);
+        o->input = shear_source_input(&o->files.named);
+    }
+    access_peer_deinit(&peer);
+    if (code != SHEAR_OK) {
+        shear_rpc_error error;
+        const int rpc = rpc_from_access(&error, code, err);
+        o->name =
+            shear_rpc_code_get(rpc == SHEAR_RPC_NO_SUCH_FILE ? SHEAR_RPC_FILE_VANISHED : rpc)->name;
+        o->job_class = code == ACCESS_E_NOT_FOUND || code == SHEAR_E_IO || code == SHEAR_E_NOMEM
+                           ? STORE_TRANSIENT
+                           : STORE_DATA;
+    }
+    return code;
+}
+
+/* By the name that its owner gave it: in messages, and where the field is named after it. */
+static int open_spooled(service *s, const char *spooled, source_opened *o, shear_error *err) {
+    const char *dash = strchr(spooled, '-');
+    o->active_name = strdup(spooled);
+    o->files.paths[0] = strdup(dash != NULL ? dash + 1 : spooled);
+    o->input = shear_input_of_file(o->files.paths[0]);
+    if (o->active_name == NULL || o->files.paths[0] == NULL) {
+        o->job_class = STORE_TRANSIENT;
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a name");
+    }
+    const int code = spool_open_file(s->spool, spooled, &o->files.fds[0], err);
+    if (code == SPOOL_GONE) {
+        o->name = shear_rpc_code_get(SHEAR_RPC_FILE_VANISHED)->name;
+    }
+    o->job_class = code == SPOOL_GONE || code == SHEAR_E_IO ? STORE_TRANSIENT : STORE_DATA;
+    return code;
+}
+
+int source_open_for_job(service *s, const store_job *job, source_opened *o, shear_error *err) {
+    shear_rpc_error error;
+    const char *spooled = spooled_name(s, job->key);
+    *o = (source_opened){.files = {.fds = {-1, -1, -1, -1}},
+                         .job_class = STORE_DATA,
+                         .name = shear_rpc_code_get(SHEAR_RPC_IO)->name};
+    if (shear_source_parse(&o->source, job->source, &error) != SHEAR_RPC_OK) {
+        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the job's source cannot be read: %s",
+                          error.message);
+    }
+    const bool own_file = job->origin == STORE_SPOOL && spooled != NULL && o->source.path != NULL &&
+                          strstr(o->source.path, spooled) != NULL;
+    return own_file ? open_spooled(s, spooled, o, err) : open_clients(s, job, o, err);
+}
+
+void source_opened_deinit(source_opened *o) {
+    source_files_deinit(&o->files);
+    shear_source_deinit(&o->source);
+    free(o->active_name);
+    o->active_name = NULL;
+}
