@@ -13,6 +13,7 @@
 
 enum { MAX_ROUNDS = 1001 };
 static const double round_seconds = 0.02; /* the shortest a timing may be */
+static const double turn_pixels = 131072.0;
 
 static double now_us(void) {
     struct timespec t;
@@ -35,14 +36,16 @@ typedef struct timing {
     double pair_us, floor_us, ratio;
 } timing;
 
-static void time_pairs(const bench_data *d, shear_workspace *ws, double *us) {
+static void time_pairs(const bench_data *d, shear_workspace *ws, int repeats, double *us) {
     const double start = now_us();
     shear_error err;
-    if (shear_measure_range(d->plan, ws, &d->stamps, 0, d->count, d->rows, &err) != SHEAR_OK) {
-        fprintf(stderr, "shear-bench: %s\n", err.message);
-        exit(1);
+    for (int i = 0; i < repeats; i++) {
+        if (shear_measure_range(d->plan, ws, &d->stamps, 0, d->count, d->rows, &err) != SHEAR_OK) {
+            fprintf(stderr, "shear-bench: %s\n", err.message);
+            exit(1);
+        }
     }
-    *us = (now_us() - start) / d->count;
+    *us = (now_us() - start) / ((double)repeats * d->count);
 }
 
 static void time_floor(floor_transform *f, int repeats, double *us) {
@@ -65,7 +68,9 @@ static int time_case(const bench_case *c, int rounds, timing *out) {
     double guess = 1.0;
     time_floor(f, 1, &guess);
     time_floor(f, 3, &guess);
-    const int count = (int)fmax(4.0, fmin(512.0, ceil(1e6 * round_seconds / guess)));
+    const int repeats = (int)fmax(4.0, ceil(1e6 * round_seconds / guess));
+    /* As many stamps as a turn of the pipeline has: what the reader has just left in the cache. */
+    const int count = (int)fmax(1.0, fmin(repeats, turn_pixels / (2.0 * c->side * c->side)));
     int code = bench_data_new(&d, c, count, &err);
     if (code == SHEAR_OK) {
         code = shear_workspace_new(&ws, d.plan, &err);
@@ -75,8 +80,8 @@ static int time_case(const bench_case *c, int rounds, timing *out) {
     }
     for (int r = -1; r < rounds && code == SHEAR_OK; r++) { /* round -1 warms up */
         const int at = r < 0 ? 0 : r;
-        time_pairs(&d, ws, &pair[at]);
-        time_floor(f, count, &plain[at]);
+        time_pairs(&d, ws, repeats / count, &pair[at]);
+        time_floor(f, repeats, &plain[at]);
         ratio[at] = pair[at] / plain[at];
     }
     if (code == SHEAR_OK) {
@@ -105,13 +110,16 @@ static void print_row(const bench_case *c, const timing *t, bool json) {
 int main(int argc, char **argv) {
     bool json = false;
     int rounds = 21;
+    const char *only = "";
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--json") == 0) {
             json = true;
         } else if (strcmp(argv[i], "--rounds") == 0 && i + 1 < argc) {
             rounds = atoi(argv[++i]);
+        } else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) {
+            only = argv[++i];
         } else {
-            fprintf(stderr, "usage: shear-bench [--rounds N] [--json]\n");
+            fprintf(stderr, "usage: shear-bench [--rounds N] [--json] [--only CASE]\n");
             return 2;
         }
     }
@@ -126,6 +134,9 @@ int main(int argc, char **argv) {
     }
     for (int i = 0; i < bench_n_cases; i++) {
         timing t;
+        if (strstr(bench_cases[i].name, only) == NULL) {
+            continue;
+        }
         if (time_case(&bench_cases[i], rounds, &t) != SHEAR_OK) {
             return 1;
         }

@@ -14,6 +14,7 @@ static const char *const interpolations[] = {"auto",        "none",       "bilin
                                              "log-bicubic", "log-spline", NULL};
 static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
+static const char *const shot_noises[] = {"none", "plateau", NULL};
 
 enum { MAX_OVERSAMPLE = 64 };
 
@@ -46,6 +47,9 @@ static const shear_setting_def table[] = {
      "largest part of the target's power that may lie beyond the cut"},
     {"noise-correction", "NOISECOR", SHEAR_T_BOOL, AT(noise_correction), NULL, 0, 0, false, "", "",
      "subtract the noise stamp's moments from the galaxy's"},
+    {"shot-noise", "SHOTNOIS", SHEAR_T_CHOICE, AT(shot_noise), shot_noises, 0, 0, false, "", "KIND",
+     "shot noise of galaxy and noise stamp: none (left), or plateau (their mean power at |k| > 3/4 "
+     "of Nyquist is subtracted; without interpolation only)"},
 };
 enum { N_SETTINGS = sizeof table / sizeof table[0] };
 
@@ -88,6 +92,7 @@ void shear_settings_init(shear_settings *s) {
         .psf_threshold = 1e-8,
         .power_tolerance = 1e-3,
         .noise_correction = true,
+        .shot_noise = SHEAR_SHOT_NONE,
     };
 }
 
@@ -284,6 +289,11 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
         !shear_interpolation_is_log(s->interpolation)) {
         return shear_fail(err, SHEAR_E_SETTING, "a pedestal is for the log methods only",
                           "setting 'pedestal' contradicts interpolation=%s",
+                          shear_interpolation_name(s->interpolation));
+    }
+    if (s->shot_noise == SHEAR_SHOT_PLATEAU && s->interpolation > SHEAR_INTERP_NONE) {
+        return shear_fail(err, SHEAR_E_SETTING, "interpolation colours shot noise: set it to none",
+                          "setting 'shot-noise' is plateau but interpolation is %s",
                           shear_interpolation_name(s->interpolation));
     }
     return SHEAR_OK;

@@ -3,17 +3,13 @@
 
 #include <fftw3.h>
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 /* FFTW's planner keeps global state: only fftw_execute* may run beside it. */
 static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
 
-struct fft_image_plan {
-    fftw_plan row;     /* one row, in place */
-    fftw_plan columns; /* FFT_COLUMNS adjacent columns, in place */
-};
-
-struct fft_line_plan {
+struct fft_batch {
     fftw_plan plan;
 };
 
@@ -25,105 +21,72 @@ void fft_free(void *p) {
     fftw_free(p);
 }
 
+size_t fft_padded(int lines) {
+    return ((size_t)lines + FFT_LINES - 1) / FFT_LINES * FFT_LINES;
+}
+
 size_t fft_row_stride(int nx) {
-    /* A multiple of a group, and an odd number of groups: a stride that is a power of two would map
-     * a column onto a few cache sets. */
-    const size_t groups = ((size_t)nx + FFT_COLUMNS - 1) / FFT_COLUMNS;
-    return FFT_COLUMNS * (groups | 1u);
+    /* An odd number of cache lines' groups: a stride that is a power of two would map a column onto
+     * a few cache sets. */
+    const size_t groups = fft_padded(nx + 1) / FFT_LINES;
+    return FFT_LINES * (groups | 1u);
 }
 
-static void destroy(fftw_plan plan) {
-    if (plan != NULL) {
+/* Numbers that a batch's lines span, and how many of them lie before the first one. */
+static size_t span(int n, fft_layout layout) {
+    return (size_t)(n - 1) * (size_t)layout.step + (FFT_LINES - 1) * (size_t)abs(layout.apart) + 1;
+}
+
+static size_t before(fft_layout layout) {
+    return layout.apart < 0 ? (FFT_LINES - 1) * (size_t)-layout.apart : 0;
+}
+
+static fft_batch *make_batch(bool real, int n, fft_layout in, fft_layout out) {
+    fft_batch *batch = calloc(1, sizeof *batch);
+    double *memory = fft_alloc(span(n, in) * (real ? sizeof(double) : sizeof(fftw_complex)));
+    fftw_complex *to = fft_alloc(span(n, out) * sizeof *to);
+    if (batch != NULL && memory != NULL && to != NULL) {
+        double *real_from = memory + before(in);
+        fftw_complex *from = (fftw_complex *)memory + before(in);
         pthread_mutex_lock(&planner);
-        fftw_destroy_plan(plan);
+        batch->plan = real ? fftw_plan_many_dft_r2c(1, &n, FFT_LINES, real_from, NULL, in.step,
+                                                    in.apart, to, NULL, out.step, out.apart,
+                                                    FFTW_ESTIMATE | FFTW_PRESERVE_INPUT)
+                           : fftw_plan_many_dft(1, &n, FFT_LINES, from, NULL, in.step, in.apart, to,
+                                                NULL, out.step, out.apart, FFTW_FORWARD,
+                                                FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
         pthread_mutex_unlock(&planner);
     }
+    fft_free(memory);
+    fft_free(to);
+    if (batch != NULL && batch->plan == NULL) {
+        free(batch);
+        batch = NULL;
+    }
+    return batch;
 }
 
-fft_image_plan *fft_image_new(int nx, int ny) {
-    const size_t stride = fft_row_stride(nx);
-    fft_image_plan *plan = calloc(1, sizeof *plan);
-    fftw_complex *image = fft_alloc(stride * (size_t)ny * sizeof *image);
-    if (plan != NULL && image != NULL) {
+fft_batch *fft_complex_new(int n, fft_layout in, fft_layout out) {
+    return make_batch(false, n, in, out);
+}
+
+fft_batch *fft_real_new(int n, fft_layout in, fft_layout out) {
+    return make_batch(true, n, in, out);
+}
+
+void fft_batch_free(fft_batch *batch) {
+    if (batch != NULL) {
         pthread_mutex_lock(&planner);
-        plan->row = fftw_plan_dft_1d(nx, image, image, FFTW_FORWARD, FFTW_ESTIMATE);
-        plan->columns = fftw_plan_many_dft(1, &ny, FFT_COLUMNS, image, NULL, (int)stride, 1, image,
-                                           NULL, (int)stride, 1, FFTW_FORWARD, FFTW_ESTIMATE);
+        fftw_destroy_plan(batch->plan);
         pthread_mutex_unlock(&planner);
-    }
-    fft_free(image);
-    if (plan != NULL && (plan->row == NULL || plan->columns == NULL)) {
-        fft_image_free(plan);
-        plan = NULL;
-    }
-    return plan;
-}
-
-void fft_image_free(fft_image_plan *plan) {
-    if (plan != NULL) {
-        destroy(plan->row);
-        destroy(plan->columns);
-        free(plan);
+        free(batch);
     }
 }
 
-void fft_image_row(const fft_image_plan *plan, double complex *row) {
-    fftw_execute_dft(plan->row, row, row);
+void fft_complex(const fft_batch *batch, double complex *in, double complex *out) {
+    fftw_execute_dft(batch->plan, in, out);
 }
 
-void fft_image_columns(const fft_image_plan *plan, double complex *image, int group) {
-    double complex *first = image + (size_t)group * FFT_COLUMNS;
-    fftw_execute_dft(plan->columns, first, first);
-}
-
-/* Wrap a plan made under the lock; NULL where either allocation failed. */
-static fft_line_plan *line_plan(fftw_plan made) {
-    fft_line_plan *plan = made != NULL ? malloc(sizeof *plan) : NULL;
-    if (plan == NULL) {
-        destroy(made);
-        return NULL;
-    }
-    plan->plan = made;
-    return plan;
-}
-
-fft_line_plan *fft_line_real_new(int n) {
-    double *in = fft_alloc((size_t)n * sizeof *in);
-    fftw_complex *out = fft_alloc(((size_t)n / 2 + 1) * sizeof *out);
-    fftw_plan made = NULL;
-    if (in != NULL && out != NULL) {
-        pthread_mutex_lock(&planner);
-        made = fftw_plan_dft_r2c_1d(n, in, out, FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
-        pthread_mutex_unlock(&planner);
-    }
-    fft_free(in);
-    fft_free(out);
-    return line_plan(made);
-}
-
-fft_line_plan *fft_line_complex_new(int n) {
-    fftw_complex *line = fft_alloc((size_t)n * sizeof *line);
-    fftw_plan made = NULL;
-    if (line != NULL) {
-        pthread_mutex_lock(&planner);
-        made = fftw_plan_dft_1d(n, line, line, FFTW_FORWARD, FFTW_ESTIMATE);
-        pthread_mutex_unlock(&planner);
-    }
-    fft_free(line);
-    return line_plan(made);
-}
-
-void fft_line_free(fft_line_plan *plan) {
-    if (plan != NULL) {
-        destroy(plan->plan);
-        free(plan);
-    }
-}
-
-void fft_line_real(const fft_line_plan *plan, double *in, double complex *out) {
-    fftw_execute_dft_r2c(plan->plan, in, out);
-}
-
-void fft_line_complex(const fft_line_plan *plan, double complex *line) {
-    fftw_execute_dft(plan->plan, line, line);
+void fft_real(const fft_batch *batch, double *in, double complex *out) {
+    fftw_execute_dft_r2c(batch->plan, in, out);
 }

@@ -33,38 +33,61 @@ void shear_inspection_free(shear_inspection *out) {
 /* A noise stamp that is not corrected for may be negative under a log method: then there is no
  * picture of it. */
 static void copy_images(const shear_plan *plan, const shear_workspace *ws, bool has_noise,
-                        shear_inspection *out) {
+                        const filter_map *filter, shear_inspection *out) {
+    const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
     for (int y = 0; y < out->fine_ny; y++) {
         const size_t at = (size_t)y * (size_t)out->fine_nx;
         image_row(&ws->galaxy, &plan->grid, y, 0, out->fine_nx, out->galaxy_fine + at);
         if (has_noise) {
             image_row(&ws->noise, &plan->grid, y, 0, out->fine_nx, out->noise_fine + at);
         }
-        for (int x = 0; x < out->fine_nx; x++) {
-            out->noise_fine[at + (size_t)x] = has_noise ? out->noise_fine[at + (size_t)x] : NAN;
-            out->galaxy_filtered[at + (size_t)x] =
-                creal(ws->pair[(size_t)y * plan->stride + (size_t)x]);
-        }
+    }
+    for (size_t i = 0; i < points; i++) {
+        out->noise_fine[i] = has_noise ? out->noise_fine[i] : NAN;
+        out->galaxy_filtered[i] = out->galaxy_fine[i] * (filter != NULL ? filter->value[i] : 1.0);
     }
 }
 
-static void copy_spectra(const shear_plan *plan, const shear_workspace *ws, const transfer *t,
-                         shear_inspection *out) {
-    const transfer_plan *p = &plan->transfer_plan;
+/* Mode (jx, jy) and its mirror image, jx >= 0. */
+static void put_mode(const transfer_plan *p, const transfer *t, int jx, int jy, double power,
+                     shear_inspection *out) {
     const double s2 = (double)p->s * p->s;
     const double norm = (double)p->nx * p->ny * s2 * s2;
-    for (int jy = -t->jy; jy <= t->jy; jy++) {
-        for (int jx = -t->jx; jx <= t->jx; jx++) {
-            const size_t at =
-                (size_t)(jy + p->max_jy) * (size_t)out->spec_nx + (size_t)(jx + p->max_jx);
-            /* T is kept for jx >= 0 with the weight of both halves; T(-k) = T(k). */
-            const int tx = jx < 0 ? -jx : jx;
-            const int ty = jx < 0 ? -jy : jy;
-            const double weight = tx > 0 ? 2.0 : 1.0;
-            const double both = t->t[(size_t)(ty + p->max_jy) * p->stride + (size_t)tx];
-            out->power[at] = moments_power(ws->pair, plan->stride, p, jx, jy) / norm;
-            out->transfer[at] = both / weight * norm;
-            out->target_power[at] = out->transfer[at] * out->power[at];
+    const double both_halves = jx > 0 ? 2.0 : 1.0; /* T's weight */
+    const double weight = t->t[(size_t)(jy + p->max_jy) * p->stride + (size_t)jx];
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const size_t at = (size_t)(sign * jy + p->max_jy) * (size_t)out->spec_nx +
+                          (size_t)(sign * jx + p->max_jx);
+        out->power[at] = power / norm;
+        out->transfer[at] = weight / both_halves * norm;
+        out->target_power[at] = out->transfer[at] * out->power[at];
+    }
+}
+
+/* What every mode holds of shot noise. */
+static double shot_power(const shear_plan *plan, shear_workspace *ws) {
+    double power = 0.0;
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
+        for (int group = 0; group <= plan->plateau.last_group; group++) {
+            const mode_columns columns = transform_columns(plan, ws, group);
+            power += plateau_part(&plan->plateau, &columns);
+        }
+    }
+    return power;
+}
+
+static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const transfer *t,
+                         shear_inspection *out) {
+    const transfer_plan *p = &plan->transfer_plan;
+    const double flat = shot_power(plan, ws);
+    for (int group = 0; group * FFT_LINES <= t->jx; group++) {
+        const mode_columns columns = transform_columns(plan, ws, group);
+        const int left = t->jx - group * FFT_LINES;
+        for (int l = 0; l < FFT_LINES && l <= left; l++) {
+            for (int jy = -t->jy; jy <= t->jy; jy++) {
+                put_mode(p, t, group * FFT_LINES + l, jy, moments_power(&columns, p, l, jy) - flat,
+                         out);
+            }
         }
     }
 }
@@ -102,8 +125,7 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
         image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
     pack_pair(plan, ws, fine, stamps->galaxy + (size_t)i * pixels,
               stamps->noise + (size_t)i * pixels, &failure);
-    copy_images(plan, ws, has_noise, out);
-    transform_pair(plan, ws, fine, t);
+    copy_images(plan, ws, has_noise, fine, out);
     copy_spectra(plan, ws, t, out);
     return SHEAR_OK;
 }

@@ -1,67 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "base/simd.h"
 #include "measure/block_sums.h"
 #include "measure/moments.h"
+#include "measure/photometry.h"
 #include "measure/plan_impl.h"
 
 #include <math.h>
-
-/* What one pass over a stamp's pixels tells. */
-typedef struct pixel_scan {
-    double sum, low, high;
-    double var; /* about the mean */
-    bool finite;
-} pixel_scan;
-
-SHEAR_SIMD static pixel_scan scan_pixels(const double *pixels, size_t n) {
-    /* Squares are taken about one of the pixels: about zero, a bright sky would swallow its own
-     * noise. */
-    const double origin = pixels[0];
-    double sum = 0.0;
-    double sum1 = 0.0;
-    double sum2 = 0.0;
-    double low = INFINITY;
-    double high = -INFINITY;
-    double not_finite = 0.0; /* becomes NaN with the first NaN or infinity */
-#pragma omp simd reduction(+ : sum, sum1, sum2, not_finite) reduction(min : low) reduction(max : high)
-    for (size_t i = 0; i < n; i++) {
-        const double p = pixels[i];
-        sum += p;
-        sum1 += p - origin;
-        sum2 += (p - origin) * (p - origin);
-        not_finite += p * 0.0;
-        low = p < low ? p : low;
-        high = p > high ? p : high;
-    }
-    const double mean = sum1 / (double)n;
-    const double var = fmax(0.0, sum2 / (double)n - mean * mean);
-    return (pixel_scan){
-        .sum = sum, .low = low, .high = high, .var = var, .finite = not_finite == 0.0};
-}
-
-/* Mean and variance of the one-pixel border. */
-typedef struct border {
-    double mean, var;
-} border;
-
-static border scan_border(const double *pixels, int nx, int ny) {
-    const int n = 2 * (nx + ny) - 4;
-    double mean = 0.0;
-    for (int pass = 0;; pass++) {
-        double sum = 0.0;
-        for (int y = 0; y < ny; y++) {
-            const int step = y == 0 || y == ny - 1 ? 1 : nx - 1;
-            for (int x = 0; x < nx; x += step) {
-                const double p = pixels[(size_t)y * (size_t)nx + (size_t)x] - mean;
-                sum += pass == 0 ? p : p * p;
-            }
-        }
-        if (pass == 1) {
-            return (border){.mean = mean, .var = sum / (n - 1)};
-        }
-        mean = sum / n;
-    }
-}
 
 static void row_init(shear_row *row, double weight, uint32_t flags) {
     *row = (shear_row){.n1 = NAN,
@@ -85,29 +28,15 @@ static void row_init(shear_row *row, double weight, uint32_t flags) {
 
 /* Flux, signal to noise and the border's excess over the noise stamp. */
 static void fill_photometry(shear_row *row, const shear_stamps *st, const double *galaxy,
-                            const double *noise, const pixel_scan *g, const pixel_scan *n) {
+                            const double *noise, const photometry *ph) {
     const double pixels = (double)st->nx * st->ny;
-    /* A constant noise stamp (all zero, say) has no variance but that of rounding. */
-    const bool noisy = n->high > n->low;
-    row->flux = g->sum - n->sum;
-    row->snr = noisy ? row->flux / sqrt(2.0 * pixels * n->var) : NAN;
-    const border of_galaxy = scan_border(galaxy, st->nx, st->ny);
-    const border of_noise = scan_border(noise, st->nx, st->ny);
+    row->flux = ph->galaxy_sum - ph->noise_sum;
+    row->snr = ph->noise_var > 0.0 ? row->flux / sqrt(2.0 * pixels * ph->noise_var) : NAN;
+    const border of_galaxy = border_of(galaxy, st->nx, st->ny);
+    const border of_noise = border_of(noise, st->nx, st->ny);
     row->border_mean = of_galaxy.mean - of_noise.mean;
     row->border_var = of_galaxy.var - of_noise.var;
     row->border_var_noise = of_noise.var;
-}
-
-SHEAR_SIMD static double removed_flux(const filter_map *coarse, const double *galaxy,
-                                      const double *noise) {
-    const size_t n = (size_t)coarse->nx * (size_t)coarse->ny;
-    const double *value = coarse->value;
-    double removed = 0.0;
-#pragma omp simd reduction(+ : removed)
-    for (size_t i = 0; i < n; i++) {
-        removed += (1.0 - value[i]) * (galaxy[i] - noise[i]);
-    }
-    return removed;
 }
 
 void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
@@ -188,6 +117,27 @@ static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double wei
            (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
 }
 
+/* METHOD step 4, of the difference of galaxy and noise: the columns of modes that the transfer lets
+ * through, and for a plateau the others, too. */
+static moments moments_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
+    const bool shot = plan->settings.shot_noise == SHEAR_SHOT_PLATEAU;
+    const int last = shot ? plan->plateau.last_group : t->jx / FFT_LINES;
+    moments m = {0};
+    double shot_power = 0.0;
+    for (int group = 0; group <= last; group++) {
+        const mode_columns columns = transform_columns(plan, ws, group);
+        if (group * FFT_LINES <= t->jx) {
+            moments_add(&m, &columns, &plan->transfer_plan, t);
+        }
+        shot_power += shot ? plateau_part(&plan->plateau, &columns) : 0.0;
+    }
+    if (shot) {
+        const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
+        moments_subtract(&m, shot_power, &flat);
+    }
+    return m;
+}
+
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
@@ -195,11 +145,10 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     const double *noise = stamps->noise + (size_t)i * pixels;
     const double weight = stamps->weight != NULL ? stamps->weight[i] : 1.0;
     row_init(row, weight, flags_of_catalogue(stamps, i, weight));
-    const pixel_scan g = scan_pixels(galaxy, pixels);
-    const pixel_scan n = scan_pixels(noise, pixels);
-    row->flags |= g.finite ? 0u : (uint32_t)SHEAR_FLAG_GALAXY_NOT_FINITE;
-    row->flags |= n.finite ? 0u : (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE;
-    row->flags |= g.finite && g.low == g.high ? (uint32_t)SHEAR_FLAG_EMPTY : 0u;
+    const photometry ph = photometry_of(galaxy, noise, pixels);
+    row->flags |= ph.galaxy_finite ? 0u : (uint32_t)SHEAR_FLAG_GALAXY_NOT_FINITE;
+    row->flags |= ph.noise_finite ? 0u : (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE;
+    row->flags |= ph.galaxy_finite && ph.galaxy_flat ? (uint32_t)SHEAR_FLAG_EMPTY : 0u;
     const filter_map *fine = NULL;
     const filter_map *coarse = NULL;
     choose_filter(plan, ws, stamps, i, &fine, &coarse, &row->flags);
@@ -210,14 +159,14 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     if (t == NULL) {
         return SHEAR_OK;
     }
-    fill_photometry(row, stamps, galaxy, noise, &g, &n);
-    row->flux_removed = coarse != NULL ? removed_flux(coarse, galaxy, noise) : 0.0;
+    fill_photometry(row, stamps, galaxy, noise, &ph);
+    row->flux_removed =
+        coarse != NULL ? photometry_removed(coarse->value, galaxy, noise, pixels) : 0.0;
     pack_failure failure;
     if (!pack_pair(plan, ws, fine, galaxy, noise, &failure)) {
         return negative_pixel(plan, stamps, i, &failure, err);
     }
-    transform_pair(plan, ws, fine, t);
-    const moments m = moments_of(ws->pair, plan->stride, &plan->transfer_plan, t);
+    const moments m = moments_of(plan, ws, t);
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;
 }

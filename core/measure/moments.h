@@ -17,12 +17,23 @@ typedef struct moments {
     double m20, m02, m11, m4, u, v;
 } moments;
 
-/* Z: [ny s][stride] with columns -t->jx .. t->jx (mod nx s) transformed. */
-moments moments_of(const double complex *z, size_t stride, const transfer_plan *p,
-                   const transfer *t);
+/* FFT_LINES columns of modes and their mirror images, as they come from a batch: left[ny s][l] is
+ * column jx = FFT_LINES g + l, right[ny s][l] is column -jx. */
+typedef struct mode_columns {
+    const double complex *left, *right;
+    int group; /* g */
+} mode_columns;
 
-/* The corrected power of one mode, |jx| and |jy| within the transformed columns. For pictures. */
-double moments_power(const double complex *z, size_t stride, const transfer_plan *p, int jx,
-                     int jy);
+/* Add what the columns of one group hold; the groups are 0 .. t->jx / FFT_LINES. */
+void moments_add(moments *m, const mode_columns *columns, const transfer_plan *p,
+                 const transfer *t);
+
+/* The moments of a power that is 1 at every mode. */
+moments moments_of_flat(const transfer_plan *p, const transfer *t);
+/* m -= power flat */
+void moments_subtract(moments *m, double power, const moments *flat);
+
+/* The corrected power of mode (FFT_LINES g + lane, jy). For pictures. */
+double moments_power(const mode_columns *columns, const transfer_plan *p, int lane, int jy);
 
 #endif

@@ -61,6 +61,12 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
             r >= well_sampled_px && !asked ? SHEAR_INTERP_NONE : SHEAR_INTERP_LOG_BICUBIC;
     }
     const bool none = info->interpolation == SHEAR_INTERP_NONE;
+    if (!none && set->shot_noise == SHEAR_SHOT_PLATEAU) {
+        return shear_fail(err, SHEAR_E_SETTING, "set interpolation=none, or shot-noise=none",
+                          "shot-noise=plateau goes without interpolation, but R_PSF is %.3g px and "
+                          "interpolation=auto takes %s",
+                          r, shear_interpolation_name(info->interpolation));
+    }
     info->oversample = none ? 1 : set->oversample > 0 ? set->oversample : finest_needed(r);
     const int given = info->geometry.psf_oversample;
     const bool fine_enough = given > 1 && r * given >= well_sampled_px;
@@ -136,8 +142,16 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
         image_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
     const bool transfer_made = transfer_plan_init(tp);
     plan->stride = fft_row_stride(info->fine_nx);
-    plan->fft = fft_image_new(info->fine_nx, info->fine_ny);
-    return grid_made && psf_grid_made && transfer_made && plan->fft != NULL;
+    const fft_layout lines = {.step = 1, .apart = info->fine_nx};
+    const fft_layout rows = {.step = 1, .apart = (int)plan->stride};
+    const fft_layout across = {.step = (int)plan->stride, .apart = 1};
+    const fft_layout columns = {.step = FFT_LINES, .apart = 1};
+    plan->rows = fft_complex_new(info->fine_nx, lines, rows);
+    const fft_layout back = {.step = (int)plan->stride, .apart = -1};
+    plan->columns = fft_complex_new(info->fine_ny, across, columns);
+    plan->mirrored = fft_complex_new(info->fine_ny, back, columns);
+    return grid_made && psf_grid_made && transfer_made && plan->rows != NULL &&
+           plan->columns != NULL && plan->mirrored != NULL;
 }
 
 static bool make_filter(shear_plan *plan) {
@@ -157,6 +171,12 @@ static bool make_filter(shear_plan *plan) {
     return fine_made && coarse_made;
 }
 
+static bool make_plateau(shear_plan *plan) {
+    const shear_geometry *g = &plan->info.geometry;
+    return plan->settings.shot_noise != SHEAR_SHOT_PLATEAU ||
+           plateau_init(&plan->plateau, g->nx, g->ny);
+}
+
 static int out_of_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while planning");
 }
@@ -174,6 +194,8 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) 
     transfer_scratch_deinit(&scratch);
     plan->has_psf = true;
     plan->info.k_cut = plan->transfer.k_cut;
+    plan->flat =
+        code == SHEAR_OK ? moments_of_flat(&plan->transfer_plan, &plan->transfer) : (moments){0};
     return code;
 }
 
@@ -226,7 +248,8 @@ int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear
     plan->info.geometry = *geometry;
     int psf_factor = 1;
     int code = resolve(plan, psf, r_psf_px, has_r_gal, &psf_factor, err);
-    if (code == SHEAR_OK && !(make_grids(plan, psf_factor) && make_filter(plan))) {
+    if (code == SHEAR_OK &&
+        !(make_grids(plan, psf_factor) && make_filter(plan) && make_plateau(plan))) {
         code = out_of_memory(err);
     }
     if (code == SHEAR_OK) {
@@ -245,11 +268,14 @@ void shear_plan_free(shear_plan *plan) {
         return;
     }
     image_grid_deinit(&plan->grid);
-    fft_image_free(plan->fft);
+    fft_batch_free(plan->rows);
+    fft_batch_free(plan->columns);
+    fft_batch_free(plan->mirrored);
     transfer_plan_deinit(&plan->transfer_plan);
     transfer_deinit(&plan->transfer);
     filter_map_deinit(&plan->fine);
     filter_map_deinit(&plan->coarse);
+    plateau_deinit(&plan->plateau);
     free(plan);
 }
 

@@ -6,23 +6,42 @@
  * estimates reproduce exactly. */
 #include "measure/psf.h"
 
+#include "base/simd.h"
+
 #include "shear/plan.h"
 
 #include <math.h>
 #include <stdbool.h>
 
+/* Sum and brightest sample; false where a sample is not finite. */
+SHEAR_SIMD static bool scan(const double *psf, long n, double *sum, double *peak) {
+    double total = 0.0;
+    double most = -INFINITY;
+    double not_finite = 0.0; /* becomes NaN with the first NaN or infinity */
+#pragma omp simd reduction(+ : total, not_finite) reduction(max : most)
+    for (long i = 0; i < n; i++) {
+        total += psf[i];
+        not_finite += psf[i] * 0.0;
+        most = psf[i] > most ? psf[i] : most;
+    }
+    *sum = total;
+    *peak = most;
+    return not_finite == 0.0;
+}
+
 int psf_check(const double *psf, int nx, int ny, shear_error *err) {
     static const char advice[] =
         "the PSF must be an image of positive total flux, pixel response included";
-    double sum = 0.0;
-    double peak = -INFINITY;
-    for (long i = 0; i < (long)nx * ny; i++) {
-        if (!isfinite(psf[i])) {
-            return shear_fail(err, SHEAR_E_PSF, advice,
-                              "the PSF is not finite at sample (%ld, %ld)", i % nx + 1, i / nx + 1);
+    const long n = (long)nx * ny;
+    double sum;
+    double peak;
+    if (!scan(psf, n, &sum, &peak)) {
+        long i = 0;
+        while (i < n - 1 && isfinite(psf[i])) {
+            i++;
         }
-        sum += psf[i];
-        peak = fmax(peak, psf[i]);
+        return shear_fail(err, SHEAR_E_PSF, advice, "the PSF is not finite at sample (%ld, %ld)",
+                          i % nx + 1, i / nx + 1);
     }
     if (!(sum > 0.0) || !(peak > 0.0) || !isfinite(sum)) {
         return shear_fail(err, SHEAR_E_PSF, advice,

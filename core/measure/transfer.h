@@ -23,11 +23,15 @@ typedef struct transfer_plan {
     int psf_nx, psf_ny; /* PSF image, samples */
     int q;              /* PSF samples per pixel when transformed (after its interpolation) */
     int max_jx, max_jy; /* modes with |k| < k_limit */
-    size_t stride;      /* of a row of T */
+    size_t stride;      /* of a row of T: whole groups of FFT_LINES columns */
     double k_limit;     /* pi min(s, q): the Nyquist circle */
     double beta_px, threshold, power_tolerance;
-    image_grid grid;             /* the PSF's own interpolation */
-    fft_line_plan *row, *column; /* nx q real, ny q complex */
+    image_grid grid;           /* the PSF's own interpolation */
+    int used_ny;               /* rows of the stamp's period, nx q x ny q, that the PSF reaches */
+    size_t mode_stride;        /* of a transformed row */
+    fft_batch *rows, *columns; /* nx q real, ny q complex */
+    double *kx2;               /* [stride] kx^2; INFINITY beyond max_jx */
+    double *target;            /* [2 max_jy + 1][stride] |W_beta|^2 with T's factors */
 } transfer_plan;
 
 /* false when memory is out; deinit is safe then too. grid must have been set up. */
@@ -37,11 +41,10 @@ void transfer_plan_deinit(transfer_plan *p);
 typedef struct transfer_scratch {
     image image;
     double *fine_row;        /* one fine row of the PSF */
-    double *line;            /* [nx q] the row folded onto the stamp's period */
-    double complex *modes;   /* [nx q / 2 + 1] its transform */
-    double complex *columns; /* [max_jx + 1][column_stride] */
-    size_t column_stride;
-    double *power; /* [2 max_jy + 1][stride] |W|^2 */
+    double *folded;          /* [used_ny, padded][nx q] the PSF, folded onto the stamp's period */
+    double complex *modes;   /* [ny q][mode_stride] transformed along x; zero beyond used_ny */
+    double complex *columns; /* [ny q][FFT_LINES] a group of them transformed along y, too */
+    double *power;           /* [2 max_jy + 1][stride] |W|^2 */
 } transfer_scratch;
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p);
 void transfer_scratch_deinit(transfer_scratch *t);
@@ -49,7 +52,7 @@ void transfer_scratch_deinit(transfer_scratch *t);
 typedef struct transfer {
     double k_cut; /* T = 0 at |k| >= k_cut */
     int jx, jy;   /* T = 0 beyond these modes: <= max_jx, max_jy */
-    double *t;    /* [2 max_jy + 1][stride], row max_jy + jy */
+    double *t;    /* [2 max_jy + 1][stride], row max_jy + jy; whole groups of columns are filled */
 } transfer;
 bool transfer_init(transfer *t, const transfer_plan *p); /* false when memory is out */
 void transfer_deinit(transfer *t);

@@ -7,15 +7,22 @@
 static bool allocate(shear_workspace *ws, const shear_plan *plan) {
     const shear_plan_info *info = &plan->info;
     const size_t row = (size_t)info->fine_nx;
-    const size_t points = plan->stride * (size_t)info->fine_ny;
+    const size_t points = plan->stride * fft_padded(info->fine_ny);
+    const size_t columns = (size_t)info->fine_ny * FFT_LINES;
     bool ok = image_init(&ws->galaxy, &plan->grid);
     ok = image_init(&ws->noise, &plan->grid) && ok;
     ws->galaxy_row = fft_alloc(row * sizeof *ws->galaxy_row);
     ws->noise_row = fft_alloc(row * sizeof *ws->noise_row);
+    ws->no_noise = fft_alloc(row * sizeof *ws->no_noise);
+    ws->lines = fft_alloc(FFT_LINES * row * sizeof *ws->lines);
     ws->pair = fft_alloc(points * sizeof *ws->pair);
-    ok = ok && ws->galaxy_row != NULL && ws->noise_row != NULL && ws->pair != NULL;
-    if (ok) { /* the padding at the rows' ends is transformed too, and must be numbers */
+    ws->left = fft_alloc(columns * sizeof *ws->left);
+    ws->right = fft_alloc(columns * sizeof *ws->right);
+    ok = ok && ws->galaxy_row != NULL && ws->noise_row != NULL && ws->no_noise != NULL &&
+         ws->lines != NULL && ws->pair != NULL && ws->left != NULL && ws->right != NULL;
+    if (ok) { /* padding is transformed too, and must be numbers */
         memset(ws->pair, 0, points * sizeof *ws->pair);
+        memset(ws->no_noise, 0, row * sizeof *ws->no_noise);
     }
     if (info->filter_per_stamp) {
         ok = filter_map_init(&ws->fine, info->geometry.nx, info->geometry.ny, info->oversample) &&
@@ -49,7 +56,11 @@ void shear_workspace_free(shear_workspace *ws) {
     image_deinit(&ws->noise);
     fft_free(ws->galaxy_row);
     fft_free(ws->noise_row);
+    fft_free(ws->no_noise);
+    fft_free(ws->lines);
     fft_free(ws->pair);
+    fft_free(ws->left);
+    fft_free(ws->right);
     filter_map_deinit(&ws->fine);
     filter_map_deinit(&ws->coarse);
     transfer_scratch_deinit(&ws->scratch);

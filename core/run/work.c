@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pixels_at_once = 524288.0;
+static const double pixels_at_once = 131072.0; /* 1 MiB: what was read is still in the cache */
 
 /* A finished turn that waits for those before it. */
 typedef struct finished {

@@ -17,7 +17,8 @@ FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusab
          "bad_r_gal", "overflow"]
 SETTINGS = {"interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 1.5,
             "filter": "auto", "core": "auto", "width": "auto", "zeros": "skip", "pedestal": 0.0,
-            "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True}
+            "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
+            "shot-noise": "none"}
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",
             "k_cut"]
 

@@ -31,7 +31,8 @@ class Front(ToolTest):
         text = shearctl("help", "measure").out
         for flag in ("--interpolation METHOD", "--oversample S", "--beta PX", "--beta-ratio X",
                      "--filter KIND", "--core PX", "--width PX", "--zeros POLICY",
-                     "--pedestal VALUE", "--psf-threshold X", "--no-noise-correction"):
+                     "--pedestal VALUE", "--psf-threshold X", "--no-noise-correction",
+                     "--shot-noise KIND"):
             self.assertIn(flag, text)
         self.assertIn("(default 1.5)", " ".join(text.split()))
         self.assertLessEqual(max(map(len, text.splitlines())), 100)

@@ -322,6 +322,27 @@ static void add_moments(shear_row *row, const shear_plan_info *info, const modes
     }
 }
 
+/* METHOD section 4: the mean of |F|^2 at |k| > 3/4 of Nyquist over the stamp's nx x ny modes, off
+ * every mode. */
+static void take_plateau_off(const modes *power, const shear_plan_info *info) {
+    const int nx = info->geometry.nx;
+    const int ny = info->geometry.ny;
+    double sum = 0.0;
+    double n = 0.0;
+    for (int jy = -(ny / 2); jy <= (ny - 1) / 2; jy++) {
+        for (int jx = -(nx / 2); jx <= (nx - 1) / 2; jx++) {
+            const double part_of_nyquist = 2.0 * hypot((double)jx / nx, (double)jy / ny);
+            if (part_of_nyquist > 0.75 * (1.0 + 1e-12)) {
+                sum += *mode(power, jx, jy);
+                n += 1.0;
+            }
+        }
+    }
+    for (int i = 0; i < (2 * power->mx + 1) * (2 * power->my + 1); i++) {
+        power->at[i] -= sum / n;
+    }
+}
+
 static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_settings *settings,
                       const double *pixels, const modes *psf, double cut, double sign) {
     double *fine =
@@ -330,6 +351,9 @@ static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_s
     modes power = modes_new(psf->mx, psf->my);
     apply_filter(fine, info);
     image_power(fine, info->fine_nx, info->fine_ny, info->fine_nx, info->fine_ny, &power);
+    if (settings->shot_noise == SHEAR_SHOT_PLATEAU) {
+        take_plateau_off(&power, info);
+    }
     add_moments(row, info, &power, psf, cut, sign);
     free(power.at);
     free(fine);

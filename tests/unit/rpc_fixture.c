@@ -65,10 +65,15 @@ static char *some_object(uint64_t *seed) {
 }
 
 static char *some_settings(uint64_t *seed) {
-    static const char *const lines[] = {
-        "interpolation=log-bicubic\n", "oversample=4\n",          "beta=1.2345678901234567\n",
-        "beta-ratio=1.25\n",           "zeros=floor\n",           "pedestal=0.1\n",
-        "psf-threshold=1e-08\n",       "noise-correction=false\n"};
+    static const char *const lines[] = {"interpolation=log-bicubic\n",
+                                        "oversample=4\n",
+                                        "beta=1.2345678901234567\n",
+                                        "beta-ratio=1.25\n",
+                                        "zeros=floor\n",
+                                        "pedestal=0.1\n",
+                                        "psf-threshold=1e-08\n",
+                                        "noise-correction=false\n",
+                                        "shot-noise=none\n"};
     char text[400] = "";
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         strcat(text, coin(seed) ? lines[i] : "");

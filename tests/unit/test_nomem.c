@@ -36,8 +36,9 @@ char *__real_strdup(const char *s);
 void *__real_fftw_malloc(size_t n);
 void __real_fftw_free(void *p);
 FILE *__real_open_memstream(char **text, size_t *size);
-void *__real_fftw_plan_dft_1d(int n, void *in, void *out, int sign, unsigned flags);
-void *__real_fftw_plan_dft_r2c_1d(int n, void *in, void *out, unsigned flags);
+void *__real_fftw_plan_many_dft_r2c(int rank, const int *n, int howmany, void *in,
+                                    const int *inembed, int istride, int idist, void *out,
+                                    const int *onembed, int ostride, int odist, unsigned flags);
 void *__real_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
                                 int istride, int idist, void *out, const int *onembed, int ostride,
                                 int odist, int sign, unsigned flags);
@@ -51,8 +52,9 @@ char *__wrap_strdup(const char *s);
 void *__wrap_fftw_malloc(size_t n);
 void __wrap_fftw_free(void *p);
 FILE *__wrap_open_memstream(char **text, size_t *size);
-void *__wrap_fftw_plan_dft_1d(int n, void *in, void *out, int sign, unsigned flags);
-void *__wrap_fftw_plan_dft_r2c_1d(int n, void *in, void *out, unsigned flags);
+void *__wrap_fftw_plan_many_dft_r2c(int rank, const int *n, int howmany, void *in,
+                                    const int *inembed, int istride, int idist, void *out,
+                                    const int *onembed, int ostride, int odist, unsigned flags);
 void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
                                 int istride, int idist, void *out, const int *onembed, int ostride,
                                 int odist, int sign, unsigned flags);
@@ -97,14 +99,6 @@ FILE *__wrap_open_memstream(char **text, size_t *size) {
     return refuse() ? NULL : counted(__real_open_memstream(text, size));
 }
 
-void *__wrap_fftw_plan_dft_1d(int n, void *in, void *out, int sign, unsigned flags) {
-    return refuse() ? NULL : counted(__real_fftw_plan_dft_1d(n, in, out, sign, flags));
-}
-
-void *__wrap_fftw_plan_dft_r2c_1d(int n, void *in, void *out, unsigned flags) {
-    return refuse() ? NULL : counted(__real_fftw_plan_dft_r2c_1d(n, in, out, flags));
-}
-
 void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
                                 int istride, int idist, void *out, const int *onembed, int ostride,
                                 int odist, int sign, unsigned flags) {
@@ -112,6 +106,15 @@ void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, c
                ? NULL
                : counted(__real_fftw_plan_many_dft(rank, n, howmany, in, inembed, istride, idist,
                                                    out, onembed, ostride, odist, sign, flags));
+}
+
+void *__wrap_fftw_plan_many_dft_r2c(int rank, const int *n, int howmany, void *in,
+                                    const int *inembed, int istride, int idist, void *out,
+                                    const int *onembed, int ostride, int odist, unsigned flags) {
+    return refuse()
+               ? NULL
+               : counted(__real_fftw_plan_many_dft_r2c(rank, n, howmany, in, inembed, istride,
+                                                       idist, out, onembed, ostride, odist, flags));
 }
 
 void __wrap_fftw_destroy_plan(void *plan) {

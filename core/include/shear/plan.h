@@ -93,7 +93,7 @@ typedef struct shear_inspection {
     double *galaxy_fine, *noise_fine; /* [fine_ny][fine_nx] interpolated */
     double *galaxy_filtered;          /* [fine_ny][fine_nx] interpolated and filtered */
     int spec_nx, spec_ny; /* modes, centred: k = 0 at [spec_ny/2][spec_nx/2], odd sizes */
-    double *power;        /* [spec_ny][spec_nx] noise-corrected power before the transfer */
+    double *power;        /* [spec_ny][spec_nx] corrected power before the transfer */
     double *target_power; /* [spec_ny][spec_nx] the same after it: P(k) */
     double *transfer;     /* [spec_ny][spec_nx] T(k) */
 } shear_inspection;

@@ -37,6 +37,11 @@ enum shear_zeros {
                        */
 };
 
+enum shear_shot_noise {
+    SHEAR_SHOT_NONE = 0, /* left as it is */
+    SHEAR_SHOT_PLATEAU   /* galaxy and noise power lose each their plateau, before T */
+};
+
 typedef struct shear_settings {
     int interpolation;      /* enum shear_interpolation */
     int oversample;         /* s, a power of two; 0 = smallest with 1/s < R_PSF/4 */
@@ -50,6 +55,7 @@ typedef struct shear_settings {
     double psf_threshold;   /* modes with |W|^2 below this part of its peak hold no information */
     double power_tolerance; /* largest part of the target's power that may lie beyond the cut */
     bool noise_correction;  /* subtract the noise stamp's moments */
+    int shot_noise;         /* enum shear_shot_noise */
 } shear_settings;
 
 enum shear_setting_type { SHEAR_T_CHOICE, SHEAR_T_INT, SHEAR_T_DOUBLE, SHEAR_T_BOOL };
@@ -86,7 +92,7 @@ char *shear_settings_format(const shear_settings *s, const shear_setting_def *de
 
 /* Members out of their range (where they were not set through shear_settings_set), and
  * contradictions that no single value shows (a core with filter=none, a pedestal without a log
- * method). SHEAR_OK or SHEAR_E_SETTING. */
+ * method, shot-noise=plateau with an interpolation). SHEAR_OK or SHEAR_E_SETTING. */
 int shear_settings_check(const shear_settings *s, shear_error *err);
 
 /* The name of an enum value, from the table's choices. Never NULL. */

@@ -40,7 +40,7 @@ typedef struct shear_turn_size {
     int blocks; /* whole blocks in a turn */
     int stamps; /* stamps in one read; less than a block for large stamps */
 } shear_turn_size;
-/* About 4 MiB of pixels, and never so much that a thread of `threads` would be idle. */
+/* About 1 MiB of pixels, and never so much that a thread of `threads` would be idle. */
 shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads);
 
 typedef struct shear_work_spec {

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* measure/plateau.h: the flat power of shot noise, read off where a galaxy has none (Zhang, Luo &
+ * Foucaud 2015): the mean over the modes with |k| > 3/4 of Nyquist, the stamp's corners included.
+ * Only without interpolation: that would colour white noise.
+ */
+#ifndef SHEAR_PLATEAU_H
+#define SHEAR_PLATEAU_H
+
+#include "measure/moments.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The share of each mode in the mean: 1/n, 2/n where it stands for its mirror image, too, or 0. */
+typedef struct plateau {
+    int nx, ny;
+    int last_group; /* of columns */
+    size_t stride;
+    double *share; /* [ny][stride] jx = 0 .. nx/2 */
+    double n;      /* modes of the whole plane that count */
+} plateau;
+
+bool plateau_init(plateau *p, int nx,
+                  int ny); /* false when memory is out; deinit is safe then too */
+void plateau_deinit(plateau *p);
+
+/* What the columns of one group hold of it; the groups are 0 .. last_group. */
+double plateau_part(const plateau *p, const mode_columns *columns);
+
+#endif
