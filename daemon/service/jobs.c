@@ -344,10 +344,7 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     const bool resumed =
         store_checkpoint_load(s->store, j->id, &checkpoint.next_block, &sums, &err) == SHEAR_OK;
     checkpoint.sums = sums;
-    const int64_t first = engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
-    if (resumed) {
-        log_info("job %lld goes on at block %lld", (long long)j->id, (long long)first);
-    }
+    engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
     free(sums);
 }
 
@@ -432,6 +429,9 @@ static void take_event(service *s, engine_event *e) {
     switch (e->kind) {
     case ENGINE_OPENED:
         opened(s, j, e);
+        return;
+    case ENGINE_RESUMED:
+        log_info("job %lld goes on at block %lld", (long long)j->id, (long long)e->next_block);
         return;
     case ENGINE_CHECKPOINT:
         if (group_begin(s, &err) == SHEAR_OK &&
