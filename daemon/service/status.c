@@ -26,12 +26,12 @@ shear_msg_limits status_limits(const service *s) {
 
 static int64_t free_bytes(const char *path) {
     struct statvfs v;
-    return statvfs(path, &v) == 0 ? (int64_t)v.f_bavail * (int64_t)v.f_frsize : -1;
+    return statvfs(path, &v) == 0 ? (int64_t)v.f_bavail * (int64_t)v.f_frsize : 0;
 }
 
 static int64_t file_size(const char *path) {
     struct stat st;
-    return stat(path, &st) == 0 ? (int64_t)st.st_size : -1;
+    return stat(path, &st) == 0 ? (int64_t)st.st_size : 0;
 }
 
 /* Over the last minute, or since the start where that is shorter. */
@@ -116,9 +116,22 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
     return SHEAR_OK;
 }
 
+/* What an operator should look at, into list[2]. */
+static size_t find_problems(const service *s, const char **list) {
+    size_t n = 0;
+    if (s->store_trouble_ms != 0) {
+        list[n++] = s->trouble;
+    }
+    if (s->spool != NULL && !spool_get_stats(s->spool).watching) {
+        list[n++] = "the watch folder: the kernel does not announce files there; they are found by "
+                    "searching it only ([spool] scan_interval)";
+    }
+    return n;
+}
+
 void status_reply(service *s, server_handle to) {
     char path[4200];
-    const char *problem = s->trouble;
+    const char *problems[2];
     shear_reply reply = {0};
     shear_error err = {0};
     const int code = fill(s, &reply.status, path, sizeof path, &err);
@@ -128,10 +141,8 @@ void status_reply(service *s, server_handle to) {
         server_reply_error(s->server, to, &error);
         return;
     }
-    if (s->store_trouble_ms != 0) {
-        reply.status.problems = &problem;
-        reply.status.n_problems = 1;
-    }
+    reply.status.n_problems = find_problems(s, problems);
+    reply.status.problems = problems;
     server_reply(s->server, to, &reply);
 }
 

@@ -241,7 +241,8 @@ class Running(Jobs):
         with self.d.client() as client:
             client.call("subscribe", all=True, progress=True)
             job = self.held()
-            progress = self.notices(client, "job_progress", len)[0]
+            progress = self.notices(client, "job_progress",
+                                    lambda all_: all_ and all_[-1]["progress"]["done"])[-1]
             self.assertEqual(progress["id"], job)
             self.assertTrue(0 < progress["progress"]["done"] < progress["progress"]["total"])
             self.d.go_on()
