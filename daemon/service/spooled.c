@@ -240,12 +240,7 @@ static void spool_log(void *context, int level, const char *text) {
 
 int spooled_open(service *s, shear_error *err) {
     const sheard_config *c = &s->config;
-    const spool_tuning tuning = {
-        .settle_ms = c->spool.settle_time_ms,
-        .scan_ms = c->spool.scan_interval_ms,
-        .done = {c->spool.done.max_age_ms, c->spool.done.max_count, c->spool.done.max_bytes},
-        .failed = {c->spool.failed.max_age_ms, c->spool.failed.max_count,
-                   c->spool.failed.max_bytes}};
+    const spool_tuning tuning = reload_spool_tuning(c);
     const spool_callbacks callbacks = {
         .room = room, .found = found, .log = spool_log, .context = s};
     return c->spool.enabled

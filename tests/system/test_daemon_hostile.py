@@ -15,6 +15,7 @@ import unittest
 
 from daemon import SHEARD, Client, DaemonTest, FINAL, content_of, measured, mock, named, until
 from fitsfile import BLOCK
+from tool import SANITIZED
 
 MUTANTS = int(os.environ.get("SHEARD_MUTANTS", "150"))
 CLIENTS = int(os.environ.get("SHEARD_CLIENTS", "200"))
@@ -179,6 +180,31 @@ class BadFiles(DaemonTest):
         self.assertEqual(daemon.wait_state(job, *FINAL)["state"], "done")
         self.assertRow(daemon, "a", measured([path], "--interpolation", "bicubic", "--oversample",
                                              "16"), 1)
+
+    def test_more_memory_than_the_reader_has(self):
+        daemon = self.daemon({"reader.shared_memory": "1M", "retry.first_delay": "10ms"})
+        path = mock(os.path.join(daemon.data, "large.fits"), 4, 512)
+        job = daemon.submit(path, wait=True)
+        self.assertEqual((job["state"], job["class"], job["code"], job["attempts"]),
+                         ("failed", "bug", "reader_memory", 2), job)
+        self.assertIn("shared_memory", job["advice"])
+        good = mock(os.path.join(daemon.data, "good.fits"), 8, 32)
+        self.assertEqual(daemon.submit(good, wait=True)["state"], "done")
+
+    @unittest.skipIf(SANITIZED, "a sanitizer's own memory is not limited")
+    def test_less_memory_than_a_tile_takes(self):
+        """One tile of the whole cube, unpacked by CFITSIO: more than the address space."""
+        daemon = self.daemon({"reader.memory": "64M", "reader.shared_memory": "1M",
+                              "retry.first_delay": "10ms"})
+        path = mock(os.path.join(daemon.data, "a.fits"), 1500, 64)
+        packed = os.path.join(daemon.data, "a.fits.fz")
+        if not shutil.which("fpack"):
+            self.skipTest("no fpack")
+        with open(packed, "wb") as f:
+            subprocess.run(["fpack", "-g", "-q", "0", "-w", "-S", path], stdout=f, check=True)
+        job = daemon.submit(packed, wait=True)
+        self.assertEqual((job["state"], job["class"], job["code"]),
+                         ("failed", "bug", "reader_memory"), job)
 
     def test_files_that_hang_when_opened(self):
         """More of them than workers: the others are measured meanwhile."""
