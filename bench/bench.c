@@ -4,40 +4,23 @@
  * that the machine's noise cancels. */
 #include "cases.h"
 #include "floor.h"
+#include "timer.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { MAX_ROUNDS = 1001 };
 static const double round_seconds = 0.02; /* the shortest a timing may be */
 static const double turn_pixels = 131072.0;
-
-static double now_us(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, int n) {
-    qsort(values, (size_t)n, sizeof *values, compare);
-    return values[n / 2];
-}
 
 typedef struct timing {
     double pair_us, floor_us, ratio;
 } timing;
 
 static void time_pairs(const bench_data *d, shear_workspace *ws, int repeats, double *us) {
-    const double start = now_us();
+    const double start = timer_now_us();
     shear_error err;
     for (int i = 0; i < repeats; i++) {
         if (shear_measure_range(d->plan, ws, &d->stamps, 0, d->count, d->rows, &err) != SHEAR_OK) {
@@ -45,15 +28,15 @@ static void time_pairs(const bench_data *d, shear_workspace *ws, int repeats, do
             exit(1);
         }
     }
-    *us = (now_us() - start) / ((double)repeats * d->count);
+    *us = (timer_now_us() - start) / ((double)repeats * d->count);
 }
 
 static void time_floor(floor_transform *f, int repeats, double *us) {
-    const double start = now_us();
+    const double start = timer_now_us();
     for (int i = 0; i < repeats; i++) {
         floor_run(f);
     }
-    *us = (now_us() - start) / repeats;
+    *us = (timer_now_us() - start) / repeats;
 }
 
 static int time_case(const bench_case *c, int rounds, timing *out) {
@@ -85,7 +68,8 @@ static int time_case(const bench_case *c, int rounds, timing *out) {
         ratio[at] = pair[at] / plain[at];
     }
     if (code == SHEAR_OK) {
-        *out = (timing){median(pair, rounds), median(plain, rounds), median(ratio, rounds)};
+        *out = (timing){timer_median(pair, rounds), timer_median(plain, rounds),
+                        timer_median(ratio, rounds)};
     }
     shear_workspace_free(ws);
     bench_data_free(&d);

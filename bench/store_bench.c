@@ -3,6 +3,7 @@
  * cost the same), and durable submits a second beside SQLite's own bare commits in the same
  * directory, in turns, so that the machine's noise cancels. */
 #include "store_fill.h"
+#include "timer.h"
 
 #include <errno.h>
 #include <ftw.h>
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum {
@@ -36,23 +36,6 @@ static void must(int code, const shear_error *err) {
         fprintf(stderr, "store-bench: %s\n", err->message);
         exit(1);
     }
-}
-
-static double now_us(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, int n) {
-    qsort(values, (size_t)n, sizeof *values, compare);
-    return values[n / 2];
 }
 
 /* ---- One call of each kind ---- */
@@ -186,11 +169,11 @@ static const operation operations[] = {
 static double time_calls(database *d, const operation *op) {
     shear_error err = {0};
     must(store_begin(d->s, &err), &err);
-    const double start = now_us();
+    const double start = timer_now_us();
     for (int i = 0; i < CALLS; i++) {
         op->call(d, &err);
     }
-    const double us = (now_us() - start) / CALLS;
+    const double us = (timer_now_us() - start) / CALLS;
     store_rollback(d->s);
     return us;
 }
@@ -209,8 +192,8 @@ static void compare_databases(database *small, database *big) {
             many[r] = time_calls(big, &operations[i]);
             ratio[r] = many[r] / few[r];
         }
-        printf("| %-26s | %9.1f | %9.1f | %5.2f |\n", operations[i].name, median(few, ROUNDS),
-               median(many, ROUNDS), median(ratio, ROUNDS));
+        printf("| %-26s | %9.1f | %9.1f | %5.2f |\n", operations[i].name, timer_median(few, ROUNDS),
+               timer_median(many, ROUNDS), timer_median(ratio, ROUNDS));
     }
 }
 
@@ -233,19 +216,19 @@ static sqlite3 *open_bare(const char *path) {
 static double bare_rate(sqlite3 *db) {
     sqlite3_stmt *stmt = NULL;
     sqlite3_prepare_v2(db, "INSERT INTO t VALUES (1)", -1, &stmt, NULL);
-    const double start = now_us();
+    const double start = timer_now_us();
     for (int i = 0; i < COMMITS; i++) {
         sqlite3_step(stmt);
         sqlite3_reset(stmt);
     }
-    const double us = now_us() - start;
+    const double us = timer_now_us() - start;
     sqlite3_finalize(stmt);
     return 1e6 * COMMITS / us;
 }
 
 static double submit_rate(store *s, int group) {
     shear_error err = {0};
-    const double start = now_us();
+    const double start = timer_now_us();
     for (int i = 0; i < COMMITS; i++) {
         must(store_begin(s, &err), &err);
         for (int k = 0; k < group; k++) {
@@ -253,7 +236,7 @@ static double submit_rate(store *s, int group) {
         }
         must(store_commit(s, &err), &err);
     }
-    return 1e6 * COMMITS * group / (now_us() - start);
+    return 1e6 * COMMITS * group / (timer_now_us() - start);
 }
 
 static void compare_rates(sqlite3 *bare, store *s) {
@@ -268,8 +251,8 @@ static void compare_rates(sqlite3 *bare, store *s) {
             ours[r] = submit_rate(s, group);
             ratio[r] = ours[r] / plain[r];
         }
-        printf("| groups of %-2d | %9.0f | %9.0f | %6.2f |\n", group, median(ours, TURNS),
-               median(plain, TURNS), median(ratio, TURNS));
+        printf("| groups of %-2d | %9.0f | %9.0f | %6.2f |\n", group, timer_median(ours, TURNS),
+               timer_median(plain, TURNS), timer_median(ratio, TURNS));
     }
 }
 
@@ -280,10 +263,10 @@ static database open_filled(const char *dir, const char *name, int64_t jobs, int
     shear_error err = {0};
     database d = {.jobs = jobs, .fields = fields, .next = 1, .sums = store_fill_sums()};
     snprintf(path, sizeof path, "%s/%s", dir, name);
-    const double start = now_us();
+    const double start = timer_now_us();
     must(store_fill(path, jobs, fields, &err), &err);
     fprintf(stderr, "store-bench: %" PRId64 " jobs in %" PRId64 " fields made in %.0f s\n", jobs,
-            fields, 1e-6 * (now_us() - start));
+            fields, 1e-6 * (timer_now_us() - start));
     must(store_open(&d.s, path, NULL, 10, &err), &err);
     return d;
 }

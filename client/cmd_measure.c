@@ -10,6 +10,7 @@
 #include "progress.h"
 #include "result_table.h"
 #include "settings_options.h"
+#include "settings_parse.h"
 #include "sheard/report.h"
 
 #include <stdlib.h>
@@ -30,23 +31,28 @@ static const struct option own_options[] = {
 };
 enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
-static int handle(int value, struct measure_options *o) {
+static int handle(int value, const char *argument, void *context) {
+    struct measure_options *o = context;
     int64_t number = 0;
     int code = EXIT_CODE_DONE;
+    if (part_options_is(value)) {
+        part_options_set(&o->parts, value, argument);
+        return EXIT_CODE_DONE;
+    }
     switch (value) {
     case OPT_THREADS:
-        code = options_int("threads", optarg, 1, MAX_THREADS, &number);
+        code = options_int("threads", argument, 1, MAX_THREADS, &number);
         o->threads = (int)number;
         break;
     case OPT_JACKKNIFE:
-        code = options_int("jackknife", optarg, 2, MAX_JACKKNIFE, &number);
+        code = options_int("jackknife", argument, 2, MAX_JACKKNIFE, &number);
         o->jackknife = (int)number;
         break;
     case OPT_CATALOG:
-        o->catalog = optarg;
+        o->catalog = argument;
         break;
     case OPT_FIELD:
-        o->field = optarg;
+        o->field = argument;
         break;
     case OPT_FORCE:
         o->force = true;
@@ -62,11 +68,6 @@ static int handle(int value, struct measure_options *o) {
 }
 
 static int check_options(const struct measure_options *o, int n_files) {
-    shear_error err = {0};
-    if (shear_settings_check(&o->settings, &err)) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
-    }
     const int code = part_options_check(&o->parts, &cmd_measure, n_files);
     if (code) {
         return code;
@@ -79,35 +80,14 @@ static int check_options(const struct measure_options *o, int n_files) {
 }
 
 static int parse(int argc, char **argv, struct measure_options *o) {
-    struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
-    for (size_t i = 0; i < N_OWN; i++) {
-        options[i] = own_options[i];
-    }
-    settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
-    opterr = 0;
-    int value = 0;
-    while ((value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
-        if (value == '?' || value == ':') {
-            return options_bad(&cmd_measure, value, argv, options);
-        }
-        if (settings_options_is(value)) {
-            shear_error err = {0};
-            if (settings_options_handle(value, optarg, &o->settings, &err)) {
-                message_error(&err);
-                return EXIT_CODE_USAGE;
-            }
-            continue;
-        }
-        if (part_options_is(value)) {
-            part_options_set(&o->parts, value, optarg);
-            continue;
-        }
-        int code = handle(value, o);
-        if (code) {
-            return code;
-        }
-    }
-    return check_options(o, argc - optind);
+    struct settings_parse p = {.command = &cmd_measure,
+                               .own = own_options,
+                               .n_own = N_OWN,
+                               .handle = handle,
+                               .context = o,
+                               .settings = &o->settings};
+    const int code = settings_parse(&p, argc, argv);
+    return code ? code : check_options(o, argc - optind);
 }
 
 static int print_json(const struct measure_group *g, const struct measure_options *o) {

@@ -6,6 +6,7 @@
 #include "options.h"
 #include "plot.h"
 #include "settings_options.h"
+#include "settings_parse.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,17 +30,18 @@ struct plot_command {
     struct plot_options options;
 };
 
-static int handle(int value, struct plot_command *c) {
+static int handle(int value, const char *argument, void *context) {
+    struct plot_command *c = context;
     int64_t number = 0;
     int code = EXIT_CODE_DONE;
     switch (value) {
     case OPT_STAMP:
-        code = options_int("stamp", optarg, 0, INT64_MAX, &number);
+        code = options_int("stamp", argument, 0, INT64_MAX, &number);
         c->options.stamp = number;
         c->stamps_given = true;
         break;
     case OPT_STAMPS:
-        code = options_int("stamps", optarg, 1, PLOT_MAX_STAMPS, &number);
+        code = options_int("stamps", argument, 1, PLOT_MAX_STAMPS, &number);
         c->options.n_stamps = (int)number;
         c->stamps_given = true;
         break;
@@ -47,54 +49,32 @@ static int handle(int value, struct plot_command *c) {
         c->force = true;
         break;
     default:
-        c->out = optarg;
+        c->out = argument;
         break;
     }
     return code;
 }
 
-static int handle_setting(int value, struct plot_command *c) {
-    shear_error err = {0};
-    c->settings_given = true;
-    if (settings_options_handle(value, optarg, &c->options.settings, &err)) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
-    }
-    return EXIT_CODE_DONE;
-}
-
 static int check_options(struct plot_command *c, int argc, char **argv) {
-    shear_error err = {0};
     if (argc - optind != 1) {
         message_fail("\"shearctl help plot\"", "plot: expected one file, got %d", argc - optind);
         return EXIT_CODE_USAGE;
     }
     c->path = argv[optind];
-    if (shear_settings_check(&c->options.settings, &err)) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
-    }
     return EXIT_CODE_DONE;
 }
 
 static int parse(int argc, char **argv, struct plot_command *c) {
-    struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
-    for (size_t i = 0; i < N_OWN; i++) {
-        options[i] = own_options[i];
-    }
-    settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
-    opterr = 0;
-    int value = 0;
-    while ((value = getopt_long(argc, argv, ":o:", options, NULL)) != -1) {
-        if (value == '?' || value == ':') {
-            return options_bad(&cmd_plot, value, argv, options);
-        }
-        const int code = settings_options_is(value) ? handle_setting(value, c) : handle(value, c);
-        if (code) {
-            return code;
-        }
-    }
-    return check_options(c, argc, argv);
+    struct settings_parse p = {.command = &cmd_plot,
+                               .own = own_options,
+                               .n_own = N_OWN,
+                               .letters = "o:",
+                               .handle = handle,
+                               .context = c,
+                               .settings = &c->options.settings};
+    const int code = settings_parse(&p, argc, argv);
+    c->settings_given = p.given;
+    return code ? code : check_options(c, argc, argv);
 }
 
 /* The input's base name without .gz, .fz, .fits, in the current directory, ".png" added. The

@@ -6,6 +6,7 @@
 #include "options.h"
 #include "progress.h"
 #include "settings_options.h"
+#include "settings_parse.h"
 #include "shear/run.h"
 #include "sheard/report.h"
 #include "verdict_text.h"
@@ -27,39 +28,30 @@ struct validate_options {
     bool json, quiet;
 };
 
+static int handle(int value, const char *argument, void *context) {
+    struct validate_options *o = context;
+    (void)argument;
+    if (value == OPT_JSON) {
+        o->json = true;
+    } else {
+        o->quiet = true;
+    }
+    return EXIT_CODE_DONE;
+}
+
 static int parse(int argc, char **argv, struct validate_options *o) {
-    struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
-    shear_error err = {0};
-    for (size_t i = 0; i < N_OWN; i++) {
-        options[i] = own_options[i];
-    }
-    settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
-    opterr = 0;
-    int value = 0;
-    while ((value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
-        if (value == '?' || value == ':') {
-            return options_bad(&cmd_validate, value, argv, options);
-        }
-        if (settings_options_is(value)) {
-            if (settings_options_handle(value, optarg, &o->settings, &err)) {
-                message_error(&err);
-                return EXIT_CODE_USAGE;
-            }
-        } else if (value == OPT_JSON) {
-            o->json = true;
-        } else {
-            o->quiet = true;
-        }
-    }
-    if (shear_settings_check(&o->settings, &err)) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
-    }
-    if (optind >= argc) {
+    struct settings_parse p = {.command = &cmd_validate,
+                               .own = own_options,
+                               .n_own = N_OWN,
+                               .handle = handle,
+                               .context = o,
+                               .settings = &o->settings};
+    const int code = settings_parse(&p, argc, argv);
+    if (!code && optind >= argc) {
         message_fail("\"shearctl help validate\"", "validate: which files?");
         return EXIT_CODE_USAGE;
     }
-    return EXIT_CODE_DONE;
+    return code;
 }
 
 /* A number of two digits a little above -lowest > 0: a pedestal that is easy to type and leaves no

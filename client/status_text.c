@@ -32,7 +32,7 @@ void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
             human_duration(s->uptime_s, uptime));
     print_states(s, colours, out);
     shear_text_line(out, "queue",
-                    "%" PRId64 " of %" PRId64 " unfinished jobs, %" PRId64 " blocks read",
+                    "%" PRId64 " of %" PRId64 " unfinished jobs, %" PRId64 " blocks to measure",
                     s->queue.length, s->queue.capacity, s->queue.blocks);
     shear_text_line(out, "workers", "%" PRId64 " of %" PRId64 " busy, %" PRId64 " readers",
                     s->workers.busy, s->workers.total, s->workers.readers);
@@ -71,6 +71,9 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
                     s->totals.cancelled);
     shear_text_line(out, "measured", "%" PRId64 " stamps in %" PRId64 " fields", s->totals.stamps,
                     s->totals.fields);
+    shear_text_line(out, "plans", "%" PRId64 " kept (%s), %" PRId64 " hits, %" PRId64 " misses",
+                    s->plans.kept, human_bytes(s->plans.bytes, bytes), s->plans.hits,
+                    s->plans.misses);
     print_spool(&s->spool, out);
     shear_text_line(out, "state", "%s, %s, %s free, schema %" PRId64 ", %" PRId64 " commits",
                     s->store.path ? s->store.path : "-", human_bytes(s->store.bytes, bytes),

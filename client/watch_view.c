@@ -144,6 +144,16 @@ static int print_fields(const struct watch_view *v, FILE *out, bool colours, int
     return code;
 }
 
+/* Fields of which nothing has been counted yet have no line. */
+static bool has_fields(const struct watch_view *v) {
+    for (size_t i = 0; i < v->n_fields; i++) {
+        if (v->fields[i].fields.n_fields > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 int watch_view_print(const struct watch_view *v, FILE *out, bool colours, int columns) {
     int code = EXIT_CODE_DONE;
     status_text_brief(&v->status.status, colours, out);
@@ -155,7 +165,7 @@ int watch_view_print(const struct watch_view *v, FILE *out, bool colours, int co
         title(out, "finished", colours);
         code = print_finished(&v->finished.jobs, out, colours, columns);
     }
-    if (!code && v->n_fields > 0) {
+    if (!code && has_fields(v)) {
         title(out, "fields", colours);
         code = print_fields(v, out, colours, columns);
     }

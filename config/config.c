@@ -49,8 +49,8 @@ int sheard_config_init(sheard_config *config, shear_error *err) {
                    ? SHEAR_OK
                    : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
     shear_settings_init(&config->measure);
-    for (size_t i = 0; i < config_n_rows && code == SHEAR_OK; i++) {
-        code = config_set_at(config, i, config_rows[i].initial, ORIGIN_DEFAULT, err);
+    for (size_t i = 0; i < config_n_rows() && code == SHEAR_OK; i++) {
+        code = config_set_at(config, i, config_row(i)->initial, ORIGIN_DEFAULT, err);
     }
     if (code != SHEAR_OK) {
         sheard_config_free(config);
@@ -62,8 +62,8 @@ void sheard_config_free(sheard_config *config) {
     if (config == NULL) {
         return;
     }
-    for (size_t i = 0; i < config_n_rows; i++) {
-        value_free(&config_rows[i], config_member(config, &config_rows[i]));
+    for (size_t i = 0; i < config_n_rows(); i++) {
+        value_free(config_row(i), config_member(config, config_row(i)));
     }
     free(config->path);
     free(config->lines);

@@ -43,8 +43,8 @@ static void swap_bytes(void *a, void *b, size_t n) {
 
 /* Exchange what may change while running, and where everything comes from. Twice is as before. */
 static void exchange(sheard_config *a, sheard_config *b) {
-    for (size_t i = 0; i < config_n_rows; i++) {
-        const sheard_setting *s = &config_rows[i];
+    for (size_t i = 0; i < config_n_rows(); i++) {
+        const sheard_setting *s = config_row(i);
         if (!s->at_start) {
             swap_bytes(config_member(a, s), config_member(b, s), value_size(s));
         }

@@ -18,6 +18,10 @@ const struct section config_sections[] = {
     {"reader",
      "Bounds on the sandboxed process that reads one file. A file that needs more fails, and "
      "nothing else does."},
+    {"plans",
+     "A plan is what the measurement prepares for one shape of stamps, settings and PSF: tables, "
+     "transforms, the PSF's own spectrum. Plans are kept in memory for later files that need the "
+     "same."},
     {"retry",
      "Jobs that failed for reasons that pass: a full disk, a file that vanished, no memory."},
     {"retention", "How long the records of finished jobs are kept."},
@@ -27,18 +31,27 @@ const struct section config_sections[] = {
 };
 const size_t config_n_sections = sizeof config_sections / sizeof config_sections[0];
 
+size_t config_n_rows(void) {
+    return config_n_place_rows + config_n_bound_rows;
+}
+
+const sheard_setting *config_row(size_t i) {
+    return i < config_n_place_rows ? &config_place_rows[i]
+                                   : &config_bound_rows[i - config_n_place_rows];
+}
+
 size_t sheard_settings_count(void) {
     size_t n_measure = 0;
     (void)shear_settings_table(&n_measure);
-    return config_n_rows + n_measure;
+    return config_n_rows() + n_measure;
 }
 
 sheard_setting sheard_setting_at(size_t i) {
-    if (i < config_n_rows) {
-        return config_rows[i];
+    if (i < config_n_rows()) {
+        return *config_row(i);
     }
     size_t n = 0;
-    const shear_setting_def *def = &shear_settings_table(&n)[i - config_n_rows];
+    const shear_setting_def *def = &shear_settings_table(&n)[i - config_n_rows()];
     return (sheard_setting){.section = "measure",
                             .key = def->name,
                             .type = SHEARD_T_MEASURE,

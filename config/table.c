@@ -1,22 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The rows of the sections of the process itself, its files and its users. */
 #include "table.h"
+#include "table_units.h"
 
-#define KiB    (INT64_C(1) << 10)
-#define MiB    (INT64_C(1) << 20)
-#define GiB    (INT64_C(1) << 30)
-#define TiB    (INT64_C(1) << 40)
-#define SECOND INT64_C(1000)
-#define MINUTE (60 * SECOND)
-#define HOUR   (60 * MINUTE)
-#define DAY    (24 * HOUR)
-
-#define AT(member) .offset = offsetof(sheard_config, member)
 #define KEPT_FOREVER                                                                               \
     "Where nothing is said, nothing is removed: these may be the only copies of your data."
 
 static const char *const log_levels[] = {"error", "warning", "notice", "info", "debug", NULL};
 
-const sheard_setting config_rows[] = {
+const sheard_setting config_place_rows[] = {
     {.section = "daemon",
      .key = "state_dir",
      .type = SHEARD_T_PATH,
@@ -25,9 +17,9 @@ const sheard_setting config_rows[] = {
      .max = CONFIG_PATH_MAX,
      .flag = "state-dir",
      .at_start = true,
-     .help = "Directory of the job database, the checkpoints and the transforms' plans. It must be "
-             "on a local "
-             "disk: the database's write-ahead log does not work on network file systems."},
+     .help =
+         "Directory of the job database, with the checkpoints in it. It must be on a local disk: "
+         "the database's write-ahead log does not work on network file systems."},
     {.section = "daemon",
      .key = "socket",
      .type = SHEARD_T_PATH,
@@ -256,165 +248,5 @@ const sheard_setting config_rows[] = {
      .max = CONFIG_NAME_MAX,
      .help = "Groups whose members may submit jobs. Empty: everybody who may connect. "
              "Administrators always may."},
-
-    {.section = "limits",
-     .key = "queue",
-     .type = SHEARD_T_INT,
-     AT(limits.queue),
-     .initial = "100000",
-     .min = 1,
-     .max = 10000000,
-     .unit = "jobs",
-     .help = "Jobs that may wait. A submit beyond is refused with queue_full, and files stay in "
-             "incoming."},
-    {.section = "limits",
-     .key = "line_bytes",
-     .type = SHEARD_T_BYTES,
-     AT(limits.line_bytes),
-     .initial = "256K",
-     .min = 4 * KiB,
-     .max = 64 * MiB,
-     .help = "Longest message from a client, and largest job file in the watch folder."},
-    {.section = "limits",
-     .key = "json_depth",
-     .type = SHEARD_T_INT,
-     AT(limits.json_depth),
-     .initial = "16",
-     .min = 4,
-     .max = 256,
-     .unit = "levels",
-     .help = "Deepest nesting of a message."},
-    {.section = "limits",
-     .key = "connections",
-     .type = SHEARD_T_INT,
-     AT(limits.connections),
-     .initial = "2048",
-     .min = 1,
-     .max = 100000,
-     .unit = "connections",
-     .help = "Clients that may be connected at once. Each needs a file descriptor (LimitNOFILE in "
-             "sheard.service)."},
-    {.section = "limits",
-     .key = "requests_in_flight",
-     .type = SHEARD_T_INT,
-     AT(limits.requests_in_flight),
-     .initial = "64",
-     .min = 1,
-     .max = 10000,
-     .unit = "requests",
-     .help = "Unanswered requests of one connection; beyond, it is not read from until some are "
-             "answered."},
-    {.section = "limits",
-     .key = "idle_timeout",
-     .type = SHEARD_T_DURATION,
-     AT(limits.idle_timeout_ms),
-     .initial = "10min",
-     .min = SECOND,
-     .max = 7 * DAY,
-     .word = "never",
-     .help = "A connection is closed that has neither requests nor subscriptions, or stays in the "
-             "middle of a "
-             "message, for this long."},
-    {.section = "limits",
-     .key = "wait_timeout",
-     .type = SHEARD_T_DURATION,
-     AT(limits.wait_timeout_ms),
-     .initial = "1h",
-     .min = SECOND,
-     .max = 7 * DAY,
-     .help = "A wait request is answered at the latest after this time, whatever it asks for."},
-
-    {.section = "reader",
-     .key = "memory",
-     .type = SHEARD_T_BYTES,
-     AT(reader.memory_bytes),
-     .initial = "1G",
-     .min = 64 * MiB,
-     .max = TiB,
-     .help = "Address space of the process, the shared memory included."},
-    {.section = "reader",
-     .key = "cpu_time",
-     .type = SHEARD_T_DURATION,
-     AT(reader.cpu_time_ms),
-     .initial = "12h",
-     .min = SECOND,
-     .max = 30 * DAY,
-     .help = "Processor time for the whole of one file, in whole seconds (rounded up)."},
-    {.section = "reader",
-     .key = "wall_time",
-     .type = SHEARD_T_DURATION,
-     AT(reader.wall_time_ms),
-     .initial = "10min",
-     .min = 100,
-     .max = DAY,
-     .help = "Time for one answer: opening the file, or one block of stamps. Network file systems "
-             "that hang "
-             "for longer fail the job, which is then retried."},
-    {.section = "reader",
-     .key = "shared_memory",
-     .type = SHEARD_T_BYTES,
-     AT(reader.shared_memory_bytes),
-     .initial = "128M",
-     .min = MiB,
-     .max = 64 * GiB,
-     .help = "Memory through which a reader hands over its blocks, for each active job. It must "
-             "hold a block "
-             "of 16 stamp pairs and their PSFs in double precision."},
-    {.section = "reader",
-     .key = "max_file_bytes",
-     .type = SHEARD_T_BYTES,
-     AT(reader.max_file_bytes),
-     .initial = "256G",
-     .min = MiB,
-     .max = 1024 * TiB,
-     .help = "Larger files are refused."},
-
-    {.section = "retry",
-     .key = "first_delay",
-     .type = SHEARD_T_DURATION,
-     AT(retry.first_delay_ms),
-     .initial = "10s",
-     .min = 10,
-     .max = DAY,
-     .help = "Time until the second attempt. It doubles with every further one."},
-    {.section = "retry",
-     .key = "max_delay",
-     .type = SHEARD_T_DURATION,
-     AT(retry.max_delay_ms),
-     .initial = "1h",
-     .min = 10,
-     .max = 7 * DAY,
-     .help = "Longest time between two attempts."},
-    {.section = "retry",
-     .key = "attempts",
-     .type = SHEARD_T_INT,
-     AT(retry.attempts),
-     .initial = "20",
-     .min = 1,
-     .max = 1000,
-     .unit = "attempts",
-     .help = "A job fails for good after this many (with the default delays: after half a day)."},
-
-    {.section = "retention",
-     .key = "jobs_max_age",
-     .type = SHEARD_T_DURATION,
-     AT(retention.jobs_max_age_ms),
-     .initial = "unlimited",
-     .min = SECOND,
-     .max = 36500 * DAY,
-     .word = "unlimited",
-     .help = "Finished jobs that are older are forgotten. What they contributed to their fields "
-             "stays, and "
-             "the same input is still recognised."},
-    {.section = "retention",
-     .key = "jobs_max_count",
-     .type = SHEARD_T_INT,
-     AT(retention.jobs_max_count),
-     .initial = "unlimited",
-     .min = 1,
-     .max = 1000000000,
-     .word = "unlimited",
-     .unit = "jobs",
-     .help = "The oldest finished jobs beyond this number are forgotten."},
 };
-const size_t config_n_rows = sizeof config_rows / sizeof config_rows[0];
+const size_t config_n_place_rows = sizeof config_place_rows / sizeof config_place_rows[0];

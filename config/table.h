@@ -12,8 +12,13 @@ struct section {
     const char *name, *help;
 };
 
-extern const sheard_setting config_rows[];
-extern const size_t config_n_rows;
+/* The daemon's own rows: these two. shear_settings_table has the others. */
+extern const sheard_setting config_place_rows[], config_bound_rows[];
+extern const size_t config_n_place_rows, config_n_bound_rows;
+
+/* Both as one: row i < config_n_rows(). */
+size_t config_n_rows(void);
+const sheard_setting *config_row(size_t i);
 extern const struct section config_sections[]; /* in the rows' order, [measure] last */
 extern const size_t config_n_sections;
 

@@ -31,6 +31,14 @@ static const msg_member subscribed_members[] = {
 const msg_table msg_subscribed = {MSG_TABLE_(shear_msg_subscribed, subscribed_members),
                                   .check = NULL};
 
+static const msg_member plans_members[] = {
+    MSG_COUNT_(shear_msg_plans, kept, 0),
+    MSG_COUNT_(shear_msg_plans, bytes, 0),
+    MSG_COUNT_(shear_msg_plans, hits, 0),
+    MSG_COUNT_(shear_msg_plans, misses, 0),
+};
+static const msg_table plans = {MSG_TABLE_(shear_msg_plans, plans_members), .check = NULL};
+
 static const msg_member states_members[] = {
     MSG_COUNT_(shear_msg_states, queued, 0),  MSG_COUNT_(shear_msg_states, running, 0),
     MSG_COUNT_(shear_msg_states, waiting, 0), MSG_COUNT_(shear_msg_states, done, 0),
@@ -92,6 +100,7 @@ static const msg_member status_members[] = {
     MSG_COUNT_(shear_msg_status, subscribers, 0),
     MSG_OBJECT_(shear_msg_status, workers, "workers", shear_msg_workers, &workers, 0),
     MSG_OBJECT_(shear_msg_status, queue, "queue", shear_msg_queue, &queue, 0),
+    MSG_OBJECT_(shear_msg_status, plans, "plans", shear_msg_plans, &plans, 0),
     MSG_OBJECT_(shear_msg_status, states, "states", shear_msg_states, &states, 0),
     MSG_OBJECT_(shear_msg_status, totals, "totals", shear_msg_totals, &totals, 0),
     MSG_OBJECT_(shear_msg_status, rates, "rates", shear_msg_rates, &rates, 0),

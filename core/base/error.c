@@ -16,6 +16,7 @@ static const char *const code_names[] = {
     [SHEAR_E_EXISTS] = "exists",
     [SHEAR_E_CANCELLED] = "cancelled",
     [SHEAR_E_INTERNAL] = "internal",
+    [SHEAR_E_FULL] = "disk_full",
 };
 
 const char *shear_code_name(int code) {

@@ -3,8 +3,11 @@
 
 #include <errno.h>
 #include <fitsio.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+
+static const char full_advice[] = "the disk is full: make room and try again";
 
 int sf_fail(shear_error *err, int code, sf_place at, const char *advice, const char *format, ...) {
     char text[sizeof((shear_error *)0)->message];
@@ -18,13 +21,19 @@ int sf_fail(shear_error *err, int code, sf_place at, const char *advice, const c
     return shear_fail(err, code, advice, "file '%s': %s", at.file, text);
 }
 
-static int code_of(int status) {
+static bool means_full(int number) {
+    return number == ENOSPC || number == EDQUOT;
+}
+
+/* CFITSIO does not tell why a write failed; `number` is errno, which the system call left. */
+static int code_of(int status, int number) {
     switch (status) {
     case MEMORY_ALLOCATION:
         return SHEAR_E_NOMEM;
     case WRITE_ERROR:
     case FILE_NOT_CREATED:
     case FILE_NOT_CLOSED:
+        return means_full(number) ? SHEAR_E_FULL : SHEAR_E_IO;
     case TOO_MANY_FILES:
         return SHEAR_E_IO;
     default:
@@ -35,6 +44,7 @@ static int code_of(int status) {
 int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing) {
     char text[FLEN_STATUS] = "";
     char detail[FLEN_ERRMSG] = "";
+    const int number = errno;
     fits_get_errstatus(status, text);
     /* The oldest message is the nearest to the cause; the younger ones say who called whom. */
     if (fits_read_errmsg(detail) == 0) {
@@ -46,8 +56,10 @@ int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing)
             *c = '?';
         }
     }
-    const int code = code_of(status);
-    const char *advice = code == SHEAR_E_IO ? "check the disk's free space and permissions" : NULL;
+    const int code = code_of(status, number);
+    const char *advice = code == SHEAR_E_IO     ? "check the disk's free space and permissions"
+                         : code == SHEAR_E_FULL ? full_advice
+                                                : NULL;
     return sf_fail(err, code, at, advice, "%s: %s%s%s%s", doing, text,
                    detail[0] != '\0' ? " (" : "", detail, detail[0] != '\0' ? ")" : "");
 }
@@ -61,7 +73,7 @@ static const char *advice_of(int number) {
         return "check the permissions of the file and its directories";
     case ENOSPC:
     case EDQUOT:
-        return "the disk is full: make room and try again";
+        return full_advice;
     case EMFILE:
     case ENFILE:
         return "too many open files: raise the limit (ulimit -n) or open fewer at once";
@@ -73,8 +85,10 @@ static const char *advice_of(int number) {
 int sf_fail_errno(shear_error *err, sf_place at, int number, const char *doing) {
     char text[128];
     const char *words = strerror_r(number, text, sizeof text);
-    return sf_fail(err, number == ENOMEM ? SHEAR_E_NOMEM : SHEAR_E_IO, at, advice_of(number),
-                   "%s: %s", doing, words);
+    const int code = number == ENOMEM     ? SHEAR_E_NOMEM
+                     : means_full(number) ? SHEAR_E_FULL
+                                          : SHEAR_E_IO;
+    return sf_fail(err, code, at, advice_of(number), "%s: %s", doing, words);
 }
 
 int sf_fail_memory(shear_error *err, sf_place at) {

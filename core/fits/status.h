@@ -18,7 +18,7 @@ int sf_fail(shear_error *err, int code, sf_place at, const char *advice, const c
  * is global. Memory and write failures get their own codes, everything else is SHEAR_E_FORMAT. */
 int sf_fail_status(shear_error *err, sf_place at, int status, const char *doing);
 
-/* From errno: SHEAR_E_IO, or SHEAR_E_NOMEM. */
+/* From errno: SHEAR_E_IO, SHEAR_E_FULL or SHEAR_E_NOMEM. */
 int sf_fail_errno(shear_error *err, sf_place at, int number, const char *doing);
 
 int sf_fail_memory(shear_error *err, sf_place at);

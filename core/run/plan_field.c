@@ -38,25 +38,42 @@ static int median_radius(shear_psf_source psfs, const shear_field_info *info, do
     return SHEAR_OK;
 }
 
-int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
-                        const shear_field_info *info, shear_psf_source psfs, shear_error *err) {
+int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
+                          shear_psf_source psfs, shear_error *err) {
     const bool one = info->psf_layout == SHEAR_PSF_ONE;
-    const bool has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0;
-    double r_psf = NAN;
-    *plan = NULL;
-    double *psf =
-        malloc((size_t)info->geometry.psf_nx * (size_t)info->geometry.psf_ny * sizeof *psf);
+    const shear_geometry *g = &info->geometry;
+    *basis =
+        (shear_plan_basis){.r_psf_px = NAN, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0};
+    double *psf = malloc((size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *psf);
     if (psf == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF of %d x %d samples",
-                          info->geometry.psf_nx, info->geometry.psf_ny);
+                          g->psf_nx, g->psf_ny);
     }
-    int code =
-        one ? psfs.read(psfs.self, 0, psf, err) : median_radius(psfs, info, psf, &r_psf, err);
+    const int code = one ? psfs.read(psfs.self, 0, psf, err)
+                         : median_radius(psfs, info, psf, &basis->r_psf_px, err);
+    if (one && code == SHEAR_OK) {
+        basis->psf = psf;
+    } else {
+        free(psf);
+    }
+    return code;
+}
+
+void shear_plan_basis_deinit(shear_plan_basis *basis) {
+    free(basis->psf);
+    *basis = (shear_plan_basis){0};
+}
+
+int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
+                        const shear_field_info *info, shear_psf_source psfs, shear_error *err) {
+    shear_plan_basis basis;
+    *plan = NULL;
+    int code = shear_plan_basis_read(&basis, info, psfs, err);
     if (code == SHEAR_OK) {
-        code = shear_plan_new(plan, settings, &info->geometry, one ? psf : NULL, r_psf, has_r_gal,
-                              err);
+        code = shear_plan_new(plan, settings, &info->geometry, basis.psf, basis.r_psf_px,
+                              basis.has_r_gal, err);
     }
-    free(psf);
+    shear_plan_basis_deinit(&basis);
     return code;
 }
 

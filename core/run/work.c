@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two locks, never held together: `reader` is held while stamps are read, `results` while finished
- * turns are joined. */
+/* Four locks, never held together. `reader` is held while stamps are read and `sink` while rows are
+ * written: the disk may take its time. `turns` and `results` are held for moments only, so that
+ * whoever asks how the work stands, or stops it, never waits for a disk. */
 #include "shear/work.h"
 
 #include <math.h>
@@ -21,8 +22,11 @@ struct shear_work {
     shear_work_spec spec;
     int64_t n_blocks;
 
-    pthread_mutex_t reader; /* guards the source and all until the next lock */
-    int64_t next_turn;      /* the first block that nobody has taken */
+    pthread_mutex_t reader; /* guards the source */
+    pthread_mutex_t sink;   /* guards the sink */
+
+    pthread_mutex_t turns; /* guards all until the next lock */
+    int64_t next_turn;     /* the first block that nobody has taken */
     int under_way;
     bool stopped;
 
@@ -77,6 +81,8 @@ int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *e
     work->next_turn = work->next_block = spec->first_block;
     work->done = spec->first_block * SHEAR_BLOCK;
     pthread_mutex_init(&work->reader, NULL);
+    pthread_mutex_init(&work->sink, NULL);
+    pthread_mutex_init(&work->turns, NULL);
     pthread_mutex_init(&work->results, NULL);
     *out = work;
     return SHEAR_OK;
@@ -92,6 +98,8 @@ void shear_work_free(shear_work *work) {
     free(work->waiting);
     shear_field_sums_free(work->joined);
     pthread_mutex_destroy(&work->reader);
+    pthread_mutex_destroy(&work->sink);
+    pthread_mutex_destroy(&work->turns);
     pthread_mutex_destroy(&work->results);
     free(work);
 }
@@ -126,7 +134,7 @@ void shear_worker_free(shear_worker *worker) {
 }
 
 static bool take_turn(shear_work *work, turn *t) {
-    pthread_mutex_lock(&work->reader);
+    pthread_mutex_lock(&work->turns);
     const int64_t left = work->stopped ? 0 : work->n_blocks - work->next_turn;
     const bool taken = left > 0;
     if (taken) {
@@ -138,15 +146,15 @@ static bool take_turn(shear_work *work, turn *t) {
         work->next_turn += t->n;
         work->under_way++;
     }
-    pthread_mutex_unlock(&work->reader);
+    pthread_mutex_unlock(&work->turns);
     return taken;
 }
 
 static void end_turn(shear_work *work, bool stop) {
-    pthread_mutex_lock(&work->reader);
+    pthread_mutex_lock(&work->turns);
     work->under_way--;
     work->stopped = work->stopped || stop;
-    pthread_mutex_unlock(&work->reader);
+    pthread_mutex_unlock(&work->turns);
 }
 
 static int read_stamps(shear_work *work, const shear_worker *worker, int64_t first, int count,
@@ -164,9 +172,9 @@ static int write_rows(shear_work *work, const shear_worker *worker, const shear_
     if (sink->write == NULL) {
         return SHEAR_OK;
     }
-    pthread_mutex_lock(&work->results);
+    pthread_mutex_lock(&work->sink);
     const int code = sink->write(sink->self, first, count, worker->rows, block, err);
-    pthread_mutex_unlock(&work->results);
+    pthread_mutex_unlock(&work->sink);
     return code;
 }
 
@@ -298,9 +306,9 @@ bool shear_work_step(shear_work *work, shear_worker *worker) {
 }
 
 void shear_work_stop(shear_work *work) {
-    pthread_mutex_lock(&work->reader);
+    pthread_mutex_lock(&work->turns);
     work->stopped = true;
-    pthread_mutex_unlock(&work->reader);
+    pthread_mutex_unlock(&work->turns);
 }
 
 void shear_work_fail(shear_work *work, const shear_error *err) {
@@ -311,10 +319,10 @@ void shear_work_fail(shear_work *work, const shear_error *err) {
 
 shear_work_status shear_work_get_status(shear_work *work) {
     shear_work_status status = {.stamps_total = work->spec.info->n_stamps};
-    pthread_mutex_lock(&work->reader);
+    pthread_mutex_lock(&work->turns);
     status.exhausted = work->stopped || work->next_turn >= work->n_blocks;
     status.turns_under_way = work->under_way;
-    pthread_mutex_unlock(&work->reader);
+    pthread_mutex_unlock(&work->turns);
     pthread_mutex_lock(&work->results);
     status.stamps_done = work->done;
     status.next_block = work->next_block;
@@ -349,8 +357,8 @@ int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err) {
     if (sink->keep == NULL) {
         return SHEAR_OK;
     }
-    pthread_mutex_lock(&work->results);
+    pthread_mutex_lock(&work->sink);
     const int code = sink->keep(sink->self, rows < all ? rows : all, err);
-    pthread_mutex_unlock(&work->results);
+    pthread_mutex_unlock(&work->sink);
     return code;
 }

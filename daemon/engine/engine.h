@@ -1,23 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* engine/engine.h: the worker threads and the jobs they work on. Knows no loop, no SQL, no JSON.
  *
- * A job goes through the engine like this (the owner's calls on the left, the engine's events on
- * the right):
+ * A job goes through the engine like this:
  *
- *     engine_add ------> a worker hashes the file, starts a reader, makes the plan ------> OPENED
- * or FAILED engine_go -------> all workers take turns at its blocks --------------------------->
- * CHECKPOINT (now and then) (or engine_stop_job) DONE, FAILED or STOPPED
+ *     the owner calls     what happens                                     events
+ *     engine_add          a thread of the job's own hashes the file,       OPENED, or FAILED
+ *                         starts a reader and has a plan made
+ *     engine_go           the workers take turns at its blocks             RESUMED, CHECKPOINT
+ *     or engine_stop_job  its own thread finishes it                       DONE, FAILED, STOPPED
  *
  * The last event of a job is DONE, FAILED or STOPPED; after it the engine has forgotten the job.
  * Workers choose among the jobs by priority, and among equals the one that has had the fewest
- * stamps of late, so that a small job does not wait behind a large one.
+ * stamps of late, so that a small job does not wait behind a large one. A worker that would have to
+ * wait for a job's reader serves another job meanwhile: a file that hangs holds up its own job.
  *
- * The owner is one thread (the loop's). Events are queued; `wake` is called from any thread when
- * there are some.
+ * The owner is one thread (the loop's); no call waits for a file. Events are queued; `wake` is
+ * called from any thread when there are some.
  */
 #ifndef SHEARD_ENGINE_H
 #define SHEARD_ENGINE_H
 
+#include "engine/plans.h"
 #include "reader/reader.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
@@ -36,6 +39,8 @@ typedef struct engine_options {
     int workers;           /* >= 1 */
     reader_limits limits;  /* texts are copied */
     int64_t checkpoint_ms; /* least time between two checkpoints of a job */
+    int64_t plans_count;   /* plans kept at most for later jobs: engine/plans.h */
+    int64_t plans_bytes;
     void (*wake)(void *context);
     void *context;
 } engine_options;
@@ -60,6 +65,7 @@ typedef struct engine_checkpoint {
 
 enum engine_event_kind {
     ENGINE_OPENED,
+    ENGINE_RESUMED,
     ENGINE_CHECKPOINT,
     ENGINE_DONE,
     ENGINE_FAILED,
@@ -72,7 +78,7 @@ typedef struct engine_event {
     char checksum[SHEAR_CHECKSUM_SIZE]; /* OPENED: of the content (shear_input_checksum) */
     shear_field_info info;              /* OPENED */
     shear_plan_info plan;               /* OPENED */
-    int64_t next_block;                 /* CHECKPOINT */
+    int64_t next_block;                 /* CHECKPOINT, RESUMED */
     char *sums;                         /* CHECKPOINT, DONE: text; freed by engine_event_deinit */
     shear_result result;                /* DONE: of this file alone */
     double seconds;                     /* DONE: spent on it in this process */
@@ -86,10 +92,9 @@ int engine_new(engine **e, const engine_options *options, shear_error *err);
 void engine_free(engine *e);
 
 int engine_add(engine *e, const engine_job *job, shear_error *err);
-/* After OPENED: measure it, from the checkpoint if there is one. Returns the block that it begins
- * with: 0 where the rows before the checkpoint are missing in the catalogue, or the job was stopped
- * or has failed. */
-int64_t engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
+/* After OPENED: measure it, from the checkpoint if there is one. RESUMED tells the block that it
+ * begins with: 0 where the rows before the checkpoint are missing in the catalogue. */
+void engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
 /* Stop a job: its last event is STOPPED (after a CHECKPOINT where there is something to save),
  * unless it was DONE or FAILED already. Turns under way are finished. */
 void engine_stop_job(engine *e, int64_t job);
@@ -107,7 +112,12 @@ typedef struct engine_load {
     int workers, busy;    /* threads, and those at work now */
     int jobs;             /* in the engine */
     int64_t stamps_total; /* measured since the start */
+    int64_t blocks_left;  /* of the jobs that are being measured: not yet measured */
+    plans_statistics plans;
 } engine_load;
 engine_load engine_get_load(engine *e);
+
+/* Other bounds for the kept plans, from now on. */
+void engine_limit_plans(engine *e, int64_t count, int64_t bytes);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/job.h"
+#include "engine/inner.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,12 +12,14 @@ double engine_now_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-job *job_new(const engine_job *spec, const engine_options *options) {
+job *job_new(const engine_job *spec, engine *e) {
+    const engine_options *options = &e->options;
     job *j = calloc(1, sizeof *j);
     job_files files;
     const bool taken = job_files_take(&files, spec->input, spec->fds);
     if (j != NULL) {
-        *j = (job){.id = spec->id,
+        *j = (job){.engine = e,
+                   .id = spec->id,
                    .priority = spec->priority,
                    .settings = spec->settings,
                    .limits = options->limits,
@@ -26,8 +28,9 @@ job *job_new(const engine_job *spec, const engine_options *options) {
                    .started_s = engine_now_s()};
         j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
         j->team = calloc((size_t)options->workers, sizeof(shear_worker *));
+        j->entering = calloc((size_t)options->workers, sizeof *j->entering);
     }
-    if (j == NULL || !taken || j->team == NULL ||
+    if (j == NULL || !taken || j->team == NULL || j->entering == NULL ||
         (spec->catalogue != NULL && j->catalogue_path == NULL)) {
         if (j == NULL) {
             job_files_close(&files);
@@ -46,11 +49,13 @@ void job_free(job *j) {
         shear_worker_free(j->team[i]);
     }
     free(j->team);
+    free(j->entering);
+    free(j->sums_before);
     shear_work_free(j->work);
     reader_stop(j->reader);
     shear_catalog_leave(j->catalogue); /* for the next attempt, if there is one */
     shear_field_sums_free(j->before);
-    shear_plan_free(j->plan);
+    plans_give_back(j->engine->plans, j->plan);
     job_files_close(&j->files);
     free(j->catalogue_path);
     free(j);
@@ -81,7 +86,7 @@ static int open_file(job *j, engine_event *event, shear_error *err) {
     }
     if (code == SHEAR_OK) {
         const shear_psf_source psfs = {.self = j, .read = read_psf};
-        code = shear_plan_for_psfs(&j->plan, &j->settings, &event->info, psfs, err);
+        code = plans_take(j->engine->plans, &j->settings, &event->info, psfs, &j->plan, err);
     }
     if (code == SHEAR_OK) {
         event->plan = *shear_plan_get_info(j->plan);
@@ -123,17 +128,26 @@ static int open_catalogue(job *j, int64_t *first_block, shear_error *err) {
     return shear_catalog_begin(&j->catalogue, j->catalogue_path, info, j->checksum, err);
 }
 
-int job_begin(job *j, const engine_checkpoint *checkpoint, shear_error *err) {
+static int read_block(void *self, int slot, int64_t first, int count, const shear_block **block,
+                      shear_error *err) {
+    job *j = self;
+    job_read_begins(j, slot);
+    const int code = reader_read(j->reader, slot, first, count, block, err);
+    job_read_ends(j);
+    return code;
+}
+
+int job_begin(job *j, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
-    int64_t first_block = checkpoint != NULL ? checkpoint->next_block : 0;
+    int64_t first_block = j->first_block;
     int code = open_catalogue(j, &first_block, err);
     if (code == SHEAR_OK && first_block > 0) {
-        code = shear_field_sums_parse(&j->before, checkpoint->sums, err);
+        code = shear_field_sums_parse(&j->before, j->sums_before, err);
     }
     if (code == SHEAR_OK) {
         const shear_work_spec spec = {.info = info,
                                       .plan = j->plan,
-                                      .source = {.self = j->reader, .read = reader_read},
+                                      .source = {.self = j, .read = read_block},
                                       .size = j->size,
                                       .first_block = first_block,
                                       .sink = {.self = j->catalogue,

@@ -1,33 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/job.h: one job inside the engine: its reader, plan and work. The engine's lock guards
- * `phase` and the members that scheduling needs; the rest belongs to the thread that prepares or
- * finishes the job, or is thread-safe by itself. */
+/* engine/job.h: one job inside the engine: its reader, plan and work. The engine's lock guards the
+ * members from `phase` to `entering`; the rest belongs to the job's own thread, or is thread-safe
+ * by itself. */
 #ifndef SHEARD_ENGINE_JOB_H
 #define SHEARD_ENGINE_JOB_H
 
 #include "engine/engine.h"
 #include "engine/files.h"
+#include "engine/plans.h"
 #include "shear/catalog.h"
 #include "shear/run.h"
 #include "shear/work.h"
 
 enum job_phase {
-    JOB_NEW,       /* to be prepared by any worker */
-    JOB_PREPARING, /* one worker has it */
-    JOB_OPENED,    /* waits for the owner's word */
+    JOB_PREPARING, /* its own thread has it */
+    JOB_OPENED,    /* waits for the owner's word, or begins */
     JOB_MEASURING, /* workers take turns */
-    JOB_FINISHING, /* one worker has it */
-    JOB_ENDED
+    JOB_FINISHING  /* its own thread has it */
 };
 
 typedef struct job {
     struct job *next; /* in the engine's list */
+    engine *engine;
     int64_t id;
     int priority;
     int phase; /* enum job_phase */
-    bool stop_asked;
+    bool go, stop_asked;
     int64_t served; /* stamps measured, for fairness */
-    int holders;    /* threads inside this job's turns, or looking at its work */
+    int holders;    /* workers inside this job's turns */
+    int reading;    /* of those, the ones that read, or are about to */
+    bool *entering; /* [workers] about to read for the first time in its turn */
 
     job_files files;
     char *catalogue_path;
@@ -36,9 +38,11 @@ typedef struct job {
     int workers;
 
     reader *reader;
-    shear_plan *plan;
+    const shear_plan *plan; /* the engine's; given back at the end */
     shear_catalog *catalogue;
-    shear_field_sums *before; /* of the checkpoint; joined to the work's at the end */
+    int64_t first_block;      /* the checkpoint's, 0: none */
+    char *sums_before;        /* and its sums as text */
+    shear_field_sums *before; /* these; joined to the work's at the end */
     shear_turn_size size;
     shear_work *work;
     char checksum[SHEAR_CHECKSUM_SIZE];
@@ -48,15 +52,15 @@ typedef struct job {
     double started_s;
 } job;
 
-job *job_new(const engine_job *spec,
-             const engine_options *options); /* NULL: out of memory; the files are closed */
+/* NULL: out of memory; the files are closed. */
+job *job_new(const engine_job *spec, engine *e);
 void job_free(job *j);
 
 /* Hash, open, plan: fills OPENED, or FAILED, into *event. */
 void job_prepare(job *j, engine_event *event);
 /* Make its work, from the checkpoint where there is one, and the rows before it are in the
  * catalogue. SHEAR_OK or an error. */
-int job_begin(job *j, const engine_checkpoint *checkpoint, shear_error *err);
+int job_begin(job *j, shear_error *err);
 /* One turn on behalf of worker thread `slot`; false where nothing is left to take. */
 bool job_step(job *j, int slot, shear_error *err);
 /* The sums of all blocks so far, as text, and the next block; their rows in the catalogue are on
@@ -64,6 +68,10 @@ bool job_step(job *j, int slot, shear_error *err);
 int job_checkpoint(job *j, int64_t *next_block, char **sums, shear_error *err);
 /* All turns are over: DONE, FAILED or STOPPED into *event. */
 void job_finish(job *j, engine_event *event);
+
+/* workers.c: a worker is about to read stamps; it has read them. */
+void job_read_begins(job *j, int slot);
+void job_read_ends(job *j);
 
 double engine_now_s(void); /* monotonic */
 

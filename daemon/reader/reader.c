@@ -100,6 +100,21 @@ static int wait_for_answer(const reader *r) {
     return ready;
 }
 
+/* What the child says went wrong. That it is short of memory is told apart from the daemon's own
+ * shortage. */
+static int failed_answer(const reader_reply *reply, shear_error *err) {
+    const bool memory = reply->code == SHEAR_E_NOMEM;
+    const int code = memory ? READER_E_MEMORY : reply->code;
+    if (err != NULL) {
+        *err = reply->error;
+        err->code = code;
+        if (memory && err->advice[0] == '\0') {
+            snprintf(err->advice, sizeof err->advice, "allow the reader more ([reader] memory)");
+        }
+    }
+    return code;
+}
+
 /* Send a request and receive its reply: what the child itself says is in reply->code, its own
  * failure is returned. */
 static int ask(reader *r, const reader_request *request, const char *what, reader_reply *reply,
@@ -121,16 +136,12 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
         return give_up(r, READER_E_DIED, what, err);
     }
     if (got != (ssize_t)sizeof *reply || reply->version != READER_WIRE_VERSION ||
-        reply->op != request->op || reply->code < 0 || reply->code > SHEAR_E_INTERNAL) {
+        reply->op != request->op || reply->code < 0 || reply->code > SHEAR_E_FULL) {
         return give_up(r, READER_E_PROTOCOL, what, err);
     }
     reply->error.message[sizeof reply->error.message - 1] = '\0';
     reply->error.advice[sizeof reply->error.advice - 1] = '\0';
-    if (reply->code != SHEAR_OK && err != NULL) {
-        *err = reply->error;
-        err->code = reply->code;
-    }
-    return reply->code;
+    return reply->code == SHEAR_OK ? SHEAR_OK : failed_answer(reply, err);
 }
 
 static bool in_range(int64_t value, int64_t low, int64_t high) {
@@ -246,7 +257,7 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err) {
     r->memory_bytes = r->psf_bytes + (size_t)slots * r->slot_bytes;
     if (r->memory_bytes > (size_t)r->shared_bytes) {
         return shear_fail(
-            err, SHEAR_E_NOMEM, "raise [reader] shared_memory, or cut smaller stamps and PSFs",
+            err, READER_E_MEMORY, "raise [reader] shared_memory, or cut smaller stamps and PSFs",
             "%d blocks of %d stamp pairs take %zu bytes of shared memory, allowed are %" PRId64,
             slots, capacity, r->memory_bytes, r->shared_bytes);
     }

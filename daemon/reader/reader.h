@@ -16,9 +16,10 @@
 #include <stdint.h>
 
 enum reader_code {
-    READER_E_DIED = 100,    /* the child ended: a crash, or a limit on memory or processor time */
-    READER_E_HUNG = 101,    /* no answer in time */
-    READER_E_PROTOCOL = 102 /* an answer that makes no sense */
+    READER_E_DIED = 100,     /* the child ended: a crash, or a limit on processor time */
+    READER_E_HUNG = 101,     /* no answer in time */
+    READER_E_PROTOCOL = 102, /* an answer that makes no sense */
+    READER_E_MEMORY = 103    /* the file needs more memory than its reader may have */
 };
 
 typedef struct reader_limits {

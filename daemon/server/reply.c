@@ -145,3 +145,13 @@ void server_publish(server *s, int notice, int64_t job, const char *field,
     }
     out_text_drop(text);
 }
+
+void server_end_job(server *s, int64_t job) {
+    connection *next;
+    for (connection *c = TAILQ_FIRST(&s->subscribers); c; c = next) {
+        next = TAILQ_NEXT(c, subscriber_link);
+        if (watched_end_job(&c->watched, job)) {
+            note_change(c, NULL);
+        }
+    }
+}

@@ -128,6 +128,9 @@ bool server_is_watched(const server *s, int notice, int64_t job, const char *fie
 void server_publish(server *s, int notice, int64_t job, const char *field,
                     const shear_notice_params *params);
 
+/* The job is final: subscriptions to it by its number end. */
+void server_end_job(server *s, int64_t job);
+
 /* ---- the end ---- */
 
 /* No new connections; those that are go on. The socket file is removed. */

@@ -123,13 +123,14 @@ int watched_add(watched *w, const shear_msg_subscribe *what, size_t limit, shear
     return SHEAR_RPC_OK;
 }
 
-static void remove_job(watched *w, int64_t job) {
+bool watched_end_job(watched *w, int64_t job) {
     bool found;
     const size_t i = find_job(w, job, &found);
     if (found) {
         w->n_jobs--;
         memmove(&w->jobs[i], &w->jobs[i + 1], (w->n_jobs - i) * sizeof *w->jobs);
     }
+    return found;
 }
 
 static void remove_field(watched *w, const char *field) {
@@ -144,7 +145,7 @@ static void remove_field(watched *w, const char *field) {
 
 void watched_remove(watched *w, const shear_msg_subscribe *what) {
     for (size_t i = 0; i < what->n_jobs; i++) {
-        remove_job(w, what->jobs[i]);
+        watched_end_job(w, what->jobs[i]);
     }
     for (size_t i = 0; i < what->n_fields; i++) {
         remove_field(w, what->fields[i]);

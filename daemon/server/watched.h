@@ -18,6 +18,8 @@ void watched_deinit(watched *w); /* zeroed: fine */
 int watched_add(watched *w, const shear_msg_subscribe *what, size_t limit, shear_rpc_error *error);
 /* Nothing named: everything. */
 void watched_remove(watched *w, const shear_msg_subscribe *what);
+/* Was it watched by its number? It is not any more. */
+bool watched_end_job(watched *w, int64_t job);
 bool watched_anything(const watched *w);
 bool watched_matches(const watched *w, int notice, int64_t job, const char *field);
 

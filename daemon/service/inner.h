@@ -19,6 +19,8 @@
 
 /* ---- group.c ---- */
 
+typedef struct changed_field changed_field; /* news.c */
+
 /* What is to happen once the group is on disk (code SHEAR_OK) or has failed. Freed after its run.
  */
 typedef struct after after;
@@ -96,11 +98,13 @@ struct service {
     int n_active;
     void *spooled; /* tsearch tree: key -> active name, of files that are jobs */
     waiter *waiters;
+    changed_field *news;
 
     int state; /* enum shear_server_state */
     int exit_code;
     bool closing;
-    int64_t started_ms;                                 /* wall clock */
+    bool drain_pending; /* drained jobs are left, and their end is to be told */
+    int64_t started_ms; /* wall clock */
     int64_t stamps_at[RATE_SLOTS], jobs_at[RATE_SLOTS]; /* a ring of the last minute */
     int64_t ticks, jobs_ended;
     int64_t store_trouble_ms; /* loop time of the last failed commit; 0: none lately */
@@ -117,9 +121,27 @@ void group_start(service *s);
 
 /* jobs.c */
 void jobs_fill(service *s);
-void jobs_take_events(service *s);
 void jobs_stop_all(service *s);
 active_job *jobs_find(service *s, int64_t id);
+void jobs_forget(service *s, active_job *j); /* this process has done with it */
+
+/* events.c: take all that the engine tells */
+void events_take(service *s);
+
+/* endings.c */
+typedef struct ending_reason {
+    int class;        /* enum store_class */
+    const char *name; /* stable code */
+} ending_reason;
+/* What an error of the library, the reader or the engine means for a job. */
+ending_reason ending_reason_of(const shear_error *error);
+/* The attempt failed: to be tried again, or for good. `failures`: of this job before. */
+void ending_fail(service *s, int64_t id, int64_t failures, ending_reason reason,
+                 const shear_error *error);
+/* The job's new state is in this group: tell it when that is on disk. */
+void ending_settle(service *s, int64_t id);
+/* The job is final: its file follows, and those who waited for it are answered. */
+void ending_tell(service *s, const store_job *job);
 
 /* spooled.c: files of the watch folder */
 int spooled_open(service *s, shear_error *err);
@@ -156,6 +178,11 @@ void present_field_free(shear_msg_field_row *out);
 void present_summary(const store_field *f, shear_msg_summary *out);
 void publish_job(service *s, const store_job *job);
 
+/* news.c */
+void news_field_changed(service *s, const char *name, const char *digest); /* NULL: no name yet */
+void news_publish(service *s);                                             /* once a second */
+void news_free(service *s);
+
 /* methods.c */
 void methods_request(void *context, const server_request *request);
 bool peer_is_admin(const service *s, const access_peer *peer);
@@ -176,10 +203,21 @@ void waits_expire(service *s);
 void waits_free(service *s);
 
 /* life.c */
+void life_start(service *s); /* signals and timers */
+void life_close(service *s, int64_t flush_ms);
+shear_msg_stopping life_left(service *s); /* the state, and the jobs that are left */
+void life_drain_queue(service *s);        /* take no new jobs, finish all that there are, stay */
 void life_drain(service *s, double timeout_s);
 void life_stop_now(service *s);
 void life_announce(service *s); /* the state, to those who watch */
 void life_check(service *s);    /* has the last job ended while draining? */
-int life_reload(service *s, shear_msg_reloaded *reply, shear_rpc_error *error);
+
+/* reload.c */
+int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error);
+/* Lists of users and groups, and the data roots; all or nothing. */
+int reload_access(const sheard_config *c, access_list **admins, access_list **submitters,
+                  access_roots **roots, shear_error *err);
+server_limits reload_server_limits(const sheard_config *c);
+spool_tuning reload_spool_tuning(const sheard_config *c);
 
 #endif

@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From the queue into the engine, and from the engine's events back into the store. */
+/* The jobs that this process works on: from the queue into the engine. */
 #include "service/inner.h"
 #include "service/source.h"
 
-#include "sheard/report.h"
-
-#include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 active_job *jobs_find(service *s, int64_t id) {
     active_job *j = s->active;
@@ -29,7 +24,7 @@ static void active_free(active_job *j) {
     }
 }
 
-static void forget(service *s, active_job *j) {
+void jobs_forget(service *s, active_job *j) {
     active_job **at = &s->active;
     while (*at != j) {
         at = &(*at)->next;
@@ -39,180 +34,74 @@ static void forget(service *s, active_job *j) {
     active_free(j);
 }
 
-/* ---- the end of an attempt ---- */
-
-static void publish_field(service *s, const store_job *job) {
-    store_field_page page = {0};
-    shear_error ignored;
-    if (job->field == NULL ||
-        !server_is_watched(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, job->field) ||
-        store_field_get(s->store, job->field, &page, &ignored) != SHEAR_OK) {
-        return;
-    }
-    for (size_t i = 0; i < page.n; i++) {
-        if (strcmp(page.fields[i].settings_digest, job->settings_digest) == 0) {
-            shear_notice_params params = {0};
-            present_summary(&page.fields[i], &params.field_changed.field);
-            params.field_changed.field.mixed = page.n > 1;
-            server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, job->field, &params);
-        }
-    }
-    store_field_page_deinit(&page);
-}
-
-/* The store has the job's new state: tell those who wait, and let its file follow. */
-static void settled(service *s, after *a, int code, const shear_error *err) {
-    store_job job = {0};
-    shear_error ignored;
-    if (code != SHEAR_OK) {
-        log_error("job %lld: its end is not on disk (%s); it will run again", (long long)a->job,
-                  err->message);
-        s->strays = true;
-        return;
-    }
-    if (store_job_get(s->store, a->job, &job, &ignored) != SHEAR_OK) {
-        return;
-    }
-    publish_job(s, &job);
-    if (shear_job_state_is_final(job.state)) {
-        s->jobs_ended++;
-        catalogue_forget(s, job.id);
-        const char *name = spooled_name(s, job.key);
-        if (name != NULL) {
-            spooled_end(s, name, &job);
-        }
-        waits_job_ended(s, a->job);
-        if (job.outcome == STORE_COUNTED) {
-            publish_field(s, &job);
-        }
-        log_info("job %lld (%s): %s%s%s", (long long)job.id,
-                 job.field != NULL ? job.field : "field unknown", store_state_name(job.state),
-                 job.state == STORE_FAILED ? ": " : "",
-                 job.state == STORE_FAILED && job.message != NULL ? job.message : "");
-    }
-    store_job_deinit(&job);
-}
-
-static void settle_later(service *s, int64_t id) {
-    after *a = group_after(s, settled);
-    if (a != NULL) {
-        a->job = id;
-    }
-}
-
-/* ---- failures ---- */
-
-typedef struct failure {
-    int class;
-    const char *name;
-} failure;
-
-static failure classify(const shear_error *error) {
-    switch (error->code) {
-    case READER_E_DIED:
-    case READER_E_PROTOCOL:
-        return (failure){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_CRASHED)->name};
-    case ENGINE_E_CHANGED:
-        return (failure){STORE_TRANSIENT, shear_rpc_code_get(SHEAR_RPC_FILE_CHANGED)->name};
-    case READER_E_HUNG:
-        return (failure){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_TIMEOUT)->name};
-    case SHEAR_E_NOMEM:
-    case SHEAR_E_IO:
-        return (failure){STORE_TRANSIENT, shear_code_name(error->code)};
-    case SHEAR_E_INTERNAL:
-        return (failure){STORE_BUG, shear_code_name(error->code)};
-    default:
-        return (failure){STORE_DATA, shear_code_name(error->code)};
-    }
-}
-
-/* When to try again: a transient failure with doubling back-off and a limit, a bug once, bad data
- * never. */
-static int64_t retry_at(const service *s, int class, int64_t failures, int64_t now) {
-    if (class == STORE_DATA || (class == STORE_BUG && failures >= 1) ||
-        (class == STORE_TRANSIENT && failures + 1 >= s->config.retry.attempts)) {
-        return STORE_NEVER;
-    }
-    int64_t delay = s->config.retry.first_delay_ms;
-    for (int64_t i = 0; i < failures && delay < s->config.retry.max_delay_ms; i++) {
-        delay *= 2;
-    }
-    return now + (delay < s->config.retry.max_delay_ms ? delay : s->config.retry.max_delay_ms);
-}
-
-static void fail_job(service *s, int64_t id, int64_t failures, int class, const char *name,
-                     const shear_error *error) {
-    const int64_t now = wall_ms();
-    shear_error err = {0};
-    int state = 0;
-    const store_failure f = {.failure_class = class,
-                             .code = name,
-                             .message = error->message[0] != '\0' ? error->message : name,
-                             .advice = error->advice[0] != '\0' ? error->advice : NULL,
-                             .retry_at_ms = retry_at(s, class, failures, now),
-                             .now_ms = now};
-    int code = group_begin(s, &err);
-    if (code == SHEAR_OK) {
-        code = store_fail(s->store, id, &f, &state, &err);
-    }
-    if (code == SHEAR_OK) {
-        settle_later(s, id);
-    } else {
-        log_error("job %lld: its failure cannot be stored: %s", (long long)id, err.message);
-        s->strays = true;
-    }
-}
-
 /* ---- starting ---- */
 
-static void start(service *s, const store_job *job) {
+/* The job as this process knows it before its files are open. */
+static int active_new(active_job **out, const store_job *job, ending_reason *reason,
+                      shear_error *err) {
     active_job *j = calloc(1, sizeof *j);
-    shear_error err = {0};
-    source_opened o = {.files = {.fds = {-1, -1, -1, -1}}};
-    int class = STORE_TRANSIENT;
-    const char *name = shear_code_name(SHEAR_E_NOMEM);
-    int code = j != NULL ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
-    if (code == SHEAR_OK) {
-        *j = (active_job){.id = job->id,
-                          .origin = job->origin,
-                          .failures = job->failures,
-                          .started_ms = wall_ms(),
-                          .field = job->field != NULL ? strdup(job->field) : NULL,
-                          .digest = strdup(job->settings_digest)};
-        shear_settings_init(&j->settings);
-        code = shear_settings_apply(&j->settings, job->settings, &err);
-        class = STORE_BUG;
+    *out = NULL;
+    if (j == NULL) {
+        *reason = ending_reason_of(&(shear_error){.code = SHEAR_E_NOMEM});
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
-    if (code == SHEAR_OK) {
-        code = source_open_for_job(s, job, &o, &err);
-        class = o.job_class;
-        name = o.name;
+    *j = (active_job){.id = job->id,
+                      .origin = job->origin,
+                      .failures = job->failures,
+                      .started_ms = wall_ms(),
+                      .field = job->field != NULL ? strdup(job->field) : NULL,
+                      .digest = strdup(job->settings_digest)};
+    shear_settings_init(&j->settings);
+    const int code = shear_settings_apply(&j->settings, job->settings, err);
+    if (code != SHEAR_OK) { /* they were good when they were stored */
+        *reason = ending_reason_of(&(shear_error){.code = SHEAR_E_INTERNAL});
+        active_free(j);
+        return code;
     }
-    if (code == SHEAR_OK) {
-        char text[SHEAR_INPUT_TEXT_SIZE];
-        j->path = strdup(shear_input_text(&o.input, text, sizeof text));
-        j->active_name = o.active_name;
-        o.active_name = NULL;
-    }
-    char *catalogue = code == SHEAR_OK ? catalogue_path(s, job->id) : NULL;
-    if (code == SHEAR_OK) {
-        const engine_job spec = {.id = job->id,
-                                 .priority = job->priority,
-                                 .input = &o.input,
-                                 .fds = o.files.fds,
-                                 .settings = j->settings,
-                                 .catalogue = catalogue};
-        code = engine_add(s->engine, &spec, &err);
-        class = STORE_TRANSIENT;
-        for (int i = 0; i < SHEAR_N_PARTS; i++) {
-            o.files.fds[i] = -1; /* the engine's, in any case */
-        }
+    *out = j;
+    return SHEAR_OK;
+}
+
+/* Hand the open files over to the engine. */
+static int give(service *s, const store_job *job, active_job *j, source_opened *o,
+                shear_error *err) {
+    char text[SHEAR_INPUT_TEXT_SIZE];
+    char *catalogue = catalogue_path(s, job->id);
+    j->path = strdup(shear_input_text(&o->input, text, sizeof text));
+    j->active_name = o->active_name;
+    o->active_name = NULL;
+    const engine_job spec = {.id = job->id,
+                             .priority = job->priority,
+                             .input = &o->input,
+                             .fds = o->files.fds,
+                             .settings = j->settings,
+                             .catalogue = catalogue};
+    const int code = engine_add(s->engine, &spec, err);
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        o->files.fds[i] = -1; /* the engine's, in any case */
     }
     free(catalogue);
+    return code;
+}
+
+static void start(service *s, const store_job *job) {
+    active_job *j = NULL;
+    shear_error err = {0};
+    ending_reason reason;
+    source_opened o = {.files = {.fds = {-1, -1, -1, -1}}};
+    int code = active_new(&j, job, &reason, &err);
+    if (code == SHEAR_OK) {
+        code = source_open_for_job(s, job, &o, &err);
+        reason = (ending_reason){o.job_class, o.name};
+    }
+    if (code == SHEAR_OK) {
+        code = give(s, job, j, &o, &err);
+        reason = ending_reason_of(&err);
+    }
     source_opened_deinit(&o);
     if (code != SHEAR_OK) {
         active_free(j);
-        fail_job(s, job->id, job->failures, class, name, &err);
+        ending_fail(s, job->id, job->failures, reason, &err);
         return;
     }
     j->next = s->active;
@@ -260,7 +149,7 @@ static void put_back_strays(service *s) {
         }
         if (jobs_find(s, id) == NULL && code == SHEAR_OK) {
             log_notice("job %lld is queued again", (long long)id);
-            settle_later(s, id);
+            ending_settle(s, id);
         }
     }
     s->strays = code != SHEAR_OK;
@@ -294,167 +183,6 @@ void jobs_fill(service *s) {
             return;
         }
         a->job = id;
-    }
-}
-
-/* ---- events ---- */
-
-/* The opened file is known: its name, content and size. A copy of what was counted before ends
- * here. */
-static void opened(service *s, active_job *j, const engine_event *e) {
-    shear_error err = {0};
-    int64_t duplicate_of = 0;
-    snprintf(j->checksum, sizeof j->checksum, "%s", e->checksum);
-    j->info = e->info;
-    j->plan = e->plan;
-    const store_learned learned = {.field = j->field == NULL ? e->info.name : NULL,
-                                   .content = e->checksum,
-                                   .n_stamps = e->info.n_stamps};
-    if (j->field == NULL) {
-        j->field = strdup(e->info.name);
-    }
-    int code = group_begin(s, &err);
-    if (code == SHEAR_OK) {
-        code = store_learn(s->store, j->id, &learned, &duplicate_of, &err);
-    }
-    if (code != SHEAR_OK) {
-        log_error("job %lld: %s", (long long)j->id, err.message);
-        engine_stop_job(s->engine, j->id);
-        return;
-    }
-    if (duplicate_of != 0) {
-        const store_work work = {.now_ms = wall_ms()};
-        store_finished end;
-        if (store_finish(s->store, j->id, &work, &end, &err) == SHEAR_OK) {
-            j->ended = true;
-            settle_later(s, j->id);
-        }
-        engine_stop_job(s->engine, j->id);
-        return;
-    }
-    j->failed_commits = s->failed_commits;
-    engine_checkpoint checkpoint = {0};
-    char *sums = NULL;
-    const bool resumed =
-        store_checkpoint_load(s->store, j->id, &checkpoint.next_block, &sums, &err) == SHEAR_OK;
-    checkpoint.sums = sums;
-    const int64_t first = engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
-    if (resumed) {
-        log_info("job %lld goes on at block %lld", (long long)j->id, (long long)first);
-    }
-    free(sums);
-}
-
-/* A commit failed since the job was opened, and with it, it may be, what the store learned then. */
-static int learn_again(service *s, const active_job *j, shear_error *err) {
-    int64_t duplicate_of = 0;
-    const store_learned learned = {
-        .field = j->field, .content = j->checksum, .n_stamps = j->info.n_stamps};
-    return store_learn(s->store, j->id, &learned, &duplicate_of, err);
-}
-
-static char *result_text(const active_job *j, const engine_event *e, shear_error *err) {
-    char *text = NULL;
-    const shear_report_file file = {.path = j->path,
-                                    .checksum = j->checksum,
-                                    .field = j->info.name,
-                                    .n_stamps = e->result.n_stamps,
-                                    .n_used = e->result.n_used,
-                                    .plan = &j->plan,
-                                    .seconds = e->seconds};
-    const shear_report report = {.field = j->field,
-                                 .result = &e->result,
-                                 .settings = &j->settings,
-                                 .plan = &j->plan,
-                                 .files = &file,
-                                 .n_files = 1,
-                                 .has_truth = j->info.has_truth,
-                                 .true_g1 = j->info.sim_g1,
-                                 .true_g2 = j->info.sim_g2,
-                                 .seconds = e->seconds};
-    shear_report_json(&text, &report, err);
-    return text;
-}
-
-static void done(service *s, active_job *j, const engine_event *e) {
-    shear_error err = {0};
-    store_finished end;
-    char *result = result_text(j, e, &err);
-    char *catalogue = catalogue_path(s, j->id);
-    const store_work work = {.sums = e->sums,
-                             .result = result,
-                             .catalogue = catalogue,
-                             .elapsed_us = (int64_t)(1e6 * e->seconds),
-                             .now_ms = wall_ms()};
-    int code = group_begin(s, &err);
-    if (code == SHEAR_OK && j->failed_commits != s->failed_commits) {
-        code = learn_again(s, j, &err);
-    }
-    if (code == SHEAR_OK) {
-        code = store_finish(s->store, j->id, &work, &end, &err);
-    }
-    if (code == SHEAR_OK) {
-        settle_later(s, j->id);
-    } else {
-        fail_job(s, j->id, j->failures, store_is_transient(code) ? STORE_TRANSIENT : STORE_BUG,
-                 store_code_name(code), &err);
-    }
-    free(result);
-    free(catalogue);
-}
-
-static void stopped(service *s, active_job *j) {
-    shear_error err = {0};
-    int state = 0;
-    int code = group_begin(s, &err);
-    if (code == SHEAR_OK) {
-        code = store_release(s->store, j->id, wall_ms(), &state, &err);
-    }
-    if (code == SHEAR_OK) {
-        settle_later(s, j->id);
-    } else {
-        s->strays = true;
-    }
-}
-
-static void take_event(service *s, engine_event *e) {
-    active_job *j = jobs_find(s, e->job);
-    shear_error err = {0};
-    if (j == NULL) {
-        return;
-    }
-    switch (e->kind) {
-    case ENGINE_OPENED:
-        opened(s, j, e);
-        return;
-    case ENGINE_CHECKPOINT:
-        if (group_begin(s, &err) == SHEAR_OK &&
-            store_checkpoint(s->store, j->id, e->next_block, e->sums, &err) != SHEAR_OK) {
-            log_warning("job %lld: no checkpoint: %s", (long long)j->id, err.message);
-        }
-        return;
-    case ENGINE_DONE:
-        done(s, j, e);
-        break;
-    case ENGINE_FAILED: {
-        const failure f = classify(&e->error);
-        fail_job(s, j->id, j->failures, f.class, f.name, &e->error);
-        break;
-    }
-    default:
-        if (!j->ended) {
-            stopped(s, j);
-        }
-        break;
-    }
-    forget(s, j);
-}
-
-void jobs_take_events(service *s) {
-    engine_event e;
-    while (engine_next_event(s->engine, &e)) {
-        take_event(s, &e);
-        engine_event_deinit(&e);
     }
 }
 

@@ -152,7 +152,7 @@ static void submit_file(service *s, const spool_file *file, const submission *su
     if (code == SHEAR_RPC_OK &&
         (a == NULL || a->name == NULL || !remember(s, file->key, file->active_name))) {
         log_error("out of memory: %s waits in active/ for the next start", file->active_name);
-    } else if (error.retry && code != SHEAR_RPC_OK) {
+    } else if (code != SHEAR_RPC_OK && error.retry) {
         spool_refuse(s->spool, file->active_name, &ignored);
     } else if (code != SHEAR_RPC_OK) {
         reject(s, file, &error);
@@ -181,8 +181,8 @@ static void submit_job_file(service *s, const spool_file *file, submission *sub)
     }
     close(fd);
     if (n > SHEAR_MSG_JOB_FILE_MAX) {
-        shear_rpc_fail(&error, SHEAR_RPC_BAD_FILE, NULL, "the job file is larger than %d bytes",
-                       SHEAR_MSG_JOB_FILE_MAX);
+        shear_rpc_fail(&error, SHEAR_RPC_LINE_TOO_LONG, "write a smaller job file",
+                       "the job file is larger than %d bytes", SHEAR_MSG_JOB_FILE_MAX);
     } else if (shear_job_file_parse(&submit, text, n, &s->config.measure, &error) == SHEAR_RPC_OK) {
         sub->submit = &submit;
         submit_file(s, file, sub);
@@ -240,12 +240,7 @@ static void spool_log(void *context, int level, const char *text) {
 
 int spooled_open(service *s, shear_error *err) {
     const sheard_config *c = &s->config;
-    const spool_tuning tuning = {
-        .settle_ms = c->spool.settle_time_ms,
-        .scan_ms = c->spool.scan_interval_ms,
-        .done = {c->spool.done.max_age_ms, c->spool.done.max_count, c->spool.done.max_bytes},
-        .failed = {c->spool.failed.max_age_ms, c->spool.failed.max_count,
-                   c->spool.failed.max_bytes}};
+    const spool_tuning tuning = reload_spool_tuning(c);
     const spool_callbacks callbacks = {
         .room = room, .found = found, .log = spool_log, .context = s};
     return c->spool.enabled

@@ -26,12 +26,12 @@ shear_msg_limits status_limits(const service *s) {
 
 static int64_t free_bytes(const char *path) {
     struct statvfs v;
-    return statvfs(path, &v) == 0 ? (int64_t)v.f_bavail * (int64_t)v.f_frsize : -1;
+    return statvfs(path, &v) == 0 ? (int64_t)v.f_bavail * (int64_t)v.f_frsize : 0;
 }
 
 static int64_t file_size(const char *path) {
     struct stat st;
-    return stat(path, &st) == 0 ? (int64_t)st.st_size : -1;
+    return stat(path, &st) == 0 ? (int64_t)st.st_size : 0;
 }
 
 /* Over the last minute, or since the start where that is shorter. */
@@ -85,7 +85,13 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
         .connections = (int64_t)net.connections,
         .subscribers = (int64_t)net.subscribers,
         .workers = {.total = load.workers, .busy = load.busy, .readers = load.jobs},
-        .queue = {.length = counts.unfinished, .capacity = s->config.limits.queue},
+        .queue = {.length = counts.unfinished,
+                  .capacity = s->config.limits.queue,
+                  .blocks = load.blocks_left},
+        .plans = {.kept = load.plans.count,
+                  .bytes = load.plans.bytes,
+                  .hits = load.plans.hits,
+                  .misses = load.plans.misses},
         .states = {.queued = counts.jobs[STORE_QUEUED],
                    .running = counts.jobs[STORE_RUNNING],
                    .waiting = counts.jobs[STORE_WAITING],
@@ -110,9 +116,22 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
     return SHEAR_OK;
 }
 
+/* What an operator should look at, into list[2]. */
+static size_t find_problems(const service *s, const char **list) {
+    size_t n = 0;
+    if (s->store_trouble_ms != 0) {
+        list[n++] = s->trouble;
+    }
+    if (s->spool != NULL && !spool_get_stats(s->spool).watching) {
+        list[n++] = "the watch folder: the kernel does not announce files there; they are found by "
+                    "searching it only ([spool] scan_interval)";
+    }
+    return n;
+}
+
 void status_reply(service *s, server_handle to) {
     char path[4200];
-    const char *problem = s->trouble;
+    const char *problems[2];
     shear_reply reply = {0};
     shear_error err = {0};
     const int code = fill(s, &reply.status, path, sizeof path, &err);
@@ -122,10 +141,8 @@ void status_reply(service *s, server_handle to) {
         server_reply_error(s->server, to, &error);
         return;
     }
-    if (s->store_trouble_ms != 0) {
-        reply.status.problems = &problem;
-        reply.status.n_problems = 1;
-    }
+    reply.status.n_problems = find_problems(s, problems);
+    reply.status.problems = problems;
     server_reply(s->server, to, &reply);
 }
 
@@ -150,6 +167,14 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
     metric(out, "workers_busy", "gauge", "Worker threads at work.", (double)st->workers.busy);
     metric(out, "queue_capacity", "gauge", "Unfinished jobs that are taken at most.",
            (double)st->queue.capacity);
+    metric(out, "blocks_left", "gauge", "Blocks of the running jobs that are not yet measured.",
+           (double)st->queue.blocks);
+    metric(out, "plans", "gauge", "Plans kept in memory.", (double)st->plans.kept);
+    metric(out, "plans_bytes", "gauge", "Memory that they take.", (double)st->plans.bytes);
+    metric(out, "plan_hits_total", "counter", "Jobs that found their plan.",
+           (double)st->plans.hits);
+    metric(out, "plan_misses_total", "counter", "Jobs whose plan had to be made.",
+           (double)st->plans.misses);
     metric(out, "jobs_submitted_total", "counter", "Jobs taken.", (double)st->totals.submitted);
     metric(out, "jobs_counted_total", "counter", "Jobs whose stamps count in a field.",
            (double)st->totals.counted);
@@ -157,6 +182,8 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
            (double)st->totals.duplicates);
     metric(out, "jobs_failed_total", "counter", "Jobs that failed for good.",
            (double)st->totals.failed);
+    metric(out, "jobs_cancelled_total", "counter", "Jobs that were cancelled.",
+           (double)st->totals.cancelled);
     metric(out, "stamps_total", "counter", "Stamps in counted jobs.", (double)st->totals.stamps);
     metric(out, "fields", "gauge", "Fields, each set of settings by itself.",
            (double)st->totals.fields);
@@ -195,7 +222,7 @@ void metrics_reply(service *s, server_handle to) {
         server_reply_error(s->server, to, &error);
     } else {
         const shear_reply reply = {
-            .metrics = {.content_type = "text/plain; version=0.0.4", .text = text}};
+            .metrics = {.content_type = "text/plain; version=0.0.4; charset=utf-8", .text = text}};
         server_reply(s->server, to, &reply);
     }
     free(text);

@@ -11,7 +11,7 @@ int rpc_from_store(shear_rpc_error *error, int code, const shear_error *err) {
         {STORE_QUEUE_FULL, SHEAR_RPC_QUEUE_FULL},  {STORE_KEY_REUSED, SHEAR_RPC_KEY_REUSED},
         {STORE_NOT_FOUND, SHEAR_RPC_NO_SUCH_JOB},  {STORE_WRONG_STATE, SHEAR_RPC_WRONG_STATE},
         {STORE_BAD_TEXT, SHEAR_RPC_BAD_PARAMETER}, {SHEAR_E_IO, SHEAR_RPC_STORE_FAILED},
-        {SHEAR_E_NOMEM, SHEAR_RPC_OUT_OF_MEMORY}};
+        {SHEAR_E_FULL, SHEAR_RPC_DISK_FULL},       {SHEAR_E_NOMEM, SHEAR_RPC_OUT_OF_MEMORY}};
     for (size_t i = 0; i < sizeof table / sizeof table[0]; i++) {
         if (table[i].store == code) {
             return shear_rpc_fail(error, table[i].rpc, NULL, "%s", err->message);

@@ -14,6 +14,7 @@ struct store {
     sqlite3_stmt *statements[SQL_N]; /* prepared at first use, reset when not in use */
     bool in_group;
     bool group_lost; /* SQLite rolled the group back by itself */
+    int lost_code;   /* of the operation that lost it: SHEAR_E_FULL or SHEAR_E_IO */
     store_opening opening;
     char path[STORE_PATH_MAX + 1];
 };

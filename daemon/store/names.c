@@ -41,5 +41,5 @@ const char *store_ending_name(int ending) {
 }
 
 bool store_is_transient(int code) {
-    return code == SHEAR_E_IO || code == SHEAR_E_NOMEM;
+    return code == SHEAR_E_IO || code == SHEAR_E_FULL || code == SHEAR_E_NOMEM;
 }

@@ -26,8 +26,12 @@ static bool is_lost(store *s) {
 }
 
 static int fail_lost(const store *s, shear_error *err) {
-    return shear_fail(err, SHEAR_E_IO, "repeat the operation",
-                      "%s: the group of changes was given up after an error of the disk", s->path);
+    const bool full = s->lost_code == SHEAR_E_FULL;
+    return shear_fail(err, s->lost_code,
+                      full ? "make room on the file system of the state directory"
+                           : "repeat the operation",
+                      "%s: the group of changes was given up after %s", s->path,
+                      full ? "the disk was full" : "an error of the disk");
 }
 
 int operation_begin(store *s, shear_error *err) {
@@ -45,7 +49,8 @@ static int commit(store *s, shear_error *err) {
     return code;
 }
 
-static void undo_in_group(store *s) {
+static void undo_in_group(store *s, int code) {
+    s->lost_code = code == SHEAR_E_FULL && !s->group_lost ? SHEAR_E_FULL : s->lost_code;
     if (is_lost(s) || run(s, SQL_ROLLBACK_TO, NULL) != SHEAR_OK ||
         run(s, SQL_RELEASE, NULL) != SHEAR_OK) {
         roll_back(s);
@@ -65,7 +70,7 @@ int operation_end(store *s, int code, shear_error *err) {
         code = run(s, SQL_RELEASE, err);
     }
     if (code != SHEAR_OK) {
-        undo_in_group(s);
+        undo_in_group(s, code);
     }
     return code;
 }
@@ -78,6 +83,7 @@ int store_begin(store *s, shear_error *err) {
     const int code = run(s, SQL_BEGIN, err);
     s->in_group = code == SHEAR_OK;
     s->group_lost = false;
+    s->lost_code = SHEAR_E_IO;
     return code;
 }
 

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "database.h"
 
+#include <errno.h>
 #include <string.h>
 
+static const char full_advice[] = "make room on the file system of the state directory";
 static const char retry_advice[] = "see that the state directory is there, writable and sound; the "
                                    "operation can be repeated";
 
@@ -13,7 +15,7 @@ typedef struct meaning {
 } meaning;
 
 static const meaning meanings[] = {
-    {SQLITE_FULL, SHEAR_E_IO, "make room on the file system of the state directory"},
+    {SQLITE_FULL, SHEAR_E_FULL, full_advice},
     {SQLITE_IOERR, SHEAR_E_IO, retry_advice},
     {SQLITE_CANTOPEN, SHEAR_E_IO, retry_advice},
     {SQLITE_READONLY, SHEAR_E_IO, retry_advice},
@@ -51,9 +53,18 @@ static int primary_of(int rc) {
     }
 }
 
+/* A sync, a truncation or the log's index may meet the full disk too: SQLite calls these I/O
+ * errors.
+ */
+static const meaning *when_full(const meaning *m, int system_errno) {
+    const bool full = system_errno == ENOSPC || system_errno == EDQUOT;
+    return m->code == SHEAR_E_IO && full ? meaning_of(SQLITE_FULL) : m;
+}
+
 int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shear_error *err) {
-    const meaning *m = meaning_of(primary_of(rc));
-    const int system_errno = db != NULL && m->code == SHEAR_E_IO ? sqlite3_system_errno(db) : 0;
+    const meaning *said = meaning_of(primary_of(rc));
+    const int system_errno = db != NULL && said->code == SHEAR_E_IO ? sqlite3_system_errno(db) : 0;
+    const meaning *m = when_full(said, system_errno);
     if (m->code == STORE_LOCKED) {
         return shear_fail(err, m->code, m->advice, "%s: another process uses this database", path);
     }

@@ -26,9 +26,10 @@
  * reply to a client before that.
  *
  * Errors: SHEAR_OK, an enum shear_code, or one of enum store_code below: those are conditions for
- * the direct caller, with the store sound and unchanged. SHEAR_E_IO and SHEAR_E_NOMEM may pass
- * (store_is_transient); SHEAR_E_FORMAT is a damaged database and SHEAR_E_INTERNAL a bug: stop the
- * service. On an error, out parameters are set to nothing (0, NULL, empty).
+ * the direct caller, with the store sound and unchanged. SHEAR_E_IO, SHEAR_E_FULL and
+ * SHEAR_E_NOMEM may pass (store_is_transient); SHEAR_E_FORMAT is a damaged database and
+ * SHEAR_E_INTERNAL a bug: stop the service. On an error, out parameters are set to nothing (0,
+ * NULL, empty).
  *
  * Time is the caller's: milliseconds since 1970, UTC. The store reads no clock.
  *
@@ -152,8 +153,8 @@ int store_audit(store *s, shear_error *err);
 
 /* An operation that fails inside a group leaves the group as it was before that operation, and the
  * group goes on. After some errors of the disk SQLite gives up the whole group: from then on every
- * change in it fails with SHEAR_E_IO, and so does store_commit. Groups do not nest
- * (SHEAR_E_INTERNAL). */
+ * change in it fails with SHEAR_E_IO or, where the disk was full, SHEAR_E_FULL, and so does
+ * store_commit. Groups do not nest (SHEAR_E_INTERNAL). */
 int store_begin(store *s, shear_error *err);
 /* SHEAR_OK: all changes since store_begin that returned SHEAR_OK are on disk. Else none of them
  * counts (see "Durability"), and the group is over in either case. */

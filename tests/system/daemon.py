@@ -18,7 +18,7 @@ import time
 import unittest
 
 from fitsfile import BLOCK, card, pad
-from tool import SANITIZERS, SHEARCTL
+from tool import SANITIZED, SANITIZERS, SHEARCTL
 
 SHEARD = os.path.abspath(os.environ["SHEARD"])
 LIMIT = float(os.environ.get("SHEARD_TEST_LIMIT", "120"))  # seconds that a wait may take at most
@@ -124,7 +124,7 @@ class Daemon:
         self.env = {**os.environ, **SANITIZERS, **(env or {})}
         if preload is not None:
             self.env["LD_PRELOAD"] = preload
-        self.process, self.starts = None, 0
+        self.process, self.starts, self.program = None, 0, SHEARD
         os.makedirs(self.data, exist_ok=True)
         self.write_config()
 
@@ -149,7 +149,7 @@ class Daemon:
         assert not self.alive()
         self.starts += 1
         with open(self.log, "ab") as log:
-            self.process = subprocess.Popen([SHEARD, "--config", self.config], env=self.env,
+            self.process = subprocess.Popen([self.program, "--config", self.config], env=self.env,
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         return self
 
@@ -204,6 +204,15 @@ class Daemon:
                         open(f"/proc/{self.process.pid}/task/{task}/children") as f:
                     pids += [int(pid) for pid in f.read().split()]
         return pids
+
+    def hold(self):
+        """Stop its readers: the jobs that run cannot end before go_on()."""
+        for pid in self.children():
+            os.kill(pid, signal.SIGSTOP)
+
+    def go_on(self):
+        for pid in self.children():
+            os.kill(pid, signal.SIGCONT)
 
     # ---- talking ----
 
@@ -328,8 +337,15 @@ class DaemonTest(unittest.TestCase):
         where = os.path.join(self.directory, name)
         os.makedirs(where, exist_ok=True)
         daemon = Daemon(where, settings, **more)
+        self.addCleanup(self.assertNoReport, daemon)
         self.addCleanup(daemon.close)
         return daemon.start() if start else daemon
+
+    def assertNoReport(self, daemon):
+        """No sanitizer complained, neither of the daemon nor of its readers."""
+        if SANITIZED and os.path.exists(daemon.log):
+            text = daemon.log_text(1 << 20)
+            self.assertNotRegex(text, r"ERROR: \w+Sanitizer|WARNING: \w+Sanitizer|runtime error: ")
 
     @contextlib.contextmanager
     def assertRefused(self, code):

@@ -424,7 +424,7 @@ class Wait(ServiceTest):
         self.serve(wait=lambda p, c: asked.set() or stop.wait(60))
         process = subprocess.Popen([SHEARCTL, "wait", "1"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    env={**os.environ, **SANITIZERS, "SHEARD_SOCKET": self.socket})
-        self.assertTrue(asked.wait(30))
+        self.assertTrue(asked.wait(120))
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=30)
         self.assertEqual(process.returncode, OTHER)
@@ -770,7 +770,7 @@ class OnATerminal(ServiceTest):
         return process, main
 
     def read(self, main, until=None):
-        text, end = "", time.monotonic() + 30
+        text, end = "", time.monotonic() + 120
         while time.monotonic() < end and (until is None or until not in text):
             if not select.select([main], [], [], 0.1)[0]:
                 continue
@@ -789,7 +789,7 @@ class OnATerminal(ServiceTest):
         self.serve(jobs={"jobs": [job(1), failed(2, source={"path": "/" + "long/" * 40})], "cursor": None})
         process, main = self.start("jobs", columns=60)
         text = self.read(main)
-        self.assertEqual(process.wait(30), DONE)
+        self.assertEqual(process.wait(120), DONE)
         self.assertIn("\x1b[32mdone\x1b[0m", text)
         plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text)
         self.assertLessEqual(max(map(len, plain.splitlines())), 60)
@@ -802,14 +802,14 @@ class OnATerminal(ServiceTest):
                 send(connection, {"jsonrpc": "2.0", "method": "job_progress", "params": {
                     "id": 1, "progress": {"done": done, "total": 1000, "rate": 100.0, "eta_s": 1.0}}})
                 time.sleep(0.15)
-            go.wait(30)
+            go.wait(120)
             return {"jobs": [job(1)], "timed_out": False}
         service = self.serve(subscribe={"jobs": 1, "fields": 0, "all": False}, wait=wait)
         process, main = self.start("wait", "1")
         text = self.read(main, until=" 90% 100 stamps/s 0:01 left")
         go.set()
         text += self.read(main)
-        self.assertEqual(process.wait(30), DONE)
+        self.assertEqual(process.wait(120), DONE)
         self.assertRegex(text, r"job 1 \[#+\.+\]")
         self.assertEqual(service.named("subscribe"), [{"jobs": [1], "progress": True}])
 
@@ -826,7 +826,7 @@ class OnATerminal(ServiceTest):
         service = self.serve(subscribe=refuse, wait=wait)
         process, main = self.start("wait", "1")
         text = self.read(main)
-        self.assertEqual(process.wait(30), DONE)
+        self.assertEqual(process.wait(120), DONE)
         self.assertIn(" 25% 500 stamps/s 0:01 left", text)
         self.assertEqual([p["timeout_s"] for p in service.named("wait")], [1, 1, 1])
 
@@ -841,7 +841,7 @@ class OnATerminal(ServiceTest):
         self.assertIn("\x1b[?1049h", text)
         os.write(main, b"q")
         text = self.read(main)
-        self.assertEqual(process.wait(30), DONE)
+        self.assertEqual(process.wait(120), DONE)
         self.assertTrue(text.rstrip().endswith("\x1b[?1049l"), text[-40:])
 
     def test_watch_and_signals(self):
@@ -851,7 +851,7 @@ class OnATerminal(ServiceTest):
             self.read(main, until="q ends")
             process.send_signal(number)
             self.assertIn("\x1b[?1049l", self.read(main))
-            self.assertEqual(process.wait(30), DONE)
+            self.assertEqual(process.wait(120), DONE)
 
     def test_watch_resizes(self):
         self.watched()
@@ -861,7 +861,7 @@ class OnATerminal(ServiceTest):
         process.send_signal(signal.SIGWINCH)
         text = self.read(main, until="\x1b[J")
         os.write(main, b"q")
-        process.wait(30)
+        process.wait(120)
         plain = [re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", line) for line in text.split("\r\n")]
         self.assertLessEqual(max(map(len, plain)), 40)
         self.assertLessEqual(len(plain), 10)
@@ -876,7 +876,7 @@ class OnATerminal(ServiceTest):
         self.watched()
         self.read(main, until="3 of 4 busy")
         os.write(main, b"q")
-        self.assertEqual(process.wait(30), DONE)
+        self.assertEqual(process.wait(120), DONE)
 
     def test_watch_ends_while_the_service_is_silent(self):
         stop = threading.Event()
@@ -884,9 +884,9 @@ class OnATerminal(ServiceTest):
         asked = threading.Event()
         self.watched(status=lambda p, c: asked.set() or stop.wait(60))
         process, _ = self.start("watch")
-        self.assertTrue(asked.wait(30))
+        self.assertTrue(asked.wait(120))
         process.send_signal(signal.SIGINT)
-        self.assertEqual(process.wait(30), DONE)
+        self.assertEqual(process.wait(120), DONE)
 
 
 class Completions(ServiceTest):

@@ -7,6 +7,7 @@ import random
 import shutil
 import signal
 import subprocess
+import time
 import unittest
 
 from daemon import (DaemonTest, FINAL, content_of, measured, mock, named, numbers, stamps_for,
@@ -27,12 +28,20 @@ class Jobs(DaemonTest):
     def data(self, name, stamps=12, seed=1):
         return mock(os.path.join(self.d.data, name), stamps, 32, seed)
 
-    def slow(self, name="slow.fits", seconds=4):
+    def slow(self, name="slow.fits", seconds=3):
         """A job that runs for about so long, running."""
         stamps = stamps_for(seconds, 32, *SLOW_OPTIONS)
         job = self.d.submit(self.data(name, stamps, 77), settings=SLOW)["id"]
         self.d.wait_state(job, "running")
         until(lambda: self.d.job(job)["progress"]["done"], "it measures")
+        return job
+
+    def held(self, name="slow.fits"):
+        """A job in the middle of its measurement, which it does not leave before self.d.go_on():
+        however slow this test may be, and however fast the machine."""
+        job = self.slow(name)
+        self.d.hold()
+        self.assertEqual(self.d.job(job)["state"], "running")
         return job
 
 
@@ -135,7 +144,7 @@ class Running(Jobs):
         return {"daemon.max_active_jobs": 1}
 
     def test_partial_field_priority_and_cancel(self):
-        slow = self.slow()
+        slow = self.held()
         total = self.d.job(slow)["progress"]["total"]
         row = self.d.call("field", field="slow")["rows"][0]
         self.assertTrue(row["partial"])
@@ -146,7 +155,8 @@ class Running(Jobs):
         high = self.d.submit(self.data("high.fits", seed=2), priority=5)["id"]
         gone = self.d.submit(self.data("gone.fits", seed=3))["id"]
         self.assertEqual(self.d.call("cancel", id=gone)["state"], "cancelled")
-        self.d.call("cancel", id=slow)
+        self.assertTrue(self.d.call("cancel", id=slow)["cancel_asked"])
+        self.d.go_on()
         job = self.d.wait_state(slow, *FINAL)
         self.assertEqual(job["state"], "cancelled")
         self.d.wait_idle()
@@ -157,7 +167,7 @@ class Running(Jobs):
             self.d.call("cancel", id=low)
 
     def test_wait(self):
-        slow = self.slow()
+        slow = self.held()
         result = self.d.call("wait", ids=[slow], timeout_s=0)
         self.assertTrue(result["timed_out"])
         self.assertEqual(result["jobs"][0]["state"], "running")
@@ -165,15 +175,17 @@ class Running(Jobs):
             asked = client.ask("wait", {"ids": [slow]})
             self.assertEqual(client.call("status")["states"]["running"], 1)
             self.d.call("cancel", id=slow)
+            self.d.go_on()
             self.assertEqual(client.answer(asked)["jobs"][0]["state"], "cancelled")
 
     def test_drain(self):
-        slow = self.slow(seconds=2)
+        slow = self.held()
         queued = self.d.submit(self.data("q.fits"))["id"]
         self.assertEqual(self.d.call("drain")["state"], "draining")
         with self.assertRefused("draining"):
             self.d.submit(self.data("r.fits"))
         self.d.drop(self.data("s.fits"), "s.fits")
+        self.d.go_on()
         self.assertEqual(self.d.call("wait", ids=[slow, queued])["jobs"][1]["state"], "done")
         self.assertEqual(self.d.dropped("incoming"), ["s.fits"])
         self.assertEqual(self.d.stop(), 0)
@@ -181,19 +193,25 @@ class Running(Jobs):
         self.assertEqual(self.d.dropped("done"), ["s.fits", "s.fits.json"])
 
     def test_sigterm_finishes_what_runs(self):
-        slow = self.slow(seconds=2)
+        slow = self.held()
         queued = self.d.submit(self.data("q.fits"))["id"]
-        self.assertEqual(self.d.stop(), 0)
+        self.d.signal(signal.SIGTERM)
+        until(lambda: self.d.call("status")["state"] == "stopping", "it stops")
+        self.d.go_on()
+        self.assertEqual(self.d.ended(), 0)
         self.d.start()
         history = self.d.call("job", id=slow)["history"]
         self.assertEqual([a["ending"] for a in history], ["done"])
         self.assertEqual(self.d.wait_state(queued, *FINAL)["state"], "done")
 
     def test_second_sigterm_stops_at_once(self):
-        slow = self.slow(seconds=8)
+        slow = self.held()
         self.d.signal(signal.SIGTERM)
         until(lambda: self.d.call("status")["state"] == "stopping", "it stops")
-        self.assertEqual(self.d.stop(), 0)
+        self.d.signal(signal.SIGTERM)
+        until(lambda: "stopping at once" in self.d.log_text(), "it stops at once")
+        self.d.go_on()
+        self.assertEqual(self.d.ended(), 0)
         self.d.start()
         until(lambda: self.d.job(slow)["progress"]["done"], "it goes on")
         self.assertEqual(self.d.call("job", id=slow)["history"][0]["ending"], "released")
@@ -201,27 +219,96 @@ class Running(Jobs):
         self.assertEqual(self.d.wait_state(slow, *FINAL)["state"], "cancelled")
 
     def test_shutdown_now_resumes(self):
-        slow = self.slow(seconds=3)
+        slow = self.held()
         self.assertEqual(self.d.call("shutdown", mode="now")["state"], "stopping")
+        self.d.go_on()
         self.assertEqual(self.d.ended(), 0)
         self.d.start()
+        self.assertEqual(self.d.call("job", id=slow)["history"][0]["ending"], "released")
         self.assertEqual(self.d.wait_state(slow, *FINAL)["state"], "done")
         path = os.path.join(self.d.data, "slow.fits")
         self.assertRow(self.d, "slow", measured([path], *SLOW_OPTIONS), 1)
 
+    def notices(self, client, method, enough):
+        """Read on until enough(params of these notifications); they all."""
+        def found():
+            return [n["params"] for n in client.notices if n["method"] == method]
+        while not enough(found()):
+            client.notices.append(client.receive())
+        return found()
+
     def test_subscribe(self):
         with self.d.client() as client:
             client.call("subscribe", all=True, progress=True)
-            job = self.slow(seconds=3)
-            self.d.wait_state(job, "done")
-            while not any(n["method"] == "job_changed" and n["params"]["job"]["state"] == "done"
-                          for n in client.notices):
-                client.notices.append(client.receive())
-        states = [n["params"]["job"]["state"] for n in client.notices
-                  if n["method"] == "job_changed"]
+            job = self.held()
+            progress = self.notices(client, "job_progress",
+                                    lambda all_: all_ and all_[-1]["progress"]["done"])[-1]
+            self.assertEqual(progress["id"], job)
+            self.assertTrue(0 < progress["progress"]["done"] < progress["progress"]["total"])
+            self.d.go_on()
+            told = self.notices(client, "job_changed",
+                                lambda all_: all_ and all_[-1]["job"]["state"] == "done")
+        states = [n["job"]["state"] for n in told]
         self.assertEqual([s for i, s in enumerate(states) if i == 0 or states[i - 1] != s],
                          ["queued", "running", "done"])
-        self.assertTrue(any(n["method"] == "job_progress" for n in client.notices))
+
+    def test_end_of_a_drain_is_told(self):
+        with self.d.client() as client:
+            client.call("subscribe", all=True)
+            self.held()
+            waiting = self.d.submit(self.data("a.fits"))["id"]
+            left = client.call("drain")
+            self.assertEqual((left["state"], left["running"], left["queued"]), ("draining", 1, 1))
+            self.d.go_on()
+            told = self.notices(client, "server_state", lambda seen: len(seen) == 2)
+            self.assertEqual(told[0], left)
+            self.assertEqual(told[1], {"state": "draining", "running": 0, "queued": 0})
+            self.assertEqual(self.d.job(waiting)["state"], "done")
+
+    def test_subscriptions_end_with_their_jobs(self):
+        done = self.d.submit(self.data("a.fits"), wait=True)["id"]
+        slow = self.held()
+        with self.d.client() as client:
+            with self.assertRefused("no_such_job"):
+                client.call("subscribe", jobs=[slow, 999])
+            self.assertEqual(client.call("subscribe", jobs=[done, slow])["jobs"], 1)
+            self.d.go_on()
+            self.notices(client, "job_changed",
+                         lambda seen: seen and seen[-1]["job"]["state"] == "done")
+            self.assertEqual(client.call("subscribe", fields=["slow"])["jobs"], 0)
+            with self.d.client() as other:
+                self.assertEqual(other.call("subscribe", jobs=[done])["jobs"], 0)
+
+    def test_field_changes_are_told_once_a_second(self):
+        """Many jobs of one field: few notices of it, and the last one has all of them."""
+        count = 12
+        paths = [self.data(f"part{i}.fits", seed=i + 1) for i in range(count)]
+        with self.d.client() as client:
+            client.call("subscribe", fields=["many"])
+            begun = time.monotonic()
+            for path in paths:
+                self.d.submit(path, field="many")
+            told = self.notices(client, "field_changed",
+                                lambda seen: seen and seen[-1]["field"]["jobs"] == count)
+            self.assertLessEqual(len(told), time.monotonic() - begun + 1)
+        self.assertEqual(numbers_of(told[-1]["field"]),
+                         numbers_of(self.d.call("fields", prefix="many")["fields"][0]))
+
+    def test_a_learned_name_is_told(self):
+        with self.d.client() as client:
+            client.call("subscribe", all=True)
+            self.held("named.fits")
+            self.notices(client, "job_changed", lambda all_: len(all_) == 3)
+            self.d.go_on()
+            seen = self.notices(client, "job_changed",
+                                lambda all_: all_ and all_[-1]["job"]["state"] == "done")
+        self.assertEqual([(n["job"]["state"], n["job"]["field"]) for n in seen],
+                         [("queued", None), ("running", None), ("running", "named"),
+                          ("done", "named")])
+
+
+def numbers_of(summary):
+    return {key: summary[key] for key in ("g1", "g1_err", "g2", "g2_err", "n_stamps", "n_used")}
 
 
 class ManyWorkers(DaemonTest):
@@ -323,12 +410,13 @@ class Operation(Jobs):
         self.d.settings.update({"limits.queue": 2, "daemon.max_active_jobs": 1})
         self.d.write_config()
         self.d.call("reload")
-        slow = self.slow()
+        slow = self.held()
         second = self.d.submit(self.data("a.fits"))["id"]
         with self.assertRefused("queue_full"):
             self.d.submit(self.data("b.fits", seed=2))
         self.d.drop(self.data("c.fits", seed=3), "c.fits")
         self.d.call("cancel", id=slow)
+        self.d.go_on()
         self.d.wait_idle()
         self.assertEqual(self.d.job(second)["state"], "done")
         self.assertEqual(self.d.dropped("done"), ["c.fits", "c.fits.json"])
@@ -345,6 +433,37 @@ class Operation(Jobs):
         self.assertIn("sheard_stamps_total 12", lines)
         for line in lines:
             self.assertRegex(line, r"^(# (HELP|TYPE) \S+ .+|[a-z_]+(\{[^}]*\})? \S+)$")
+
+    def test_plans_are_kept(self):
+        """Jobs of one shape, settings and PSF share a plan; the numbers are those of a new one."""
+        path = self.data("a.fits")
+        for field in ("one", "two", "three"):
+            self.d.submit(path, field=field, wait=True)
+        self.d.submit(path, field="other", settings={"beta": 3.0}, wait=True)
+        plans = self.d.call("status")["plans"]
+        self.assertEqual((plans["kept"], plans["hits"], plans["misses"]), (2, 2, 2))
+        self.assertGreater(plans["bytes"], 0)
+        self.assertIn("sheard_plan_hits_total 2", self.d.call("metrics")["text"].splitlines())
+        for field in ("one", "two", "three"):
+            self.assertRow(self.d, field, measured([path]), 1)
+        self.assertRow(self.d, "other", measured([path], "--beta", "3"), 1)
+        self.d.settings["plans.max_count"] = "none"
+        self.d.write_config()
+        self.d.call("reload")
+        self.assertEqual(self.d.call("status")["plans"]["kept"], 0)
+        self.assertEqual(self.d.submit(path, field="four", wait=True)["state"], "done")
+        until(lambda: self.d.call("status")["plans"]["kept"] == 0, "its plan is given up")
+        self.assertRow(self.d, "four", measured([path]), 1)
+
+    def test_blocks_left(self):
+        """What is left of the running jobs, in blocks of 16 stamps."""
+        slow = self.held()
+        total = -(-self.d.job(slow)["progress"]["total"] // 16)
+        left = self.d.call("status")["queue"]["blocks"]
+        self.assertTrue(0 < left < total, (left, total))
+        self.d.go_on()
+        self.d.wait_idle()
+        self.assertEqual(self.d.call("status")["queue"]["blocks"], 0)
 
     def test_one_daemon_only(self):
         other = self.daemon(name="other", start=False, state=self.d.state, spool=self.d.spool)

@@ -54,9 +54,10 @@ class Full(DaemonTest):
         before = self.d.submit(self.part, field="before", wait=True)
         self.fill()
         accepted, refusal = self.submit_until_refused("f")
-        self.assertIn(refusal.code, ("disk_full", "store_failed"), refusal)
+        self.assertEqual(refusal.code, "disk_full", refusal)
         self.assertTrue(refusal.error["data"]["retry"])
-        self.assertIn("full", str(refusal) + refusal.error["data"]["advice"])
+        self.assertIn(self.disk, str(refusal), "the message names the disk")
+        self.assertIn("free space", refusal.error["data"]["advice"])
         self.assertTrue(self.d.call("status")["problems"], "status is silent about it")
         self.assertEqual(self.d.job(before["id"])["state"], "done")
         self.empty()
@@ -91,6 +92,23 @@ class Full(DaemonTest):
         self.assertEqual(self.d.dropped("done"), sorted(names + [n + ".json" for n in names]))
         for name in names:
             self.assertRow(self.d, name[:-5], self.expected, 1)
+
+    def test_catalogues(self):
+        """No room for a catalogue: the job waits, says why, and is done when there is room."""
+        where = self.disk + "/catalogues"
+        daemon = self.daemon({"catalogues.enabled": "true", "catalogues.directory": where,
+                              "retry.attempts": 1000}, name="other")
+        part = mock(os.path.join(daemon.data, "part.fits"), 200, 32)
+        self.fill()
+        job = daemon.submit(part, field="f")["id"]
+        waiting = daemon.wait_state(job, "waiting")
+        self.assertEqual((waiting["class"], waiting["code"]), ("transient", "disk_full"), waiting)
+        self.assertIn(where, waiting["message"])
+        self.empty()
+        done = daemon.wait_state(job, "done")
+        self.assertGreater(os.path.getsize(done["catalogue"]), 0)
+        self.assertRow(daemon, "f", measured([part]), 1)
+        self.assertEqual(os.listdir(where), [os.path.basename(done["catalogue"])])
 
     def test_restart_when_full(self):
         """A start on a full disk works, or says why not; nothing is lost by it."""

@@ -13,8 +13,9 @@ import subprocess
 import threading
 import unittest
 
-from daemon import Client, DaemonTest, FINAL, content_of, measured, mock, named, until
+from daemon import SHEARD, Client, DaemonTest, FINAL, content_of, measured, mock, named, until
 from fitsfile import BLOCK
+from tool import SANITIZED
 
 MUTANTS = int(os.environ.get("SHEARD_MUTANTS", "150"))
 CLIENTS = int(os.environ.get("SHEARD_CLIENTS", "200"))
@@ -161,6 +162,71 @@ class BadFiles(DaemonTest):
         self.assertEqual((job["state"], job["class"], job["code"]),
                          ("failed", "bug", "reader_timeout"))
         until(lambda: not daemon.children(), "the reader is gone")
+
+
+    def test_a_hung_reader_holds_up_its_job_only(self):
+        daemon = self.daemon()
+        slow = {"interpolation": "bicubic", "oversample": 16}
+        path = mock(os.path.join(daemon.data, "a.fits"), 800, 32)
+        job = daemon.submit(path, settings=slow)["id"]
+        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
+        daemon.hold()
+        for i in range(4):
+            other = mock(os.path.join(daemon.data, f"b{i}.fits"), 40, 32, i)
+            self.assertEqual(daemon.submit(other, wait=True)["state"], "done")
+        self.assertEqual(daemon.job(job)["state"], "running")
+        self.assertTrue(daemon.call("field", field="a")["rows"][0]["partial"])
+        daemon.go_on()
+        self.assertEqual(daemon.wait_state(job, *FINAL)["state"], "done")
+        self.assertRow(daemon, "a", measured([path], "--interpolation", "bicubic", "--oversample",
+                                             "16"), 1)
+
+    def test_more_memory_than_the_reader_has(self):
+        daemon = self.daemon({"reader.shared_memory": "1M", "retry.first_delay": "10ms"})
+        path = mock(os.path.join(daemon.data, "large.fits"), 4, 512)
+        job = daemon.submit(path, wait=True)
+        self.assertEqual((job["state"], job["class"], job["code"], job["attempts"]),
+                         ("failed", "bug", "reader_memory", 2), job)
+        self.assertIn("shared_memory", job["advice"])
+        good = mock(os.path.join(daemon.data, "good.fits"), 8, 32)
+        self.assertEqual(daemon.submit(good, wait=True)["state"], "done")
+
+    @unittest.skipIf(SANITIZED, "a sanitizer's own memory is not limited")
+    def test_less_memory_than_a_tile_takes(self):
+        """One tile of the whole cube, unpacked by CFITSIO: more than the address space."""
+        daemon = self.daemon({"reader.memory": "64M", "reader.shared_memory": "1M",
+                              "retry.first_delay": "10ms"})
+        path = mock(os.path.join(daemon.data, "a.fits"), 1500, 64)
+        packed = os.path.join(daemon.data, "a.fits.fz")
+        if not shutil.which("fpack"):
+            self.skipTest("no fpack")
+        with open(packed, "wb") as f:
+            subprocess.run(["fpack", "-g", "-q", "0", "-w", "-S", path], stdout=f, check=True)
+        job = daemon.submit(packed, wait=True)
+        self.assertEqual((job["state"], job["class"], job["code"]),
+                         ("failed", "bug", "reader_memory"), job)
+
+    def test_files_that_hang_when_opened(self):
+        """More of them than workers: the others are measured meanwhile."""
+        programs = os.path.join(self.directory, "programs")
+        os.mkdir(programs)
+        shutil.copy(SHEARD, programs)
+        reader = os.path.join(programs, "sheard-reader")
+        with open(reader, "w", encoding="utf-8") as f:
+            f.write('#!/bin/sh\ncase "$*" in *hangs*) exec /bin/sleep 1000;; esac\n'
+                    f'exec {os.path.join(os.path.dirname(SHEARD), "sheard-reader")} "$@"\n')
+        os.chmod(reader, 0o755)
+        daemon = self.daemon({"daemon.workers": 1, "reader.wall_time": "1h"}, start=False)
+        daemon.program = os.path.join(programs, "sheard")
+        daemon.start()
+        good = mock(os.path.join(daemon.data, "good.fits"), 8, 32)
+        hung = []
+        for i in range(3):
+            shutil.copy(good, os.path.join(daemon.data, f"hangs{i}.fits"))
+            hung.append(daemon.submit(os.path.join(daemon.data, f"hangs{i}.fits"))["id"])
+            daemon.wait_state(hung[-1], "running")
+        self.assertEqual(daemon.submit(good, wait=True)["state"], "done")
+        self.assertEqual([daemon.job(job)["state"] for job in hung], ["running"] * 3)
 
 
 class BadClients(DaemonTest):

@@ -3,15 +3,18 @@
 import os
 import pty
 import select
+import shlex
+import shutil
 import signal
 import subprocess
 import time
 import unittest
 
+from fake_service import FakeService, job, status, summary
 from fitsfile import Field
 from tool import DONE, OTHER, SANITIZERS, SHEARCTL, ToolTest
 
-WAIT = 60  # seconds, for what takes less than one
+WAIT = 120  # seconds, for what takes less than one
 
 
 class Terminal(ToolTest):
@@ -87,6 +90,53 @@ class Terminal(ToolTest):
                 self.assertEqual((code, out), (OTHER, ""))
                 self.assertIn("shearctl: error:", self.read(main))
                 self.assertEqual(os.listdir(self.directory), ["a.fits"])
+
+
+@unittest.skipUnless(shutil.which("tmux"), "no tmux")
+class InTmux(ToolTest):
+    """`shearctl watch` as a terminal shows it, not as bytes."""
+
+    def tmux(self, *args):
+        return subprocess.run(["tmux", "-S", self.path("tmux"), "-f", "/dev/null", *args], check=True,
+                              capture_output=True, encoding="utf-8").stdout
+
+    def screen(self):
+        return self.tmux("capture-pane", "-p", "-t", "w")
+
+    def until(self, true, what):
+        end = time.monotonic() + WAIT
+        while not true(text := self.screen()):
+            if time.monotonic() > end:
+                raise AssertionError(f"{what}:\n{text}")
+            time.sleep(0.02)
+        return text
+
+    def test_watch(self):
+        service = FakeService(self.path("socket"), status=status(),
+                              jobs=lambda params, _: {"jobs": [job(7, "running")] if "running" in params["states"]
+                                                      else [job(5)], "cursor": None},
+                              fields={"fields": [summary()], "cursor": None})
+        self.addCleanup(service.close)
+        environment = {**SANITIZERS, "LC_ALL": "C.UTF-8", "SHEARD_SOCKET": self.path("socket")}
+        settings = " ".join(f"{name}={shlex.quote(value)}" for name, value in environment.items())
+        self.tmux("new-session", "-d", "-s", "w", "-x", "90", "-y", "30",
+                  f"echo before; {settings} {shlex.quote(SHEARCTL)} watch --interval 100ms; echo ended $?; cat")
+        self.addCleanup(self.tmux, "kill-server")
+        text = self.until(lambda t: "q ends" in t, "the picture")
+        for words in ("sheard 0.1.0  running  pid 4711", "\nrunning\n", "7  deep   [#####",
+                      "\nfinished\n", "\nfields\n", "3 of 4 busy"):
+            self.assertIn(words, text)
+        self.assertNotIn("before", text)
+        self.assertEqual(text.count("q ends"), 1, "the picture is drawn over the last one")
+        self.tmux("resize-window", "-t", "w", "-x", "50", "-y", "12")
+        small = self.until(lambda t: len(t.splitlines()) <= 12 and "sheard 0.1.0" in t.splitlines()[0],
+                           "the picture of a small window")
+        self.assertLessEqual(max(map(len, small.splitlines())), 50)
+        self.tmux("resize-window", "-t", "w", "-x", "90", "-y", "30")
+        self.until(lambda t: "q ends" in t and "\nfields\n" in t, "the large picture again")
+        self.tmux("send-keys", "-t", "w", "q")
+        text = self.until(lambda t: "ended 0" in t, "the end")
+        self.assertEqual(text.split(), ["before", "ended", "0"], "what was there before is back")
 
 
 if __name__ == "__main__":

@@ -96,24 +96,24 @@ static void words_for_zero(void **state) {
 
 static void sizes(void **state) {
     (void)state;
-    good("limits", "line_bytes", "4096", "4K");
-    assert_int_equal(config.limits.line_bytes, 4096);
-    good("limits", "line_bytes", "5000", "5000");
-    good("limits", "line_bytes", "1025K", "1025K");
-    good("limits", "line_bytes", "1024K", "1M");
-    assert_int_equal(config.limits.line_bytes, 1 << 20);
-    good("limits", "line_bytes", "64M", "64M");
+    good("plans", "max_bytes", "1048576", "1M");
+    assert_int_equal(config.plans.max_bytes, 1 << 20);
+    good("plans", "max_bytes", "1048577", "1048577");
+    good("plans", "max_bytes", "1025K", "1025K");
+    good("plans", "max_bytes", "2048K", "2M");
+    assert_int_equal(config.plans.max_bytes, 1 << 21);
+    good("plans", "max_bytes", "1024G", "1T");
     good("reader", "memory", "1T", "1T");
     assert_true(config.reader.memory_bytes == INT64_C(1) << 40);
     good("reader", "memory", "3G", "3G");
-    static const char *const not [] = {"4095",     "65M",
+    static const char *const not [] = {"1048575",  "1025G",
                                        "1k",       "1KB",
                                        "1 K",      "K",
                                        "-4K",      "1.5K",
                                        "",         "9223372036854775807K",
                                        "8388608T", "9223372036854775808"};
     for (size_t i = 0; i < sizeof not / sizeof not [0]; i++) {
-        bad("limits", "line_bytes", not [i], "is not a size (as in 512K, 64M, 4G) from 4K to 64M");
+        bad("plans", "max_bytes", not [i], "is not a size (as in 512K, 64M, 4G) from 1M to 1T");
     }
 }
 

@@ -90,14 +90,14 @@ static void test_prefix(void **state) {
 
 static void test_code_names(void **state) {
     (void)state;
-    for (int code = SHEAR_OK; code <= SHEAR_E_INTERNAL; code++) {
+    for (int code = SHEAR_OK; code <= SHEAR_E_FULL; code++) {
         assert_string_not_equal(shear_code_name(code), "unknown");
         for (int other = SHEAR_OK; other < code; other++) {
             assert_string_not_equal(shear_code_name(code), shear_code_name(other));
         }
     }
     assert_string_equal(shear_code_name(-1), "unknown");
-    assert_string_equal(shear_code_name(SHEAR_E_INTERNAL + 1), "unknown");
+    assert_string_equal(shear_code_name(SHEAR_E_FULL + 1), "unknown");
 }
 
 static void test_version(void **state) {

@@ -408,7 +408,7 @@ static void test_codes(void **state) {
     assert_ptr_equal(shear_rpc_code_get(-1), shear_rpc_code_get(SHEAR_RPC_UNKNOWN));
     assert_ptr_equal(shear_rpc_code_get(SHEAR_N_RPC_CODES), shear_rpc_code_get(SHEAR_RPC_UNKNOWN));
     assert_int_equal(shear_rpc_code_find("nonsense"), SHEAR_RPC_UNKNOWN);
-    for (int core = SHEAR_OK; core <= SHEAR_E_INTERNAL; core++) {
+    for (int core = SHEAR_OK; core <= SHEAR_E_FULL; core++) {
         assert_string_equal(shear_rpc_code_get(shear_rpc_code_from_core(core))->name,
                             shear_code_name(core));
     }

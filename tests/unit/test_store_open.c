@@ -386,26 +386,21 @@ static void names_are_stable(void **state) {
     assert_string_equal(store_class_name(STORE_BUG), "bug");
     assert_string_equal(store_ending_name(STORE_END_INTERRUPTED), "interrupted");
     assert_true(store_is_transient(SHEAR_E_IO));
+    assert_true(store_is_transient(SHEAR_E_FULL));
     assert_true(store_is_transient(SHEAR_E_NOMEM));
     assert_false(store_is_transient(SHEAR_E_FORMAT));
     assert_false(store_is_transient(STORE_LOCKED));
 }
 
 static void maps_every_error(void **state) {
-    static const int map[][2] = {{SQLITE_FULL, SHEAR_E_IO},
-                                 {SQLITE_IOERR_FSYNC, SHEAR_E_IO},
-                                 {SQLITE_IOERR_WRITE, SHEAR_E_IO},
-                                 {SQLITE_CANTOPEN, SHEAR_E_IO},
-                                 {SQLITE_READONLY, SHEAR_E_IO},
-                                 {SQLITE_NOMEM, SHEAR_E_NOMEM},
-                                 {SQLITE_IOERR_NOMEM, SHEAR_E_NOMEM},
-                                 {SQLITE_CORRUPT, SHEAR_E_FORMAT},
-                                 {SQLITE_NOTADB, SHEAR_E_FORMAT},
-                                 {SQLITE_IOERR_CORRUPTFS, SHEAR_E_FORMAT},
-                                 {SQLITE_BUSY, STORE_LOCKED},
-                                 {SQLITE_BUSY_RECOVERY, STORE_LOCKED},
-                                 {SQLITE_CONSTRAINT, SHEAR_E_INTERNAL},
-                                 {SQLITE_MISUSE, SHEAR_E_INTERNAL}};
+    static const int map[][2] = {
+        {SQLITE_FULL, SHEAR_E_FULL},           {SQLITE_IOERR_FSYNC, SHEAR_E_IO},
+        {SQLITE_IOERR_WRITE, SHEAR_E_IO},      {SQLITE_CANTOPEN, SHEAR_E_IO},
+        {SQLITE_READONLY, SHEAR_E_IO},         {SQLITE_NOMEM, SHEAR_E_NOMEM},
+        {SQLITE_IOERR_NOMEM, SHEAR_E_NOMEM},   {SQLITE_CORRUPT, SHEAR_E_FORMAT},
+        {SQLITE_NOTADB, SHEAR_E_FORMAT},       {SQLITE_IOERR_CORRUPTFS, SHEAR_E_FORMAT},
+        {SQLITE_BUSY, STORE_LOCKED},           {SQLITE_BUSY_RECOVERY, STORE_LOCKED},
+        {SQLITE_CONSTRAINT, SHEAR_E_INTERNAL}, {SQLITE_MISUSE, SHEAR_E_INTERNAL}};
     (void)state;
     for (size_t i = 0; i < sizeof map / sizeof map[0]; i++) {
         shear_error err = {0};

@@ -82,7 +82,6 @@ typedef struct sheard_config {
     } access;
     struct {
         int64_t queue;
-        int64_t line_bytes, json_depth;
         int64_t connections, requests_in_flight;
         int64_t idle_timeout_ms; /* 0 = never */
         int64_t wait_timeout_ms;
@@ -93,6 +92,10 @@ typedef struct sheard_config {
         int64_t shared_memory_bytes;
         int64_t max_file_bytes;
     } reader;
+    struct {
+        int64_t max_count; /* 0 = none */
+        int64_t max_bytes;
+    } plans;
     struct {
         int64_t first_delay_ms, max_delay_ms;
         int64_t attempts;

@@ -22,7 +22,8 @@ enum shear_code {
     SHEAR_E_NEGATIVE = 7, /* negative pixels under a log interpolation without a pedestal */
     SHEAR_E_EXISTS = 8,   /* the output exists and must not be replaced */
     SHEAR_E_CANCELLED = 9, /* the caller's callback asked to stop */
-    SHEAR_E_INTERNAL = 10  /* a bug in libshear */
+    SHEAR_E_INTERNAL = 10, /* a bug in libshear */
+    SHEAR_E_FULL = 11      /* no space is left on a disk that was to be written to */
 };
 
 typedef struct shear_error {

@@ -16,8 +16,19 @@ typedef struct shear_psf_source {
     int (*read)(void *self, int64_t index, double *out, shear_error *err);
 } shear_psf_source;
 
-/* Make the plan for a field: reads its PSF (the median radius of up to 256 of them, evenly spaced,
- * where it has many), and resolves the settings. */
+/* What a field's plan is made from, beside the settings and the geometry: equal bases, settings and
+ * geometries give equal plans. */
+typedef struct shear_plan_basis {
+    double *psf;     /* [psf_ny][psf_nx], the field's one PSF; NULL where each stamp has its own */
+    double r_psf_px; /* where psf is NULL: the median radius of up to 256 PSFs, evenly spaced */
+    bool has_r_gal;
+} shear_plan_basis;
+/* Read a field's PSF or PSFs for it. On an error there is nothing to free. */
+int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
+                          shear_psf_source psfs, shear_error *err);
+void shear_plan_basis_deinit(shear_plan_basis *basis);
+
+/* Make the plan for a field: reads the basis and resolves the settings. */
 int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
                         const shear_field_info *info, shear_psf_source psfs, shear_error *err);
 /* The same for an open field file. */

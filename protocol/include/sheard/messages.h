@@ -315,8 +315,13 @@ typedef struct shear_msg_workers {
 
 typedef struct shear_msg_queue {
     int64_t length, capacity; /* unfinished jobs */
-    int64_t blocks;           /* read and not yet measured */
+    int64_t blocks;           /* of the running jobs: not yet measured */
 } shear_msg_queue;
+
+typedef struct shear_msg_plans {
+    int64_t kept, bytes;  /* in memory now, with those in use */
+    int64_t hits, misses; /* jobs since the start that found theirs, and that did not */
+} shear_msg_plans;
 
 typedef struct shear_msg_spool {
     const char *path; /* NULL: no watch folder */
@@ -340,6 +345,7 @@ typedef struct shear_msg_status {
     int64_t connections, subscribers;
     shear_msg_workers workers;
     shear_msg_queue queue;
+    shear_msg_plans plans;
     shear_msg_states states;
     shear_msg_totals totals;
     shear_msg_rates rates;

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The course of one job, on a thread of its own. The reader is started by this thread and lives no
+ * longer than it: the kernel kills a child whose parent thread ends (PR_SET_PDEATHSIG). */
+#include "engine/inner.h"
+
+#include <stdlib.h>
+
+bool course_is_measured(const job *j) {
+    return j->holders == 0 && shear_work_get_status(j->work).exhausted;
+}
+
+static void set_phase(engine *e, job *j, int phase) {
+    pthread_mutex_lock(&e->lock);
+    j->phase = phase;
+    pthread_mutex_unlock(&e->lock);
+}
+
+/* Wait for the owner's word. True: measure it; false: it is to be stopped. */
+static bool wait_for_go(engine *e, job *j) {
+    pthread_mutex_lock(&e->lock);
+    while (!j->go && !j->stop_asked) {
+        pthread_cond_wait(&e->moved, &e->lock);
+    }
+    const bool go = !j->stop_asked;
+    pthread_mutex_unlock(&e->lock);
+    return go;
+}
+
+/* Let the workers in, and wait until they are through. */
+static void be_measured(engine *e, job *j) {
+    pthread_mutex_lock(&e->lock);
+    j->phase = JOB_MEASURING;
+    if (j->stop_asked) {
+        shear_work_stop(j->work);
+    }
+    pthread_cond_signal(&e->work_there);
+    while (!course_is_measured(j)) {
+        pthread_cond_wait(&e->moved, &e->lock);
+    }
+    j->phase = JOB_FINISHING;
+    pthread_mutex_unlock(&e->lock);
+}
+
+/* From the open file to the last event. */
+static void measure(engine *e, job *j, engine_event *event) {
+    *event = (engine_event){.kind = ENGINE_STOPPED, .job = j->id};
+    if (!wait_for_go(e, j)) {
+        return;
+    }
+    if (job_begin(j, &event->error) != SHEAR_OK) {
+        event->kind = ENGINE_FAILED;
+        return;
+    }
+    if (j->sums_before != NULL) {
+        const engine_event resumed = {
+            .kind = ENGINE_RESUMED, .job = j->id, .next_block = j->checkpoint_block};
+        engine_emit(e, &resumed, NULL);
+    }
+    be_measured(e, j);
+    job_finish(j, event);
+    if (event->kind == ENGINE_STOPPED) {
+        worker_save(e, j);
+    }
+}
+
+static void unlink_job(engine *e, job *j) {
+    pthread_mutex_lock(&e->lock);
+    job **at = &e->jobs;
+    while (*at != j) {
+        at = &(*at)->next;
+    }
+    *at = j->next;
+    pthread_mutex_unlock(&e->lock);
+}
+
+void *course_main(void *argument) {
+    job *j = argument;
+    engine *e = j->engine;
+    engine_event event;
+    job_prepare(j, &event);
+    if (event.kind == ENGINE_OPENED) {
+        set_phase(e, j, JOB_OPENED);
+        engine_emit(e, &event, NULL);
+        measure(e, j, &event);
+    }
+    unlink_job(e, j);
+    job_free(j);
+    const pthread_t self = pthread_self();
+    engine_emit(e, &event, &self);
+    pthread_mutex_lock(&e->lock);
+    e->courses--;
+    pthread_cond_broadcast(&e->moved);
+    pthread_mutex_unlock(&e->lock);
+    return NULL;
+}

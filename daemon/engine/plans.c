@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One lock guards the list; no plan is made and no PSF is read under it. Two threads that miss the
+ * same plan at the same time both make it, and the later one takes the earlier one's. */
+#include "engine/plans.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/queue.h>
+
+typedef struct key {
+    unsigned char *bytes;
+    size_t n;
+} key;
+
+typedef struct kept_plan {
+    TAILQ_ENTRY(kept_plan) link;
+    key key;
+    shear_plan *plan;
+    int64_t bytes;
+    int users;
+} kept_plan;
+
+struct plans {
+    pthread_mutex_t lock;
+    TAILQ_HEAD(plan_list_head, kept_plan) list; /* last used first */
+    int64_t max_count, max_bytes;
+    plans_statistics statistics;
+};
+
+/* ---- keys ---- */
+
+/* All that a plan depends on, as bytes: equal keys, equal plans. */
+static bool key_make(key *k, const shear_settings *settings, const shear_geometry *g,
+                     const shear_plan_basis *basis) {
+    size_t n_settings = 0;
+    const shear_setting_def *table = shear_settings_table(&n_settings);
+    const size_t n_psf =
+        basis->psf != NULL ? (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *basis->psf : 0;
+    char *text = NULL;
+    size_t n = 0;
+    FILE *out = open_memstream(&text, &n);
+    *k = (key){0};
+    if (out == NULL) {
+        return false;
+    }
+    for (size_t i = 0; i < n_settings; i++) {
+        char value[64];
+        fprintf(out, "%s;", shear_settings_format(settings, &table[i], value, sizeof value));
+    }
+    fprintf(out, "%d;%d;%d;%d;%d;%d;%a;", g->nx, g->ny, g->psf_nx, g->psf_ny, g->psf_oversample,
+            basis->has_r_gal, basis->psf != NULL ? 0.0 : basis->r_psf_px);
+    fwrite(basis->psf != NULL ? (const void *)basis->psf : "", 1, n_psf, out);
+    if (fclose(out) != 0) {
+        free(text);
+        return false;
+    }
+    *k = (key){.bytes = (unsigned char *)text, .n = n};
+    return true;
+}
+
+static bool key_equal(const key *a, const key *b) {
+    return a->n == b->n && memcmp(a->bytes, b->bytes, a->n) == 0;
+}
+
+/* What a plan and its key take: filter maps and tables on the stamp's fine grid, the transfer on
+ * its modes. An estimate: the allocations' own overhead is not in it. */
+static int64_t bytes_of(const shear_plan_info *info, const key *k) {
+    const int64_t fine = (int64_t)info->fine_nx * info->fine_ny;
+    const int64_t side =
+        info->oversample < info->psf_oversample ? info->oversample : info->psf_oversample;
+    const int64_t modes = info->geometry.nx * side * info->geometry.ny * side / 2;
+    return 8 * (2 * fine + modes) + (int64_t)k->n + 4096;
+}
+
+/* ---- under the lock ---- */
+
+static kept_plan *find(plans *p, const key *k) {
+    kept_plan *kept = NULL;
+    TAILQ_FOREACH(kept, &p->list, link) {
+        if (key_equal(&kept->key, k)) {
+            return kept;
+        }
+    }
+    return NULL;
+}
+
+static void use(plans *p, kept_plan *kept) {
+    kept->users++;
+    TAILQ_REMOVE(&p->list, kept, link);
+    TAILQ_INSERT_HEAD(&p->list, kept, link);
+}
+
+static void kept_free(kept_plan *kept) {
+    shear_plan_free(kept->plan);
+    free(kept->key.bytes);
+    free(kept);
+}
+
+/* Give up idle plans, the one that was used longest ago first, until the rest is within the bounds.
+ */
+static void shrink(plans *p) {
+    kept_plan *next = NULL;
+    for (kept_plan *kept = TAILQ_LAST(&p->list, plan_list_head); kept != NULL; kept = next) {
+        next = TAILQ_PREV(kept, plan_list_head, link);
+        if (p->statistics.count <= p->max_count && p->statistics.bytes <= p->max_bytes) {
+            return;
+        }
+        if (kept->users == 0) {
+            TAILQ_REMOVE(&p->list, kept, link);
+            p->statistics.count--;
+            p->statistics.bytes -= kept->bytes;
+            kept_free(kept);
+        }
+    }
+}
+
+/* ---- the calls ---- */
+
+plans *plans_new(int64_t max_count, int64_t max_bytes) {
+    plans *p = calloc(1, sizeof *p);
+    if (p != NULL) {
+        pthread_mutex_init(&p->lock, NULL);
+        TAILQ_INIT(&p->list);
+        p->max_count = max_count;
+        p->max_bytes = max_bytes;
+    }
+    return p;
+}
+
+void plans_limit(plans *p, int64_t max_count, int64_t max_bytes) {
+    pthread_mutex_lock(&p->lock);
+    p->max_count = max_count;
+    p->max_bytes = max_bytes;
+    shrink(p);
+    pthread_mutex_unlock(&p->lock);
+}
+
+void plans_free(plans *p) {
+    if (p == NULL) {
+        return;
+    }
+    plans_limit(p, 0, 0);
+    pthread_mutex_destroy(&p->lock);
+    free(p);
+}
+
+/* Make what was not found, and keep it, unless another thread has done so meanwhile. */
+static int make(plans *p, key *k, const shear_settings *settings, const shear_geometry *geometry,
+                const shear_plan_basis *basis, const shear_plan **plan, shear_error *err) {
+    kept_plan *fresh = calloc(1, sizeof *fresh);
+    int code = fresh != NULL ? shear_plan_new(&fresh->plan, settings, geometry, basis->psf,
+                                              basis->r_psf_px, basis->has_r_gal, err)
+                             : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
+    if (code != SHEAR_OK) {
+        free(fresh);
+        return code;
+    }
+    fresh->key = *k;
+    *k = (key){0};
+    fresh->bytes = bytes_of(shear_plan_get_info(fresh->plan), &fresh->key);
+    pthread_mutex_lock(&p->lock);
+    kept_plan *kept = find(p, &fresh->key);
+    if (kept == NULL) {
+        kept = fresh;
+        fresh = NULL;
+        TAILQ_INSERT_HEAD(&p->list, kept, link);
+        p->statistics.count++;
+        p->statistics.bytes += kept->bytes;
+    }
+    use(p, kept);
+    shrink(p);
+    *plan = kept->plan;
+    pthread_mutex_unlock(&p->lock);
+    if (fresh != NULL) {
+        kept_free(fresh);
+    }
+    return SHEAR_OK;
+}
+
+static const shear_plan *take_kept(plans *p, const key *k) {
+    pthread_mutex_lock(&p->lock);
+    kept_plan *kept = find(p, k);
+    if (kept != NULL) {
+        use(p, kept);
+    }
+    p->statistics.hits += kept != NULL;
+    p->statistics.misses += kept == NULL;
+    pthread_mutex_unlock(&p->lock);
+    return kept != NULL ? kept->plan : NULL;
+}
+
+int plans_take(plans *p, const shear_settings *settings, const shear_field_info *info,
+               shear_psf_source psfs, const shear_plan **plan, shear_error *err) {
+    shear_plan_basis basis;
+    key k = {0};
+    *plan = NULL;
+    int code = shear_plan_basis_read(&basis, info, psfs, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (!key_make(&k, settings, &info->geometry, &basis)) {
+        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
+    } else {
+        *plan = take_kept(p, &k);
+    }
+    if (code == SHEAR_OK && *plan == NULL) {
+        code = make(p, &k, settings, &info->geometry, &basis, plan, err);
+    }
+    free(k.bytes);
+    shear_plan_basis_deinit(&basis);
+    return code;
+}
+
+void plans_give_back(plans *p, const shear_plan *plan) {
+    kept_plan *kept = NULL;
+    if (plan == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&p->lock);
+    TAILQ_FOREACH(kept, &p->list, link) {
+        if (kept->plan == plan) {
+            kept->users--;
+            break;
+        }
+    }
+    shrink(p);
+    pthread_mutex_unlock(&p->lock);
+}
+
+plans_statistics plans_get_statistics(plans *p) {
+    pthread_mutex_lock(&p->lock);
+    const plans_statistics now = p->statistics;
+    pthread_mutex_unlock(&p->lock);
+    return now;
+}

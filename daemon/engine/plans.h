@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* engine/plans.h: plans that outlive their jobs. Files of one survey mostly have stamps of one
+ * shape, one set of settings and often one PSF: such jobs share a plan (shear/plan.h: immutable,
+ * any number of threads), and the next one need not make it again.
+ *
+ * Two jobs share a plan where the settings, the geometry and the basis (shear/run.h) are equal to
+ * the last bit; the PSF is compared pixel by pixel, no hash stands for it. The plans that were used
+ * longest ago are given up first; those in use are never, so that the bounds hold for what is kept
+ * beyond its jobs. Thread-safe. */
+#ifndef SHEARD_ENGINE_PLANS_H
+#define SHEARD_ENGINE_PLANS_H
+
+#include "shear/plan.h"
+#include "shear/run.h"
+
+#include <stdint.h>
+
+typedef struct plans plans;
+
+/* At most `max_count` plans of `max_bytes` together; 0 in either: none is kept. NULL: out of
+ * memory. */
+plans *plans_new(int64_t max_count, int64_t max_bytes);
+/* No plan may be in use. NULL is accepted. */
+void plans_free(plans *p);
+
+/* Other bounds, from now on. */
+void plans_limit(plans *p, int64_t max_count, int64_t max_bytes);
+
+/* The plan for a field, kept or new; its PSF is read either way. *plan is NULL on an error: those
+ * of shear_plan_for_psfs. To be given back by plans_give_back, which NULL is accepted by. */
+int plans_take(plans *p, const shear_settings *settings, const shear_field_info *info,
+               shear_psf_source psfs, const shear_plan **plan, shear_error *err);
+void plans_give_back(plans *p, const shear_plan *plan);
+
+typedef struct plans_statistics {
+    int64_t count, bytes; /* now, with those in use; bytes as estimated from the grids */
+    int64_t hits, misses; /* since the start */
+} plans_statistics;
+plans_statistics plans_get_statistics(plans *p);
+
+#endif

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* submit, cancel, retry: answered when the change is on disk. */
+#include "service/methods.h"
+#include "service/source.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The change is on disk: reply with the job as it is now. */
+static void reply_job(service *s, after *a, int code, const shear_error *err) {
+    store_job job = {0};
+    shear_error local = {0};
+    if (code != SHEAR_OK) {
+        method_refuse_store(s, a->to, code, err);
+        return;
+    }
+    code = store_job_get(s->store, a->job, &job, &local);
+    if (code != SHEAR_OK) {
+        method_refuse_store(s, a->to, code, &local);
+        return;
+    }
+    shear_reply reply = {0};
+    shear_msg_job *message = a->method == SHEAR_METHOD_SUBMIT   ? &reply.submit.job
+                             : a->method == SHEAR_METHOD_CANCEL ? &reply.cancel
+                                                                : &reply.retry;
+    present_job(s, &job, message);
+    reply.submit.known = a->method == SHEAR_METHOD_SUBMIT && a->flag;
+    server_reply(s->server, a->to, &reply);
+    present_job_free(message);
+    publish_job(s, &job);
+    if (shear_job_state_is_final(job.state)) {
+        ending_tell(s, &job);
+    }
+    store_job_deinit(&job);
+}
+
+/* As reply_job, but the reply comes when the job has ended. */
+static void reply_when_ended(service *s, after *a, int code, const shear_error *err) {
+    if (code != SHEAR_OK) {
+        method_refuse_store(s, a->to, code, err);
+    } else {
+        waits_add(s, a->to, SHEAR_METHOD_SUBMIT, a->flag, &a->job, 1, NAN);
+    }
+}
+
+static void answer_later(service *s, void (*run)(service *, after *, int, const shear_error *),
+                         server_handle to, int method, int64_t job, bool flag) {
+    after *a = group_after(s, run);
+    if (a == NULL) {
+        method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY,
+                      "out of memory for a reply; the request may have been carried out");
+        return;
+    }
+    a->to = to;
+    a->method = method;
+    a->job = job;
+    a->flag = flag;
+}
+
+void method_submit(service *s, const server_request *r) {
+    const shear_msg_submit *submit = &r->request->params.submit;
+    shear_rpc_error error;
+    int64_t id = 0;
+    bool known = false;
+    const submission sub = {
+        .submit = submit, .peer = *r->peer, .origin = STORE_SOCKET, .key = submit->key};
+    if (s->config.access.submit_groups.n > 0 && !access_list_has(s->submitters, &sub.peer) &&
+        !peer_is_admin(s, r->peer)) {
+        method_refuse(
+            s, r->handle, SHEAR_RPC_NOT_OWNER,
+            "you are in none of the groups that may submit jobs ([access] submit_groups)");
+    } else if (s->state != SHEAR_SERVER_RUNNING) {
+        method_refuse_new(s, r->handle);
+    } else if (submit_job(s, &sub, &id, &known, &error) != SHEAR_RPC_OK) {
+        server_reply_error(s->server, r->handle, &error);
+    } else {
+        answer_later(s, submit->wait ? reply_when_ended : reply_job, r->handle, SHEAR_METHOD_SUBMIT,
+                     id, known);
+    }
+}
+
+/* Owners and administrators only. Where not, the reply has been given. */
+static bool may_change(service *s, const server_request *r, int64_t id) {
+    store_job job = {0};
+    shear_error err = {0};
+    const int code = store_job_get(s->store, id, &job, &err);
+    const bool mine = job.owner == r->peer->uid || peer_is_admin(s, r->peer);
+    store_job_deinit(&job);
+    if (code != SHEAR_OK) {
+        method_refuse_store(s, r->handle, code, &err);
+    } else if (!mine) {
+        method_refuse(s, r->handle, SHEAR_RPC_NOT_OWNER, "the job belongs to somebody else");
+    }
+    return code == SHEAR_OK && mine;
+}
+
+void method_cancel(service *s, const server_request *r) {
+    const int64_t id = r->request->params.id.id;
+    shear_error err = {0};
+    int state = 0;
+    if (!may_change(s, r, id)) {
+        return;
+    }
+    int code = group_begin(s, &err);
+    if (code == SHEAR_OK) {
+        code = store_cancel(s->store, id, wall_ms(), &state, &err);
+    }
+    if (code != SHEAR_OK) {
+        method_refuse_store(s, r->handle, code, &err);
+        return;
+    }
+    if (state == STORE_RUNNING) {
+        engine_stop_job(s->engine, id);
+    }
+    answer_later(s, reply_job, r->handle, SHEAR_METHOD_CANCEL, id, false);
+}
+
+/* The files of a job that is to be tried again are opened, as at its submission, and closed. Where
+ * they cannot be, the reply has been given. */
+static bool may_open(service *s, const server_request *r, int64_t id) {
+    store_job job = {0};
+    source_opened o;
+    shear_error err = {0};
+    shear_rpc_error error;
+    int code = store_job_get(s->store, id, &job, &err);
+    if (code != SHEAR_OK) {
+        method_refuse_store(s, r->handle, code, &err);
+        return false;
+    }
+    if (job.state == STORE_FAILED || job.state == STORE_CANCELLED) { /* else wrong_state, below */
+        code = source_open_for_job(s, &job, &o, &err);
+        source_opened_deinit(&o);
+    }
+    if (code != SHEAR_OK) {
+        rpc_from_access(&error, code, &err);
+        server_reply_error(s->server, r->handle, &error);
+    }
+    store_job_deinit(&job);
+    return code == SHEAR_OK;
+}
+
+void method_retry(service *s, const server_request *r) {
+    const int64_t id = r->request->params.id.id;
+    shear_error err = {0};
+    if (!may_change(s, r, id)) {
+        return;
+    }
+    if (s->state != SHEAR_SERVER_RUNNING) {
+        method_refuse_new(s, r->handle);
+        return;
+    }
+    if (!may_open(s, r, id)) {
+        return;
+    }
+    int code = group_begin(s, &err);
+    if (code == SHEAR_OK) {
+        code = store_retry(s->store, id, s->config.limits.queue, &err);
+    }
+    if (code != SHEAR_OK) {
+        method_refuse_store(s, r->handle, code, &err);
+        return;
+    }
+    answer_later(s, reply_job, r->handle, SHEAR_METHOD_RETRY, id, false);
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/methods.h: the methods of the protocol, each with its request; the reply is given now or
+ * later. */
+#ifndef SHEARD_SERVICE_METHODS_H
+#define SHEARD_SERVICE_METHODS_H
+
+#include "service/inner.h"
+
+/* method_changes.c */
+void method_submit(service *s, const server_request *r);
+void method_cancel(service *s, const server_request *r);
+void method_retry(service *s, const server_request *r);
+
+/* method_jobs.c */
+void method_job(service *s, const server_request *r);
+void method_jobs(service *s, const server_request *r);
+void method_wait(service *s, const server_request *r);
+
+/* method_fields.c */
+void method_field(service *s, const server_request *r);
+void method_fields(service *s, const server_request *r);
+
+/* methods.c: error replies */
+void method_refuse(service *s, server_handle to, int code, const char *message);
+void method_refuse_new(service *s, server_handle to); /* draining or stopping */
+void method_refuse_store(service *s, server_handle to, int code, const shear_error *err);
+/* Where one of the jobs is unknown, the reply has been given. */
+bool method_jobs_known(service *s, const server_request *r, const int64_t *ids, size_t n);
+
+#endif

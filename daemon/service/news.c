@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Fields that changed: told once a second, however often they change, and the last change always.
+ */
+#include "service/inner.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct changed_field {
+    changed_field *next;
+    char *name, *digest;
+};
+
+static void changed_free(changed_field *f) {
+    free(f->name);
+    free(f->digest);
+    free(f);
+}
+
+static bool is_noted(const service *s, const char *name, const char *digest) {
+    for (const changed_field *f = s->news; f != NULL; f = f->next) {
+        if (strcmp(f->name, name) == 0 && strcmp(f->digest, digest) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void news_field_changed(service *s, const char *name, const char *digest) {
+    if (name == NULL || is_noted(s, name, digest) ||
+        !server_is_watched(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, name)) {
+        return;
+    }
+    changed_field *f = calloc(1, sizeof *f);
+    if (f == NULL) {
+        return;
+    }
+    *f = (changed_field){.next = s->news, .name = strdup(name), .digest = strdup(digest)};
+    if (f->name == NULL || f->digest == NULL) {
+        changed_free(f);
+        return;
+    }
+    s->news = f;
+}
+
+static void publish(service *s, const changed_field *f) {
+    store_field_page page = {0};
+    shear_error ignored;
+    if (store_field_get(s->store, f->name, &page, &ignored) != SHEAR_OK) {
+        return;
+    }
+    for (size_t i = 0; i < page.n; i++) {
+        if (strcmp(page.fields[i].settings_digest, f->digest) == 0) {
+            shear_notice_params params = {0};
+            present_summary(&page.fields[i], &params.field_changed.field);
+            params.field_changed.field.mixed = page.n > 1;
+            server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, f->name, &params);
+        }
+    }
+    store_field_page_deinit(&page);
+}
+
+void news_publish(service *s) {
+    for (const changed_field *f = s->news; f != NULL; f = f->next) {
+        publish(s, f);
+    }
+    news_free(s);
+}
+
+void news_free(service *s) {
+    while (s->news != NULL) {
+        changed_field *f = s->news;
+        s->news = f->next;
+        changed_free(f);
+    }
+}

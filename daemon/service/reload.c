@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The configuration anew, while the service runs. */
+#include "service/inner.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* "section.key" of each, in one block of memory. */
+static const char **names_of(const size_t *indices, size_t n) {
+    enum { NAME_SIZE = 80 };
+    const char **names = calloc(n + 1, sizeof *names + NAME_SIZE);
+    char *text = (char *)(names + n + 1);
+    for (size_t i = 0; names != NULL && i < n; i++, text += NAME_SIZE) {
+        const sheard_setting setting = sheard_setting_at(indices[i]);
+        snprintf(text, NAME_SIZE, "%s.%s", setting.section, setting.key);
+        names[i] = text;
+    }
+    return names;
+}
+
+server_limits reload_server_limits(const sheard_config *c) {
+    server_limits limits;
+    server_limits_init(&limits);
+    limits.connections = (size_t)c->limits.connections;
+    limits.in_flight = (size_t)c->limits.requests_in_flight;
+    limits.idle_timeout_ms = c->limits.idle_timeout_ms;
+    return limits;
+}
+
+spool_tuning reload_spool_tuning(const sheard_config *c) {
+    return (spool_tuning){
+        .settle_ms = c->spool.settle_time_ms,
+        .scan_ms = c->spool.scan_interval_ms,
+        .done = {c->spool.done.max_age_ms, c->spool.done.max_count, c->spool.done.max_bytes},
+        .failed = {c->spool.failed.max_age_ms, c->spool.failed.max_count,
+                   c->spool.failed.max_bytes}};
+}
+
+static void apply(service *s) {
+    const sheard_config *c = &s->config;
+    const server_limits limits = reload_server_limits(c);
+    server_set_limits(s->server, &limits);
+    server_set_defaults(s->server, &c->measure);
+    engine_limit_plans(s->engine, c->plans.max_count, c->plans.max_bytes);
+    log_set_level(c->daemon.log_level);
+    if (s->spool != NULL) {
+        const spool_tuning tuning = reload_spool_tuning(c);
+        spool_tune(s->spool, &tuning);
+    }
+}
+
+int reload_access(const sheard_config *c, access_list **admins, access_list **submitters,
+                  access_roots **roots, shear_error *err) {
+    int code = access_list_new(admins, c->access.admin_users.items, c->access.admin_users.n,
+                               c->access.admin_groups.items, c->access.admin_groups.n, err);
+    if (code == SHEAR_OK) {
+        code = access_list_new(submitters, NULL, 0, c->access.submit_groups.items,
+                               c->access.submit_groups.n, err);
+    }
+    if (code == SHEAR_OK) {
+        code = access_roots_open(roots, c->access.data_roots.items, c->access.data_roots.n, err);
+    }
+    if (code != SHEAR_OK) {
+        access_list_free(*admins);
+        access_list_free(*submitters);
+        *admins = *submitters = NULL;
+    }
+    return code;
+}
+
+int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error) {
+    enum { ROOM = 128 };
+    static sheard_problems problems; /* large; one thread */
+    size_t changed[ROOM];
+    size_t restart[ROOM];
+    sheard_config fresh;
+    shear_error err = {0};
+    access_list *admins = NULL;
+    access_list *submitters = NULL;
+    access_roots *roots = NULL;
+    problems = (sheard_problems){0};
+    *reply = (shear_msg_reloaded){0};
+    notify_reloading(&s->notify, NULL);
+    int code = sheard_config_read(&fresh, s->config_path, &s->assignments, &problems);
+    if (code != SHEAR_OK) {
+        sheard_problems_error(&problems, &err);
+    } else {
+        code = reload_access(&fresh, &admins, &submitters, &roots, &err);
+        if (code == SHEAR_OK) {
+            const size_t all = sheard_config_changes(&s->config, &fresh, false, changed, ROOM);
+            reply->n_restart = sheard_config_changes(&s->config, &fresh, true, restart, ROOM);
+            reply->n_changed = all < ROOM ? all : ROOM;
+            code = sheard_config_reload(&s->config, &fresh, &problems);
+            if (code != SHEAR_OK) {
+                sheard_problems_error(&problems, &err);
+            }
+        }
+        sheard_config_free(&fresh);
+    }
+    if (code != SHEAR_OK) {
+        access_list_free(admins);
+        access_list_free(submitters);
+        access_roots_close(roots);
+        *reply = (shear_msg_reloaded){0};
+        log_error("the configuration was not reloaded, the old one stays: %s", err.message);
+        notify_ready(&s->notify, NULL, NULL);
+        return shear_rpc_fail(error, SHEAR_RPC_BAD_CONFIG,
+                              err.advice[0] != '\0' ? err.advice : NULL, "%s", err.message);
+    }
+    access_list_free(s->admins);
+    access_list_free(s->submitters);
+    access_roots_close(s->roots);
+    s->admins = admins;
+    s->submitters = submitters;
+    s->roots = roots;
+    reply->changed = names_of(changed, reply->n_changed);
+    reply->restart = names_of(restart, reply->n_restart);
+    apply(s);
+    log_notice("configuration reloaded: %zu settings changed, %zu of them need a restart",
+               reply->n_changed, reply->n_restart);
+    notify_ready(&s->notify, NULL, NULL);
+    return SHEAR_RPC_OK;
+}

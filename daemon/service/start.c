@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How the service is put together, and taken apart. */
+#include "service/inner.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { CHECKPOINT_MS = 5000 };
+
+static void wake(void *context) {
+    service *s = context;
+    uv_async_send(&s->engine_wake);
+}
+
+static void on_closed(void *context, uint64_t connection) {
+    waits_forget(context, connection);
+}
+
+static int make_directory(const char *path, mode_t mode, shear_error *err) {
+    if (mkdir(path, mode) == 0 || errno == EEXIST) {
+        return SHEAR_OK;
+    }
+    return shear_fail(err, SHEAR_E_IO, "create it, or set another directory",
+                      "cannot make the directory '%s': %s", path, strerror(errno));
+}
+
+static int open_store(service *s, shear_error *err) {
+    char path[4200];
+    const store_options options = {.busy_ms = 5000};
+    int code = make_directory(s->config.daemon.state_dir, 0750, err);
+    if (code == SHEAR_OK && s->config.catalogues.enabled) {
+        code = make_directory(s->config.catalogues.directory, 0750, err);
+    }
+    snprintf(path, sizeof path, "%s/sheard.db", s->config.daemon.state_dir);
+    if (code == SHEAR_OK) {
+        code = store_open(&s->store, path, &options, wall_ms(), err);
+    }
+    if (code == SHEAR_OK && store_opened(s->store)->requeued > 0) {
+        log_notice("%lld jobs were interrupted and go on",
+                   (long long)store_opened(s->store)->requeued);
+    }
+    if (code == SHEAR_OK) {
+        catalogues_sweep(s);
+    }
+    return code;
+}
+
+/* sheard-reader: beside this program, or where it is installed. */
+static void find_reader(char *out, size_t size) {
+    char self[3800] = "";
+    const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+    char *slash = n > 0 ? strrchr(self, '/') : NULL;
+    if (slash != NULL) {
+        *slash = '\0';
+        snprintf(out, size, "%s/sheard-reader", self);
+        if (access(out, X_OK) == 0) {
+            return;
+        }
+    }
+    snprintf(out, size, "%s", SHEARD_READER_PATH);
+}
+
+static int open_engine(service *s, shear_error *err) {
+    const sheard_config *c = &s->config;
+    char program[4000];
+    char scratch[4200];
+    find_reader(program, sizeof program);
+    snprintf(scratch, sizeof scratch, "%s/scratch", c->daemon.state_dir);
+    const int code = make_directory(scratch, 0700, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    const engine_options options = {.workers = c->daemon.workers > 0 ? (int)c->daemon.workers
+                                                                     : (int)(cores > 0 ? cores : 1),
+                                    .limits = {.program = program,
+                                               .scratch = scratch,
+                                               .memory_bytes = c->reader.memory_bytes,
+                                               .cpu_seconds = (c->reader.cpu_time_ms + 999) / 1000,
+                                               .unpacked_bytes = c->reader.max_file_bytes,
+                                               .shared_bytes = c->reader.shared_memory_bytes,
+                                               .timeout_ms = (int)c->reader.wall_time_ms},
+                                    .checkpoint_ms = CHECKPOINT_MS,
+                                    .plans_count = c->plans.max_count,
+                                    .plans_bytes = c->plans.max_bytes,
+                                    .wake = wake,
+                                    .context = s};
+    return engine_new(&s->engine, &options, err);
+}
+
+static int open_server(service *s, shear_error *err) {
+    const sheard_config *c = &s->config;
+    int fds[8];
+    server_options options = {
+        .path = c->daemon.socket,
+        .mode = c->daemon.socket_mode,
+        .group = c->daemon.socket_group,
+        .fds = fds,
+        .limits = reload_server_limits(c),
+        .defaults = &c->measure,
+        .handlers = {.request = methods_request, .closed = on_closed, .context = s}};
+    const int code = server_activation(fds, 8, &options.n_fds, err);
+    return code == SHEAR_OK ? server_open(&s->server, &s->loop, &options, err) : code;
+}
+
+/* A service that was killed while it started a reader may leave a child that holds its socket and
+ * its locks until it has become the reader: a moment, but a restart comes as soon. */
+static int open_when_left(service *s, int (*open_it)(service *, shear_error *), int taken,
+                          shear_error *err) {
+    enum { PATIENCE_MS = 2000, STEP_MS = 50 };
+    const struct timespec step = {.tv_nsec = STEP_MS * 1000000L};
+    int code = open_it(s, err);
+    for (int waited = 0; code == taken && waited < PATIENCE_MS; waited += STEP_MS) {
+        nanosleep(&step, NULL);
+        code = open_it(s, err);
+    }
+    return code;
+}
+
+int service_open(service **out, sheard_config *config, const char *config_path,
+                 const sheard_list *assignments, shear_error *err) {
+    service *s = calloc(1, sizeof *s);
+    *out = NULL;
+    if (s == NULL) {
+        sheard_config_free(config);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    }
+    s->config = *config;
+    s->config_path = config_path != NULL ? strdup(config_path) : NULL;
+    s->started_ms = wall_ms();
+    s->notify.fd = -1;
+    int code = SHEAR_OK;
+    for (size_t i = 0; i < assignments->n && code == SHEAR_OK; i++) {
+        code = sheard_list_append(&s->assignments, assignments->items[i], err);
+    }
+    uv_loop_init(&s->loop);
+    life_start(s);
+    if (code == SHEAR_OK) {
+        code = notify_init(&s->notify, err);
+    }
+    if (code == SHEAR_OK) {
+        code = reload_access(&s->config, &s->admins, &s->submitters, &s->roots, err);
+    }
+    if (code == SHEAR_OK) {
+        code = open_store(s, err);
+    }
+    if (code == SHEAR_OK) {
+        code = open_engine(s, err);
+    }
+    if (code == SHEAR_OK) {
+        code = open_when_left(s, open_server, SHEAR_E_EXISTS, err);
+    }
+    if (code == SHEAR_OK) {
+        code = open_when_left(s, spooled_open, SPOOL_LOCKED, err);
+    }
+    if (code != SHEAR_OK) {
+        service_close(s);
+        return code;
+    }
+    *out = s;
+    return SHEAR_OK;
+}
+
+int service_run(service *s) {
+    log_notice("sheard %s ready: socket %s, watch folder %s", SHEARD_VERSION,
+               s->config.daemon.socket, s->spool != NULL ? s->config.spool.directory : "none");
+    notify_ready(&s->notify, "ready", NULL);
+    jobs_fill(s);
+    uv_run(&s->loop, UV_RUN_DEFAULT);
+    log_notice("sheard stopped");
+    return s->exit_code;
+}
+
+void service_close(service *s) {
+    if (s == NULL) {
+        return;
+    }
+    spool_close(s->spool);
+    life_close(s, 0);
+    uv_run(&s->loop, UV_RUN_DEFAULT);
+    engine_free(s->engine);
+    waits_free(s);
+    news_free(s);
+    spooled_free(s);
+    store_close(s->store);
+    access_list_free(s->admins);
+    access_list_free(s->submitters);
+    access_roots_close(s->roots);
+    notify_deinit(&s->notify);
+    uv_loop_close(&s->loop);
+    sheard_list_free(&s->assignments);
+    sheard_config_free(&s->config);
+    free(s->config_path);
+    free(s);
+}

@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Kept plans: equal bases share one, anything that differs does not, the bounds hold, and what is
+ * in use is never given up. */
+#include "engine/plans.h"
+#include "gaussian.h"
+#include "test.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 12, PSF_SIDE = 9, MANY = INT32_MAX };
+static const int64_t much = INT64_C(1) << 40;
+
+/* A field of one PSF, of scale radius `r` pixels; `moved` is added to the corner sample. */
+typedef struct fake_field {
+    shear_settings settings;
+    shear_field_info info;
+    double r, moved;
+    int reads;
+    int code; /* what reading the PSF gives */
+} fake_field;
+
+static fake_field a_field(double r) {
+    fake_field f = {.info = {.geometry = {.nx = SIDE,
+                                          .ny = SIDE,
+                                          .psf_nx = PSF_SIDE,
+                                          .psf_ny = PSF_SIDE,
+                                          .psf_oversample = 1},
+                             .n_stamps = 16,
+                             .n_psf = 1,
+                             .psf_layout = SHEAR_PSF_ONE},
+                    .r = r};
+    shear_settings_init(&f.settings);
+    return f;
+}
+
+static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
+    fake_field *f = self;
+    const shear_geometry *g = &f->info.geometry;
+    f->reads++;
+    if (f->code != SHEAR_OK) {
+        return shear_fail(err, f->code, NULL, "PSF %d cannot be read", (int)index);
+    }
+    const double r = f->r * (double)g->psf_oversample;
+    const gaussian psf = {.amplitude = 1.0,
+                          .xx = r * r,
+                          .yy = r * r,
+                          .x0 = 0.5 * (g->psf_nx - 1),
+                          .y0 = 0.5 * (g->psf_ny - 1)};
+    gaussian_draw(&psf, g->psf_nx, g->psf_ny, 1, out);
+    out[0] += f->moved;
+    return SHEAR_OK;
+}
+
+static const shear_plan *take(plans *p, fake_field *f) {
+    const shear_plan *plan = NULL;
+    shear_error err = {0};
+    const shear_psf_source psfs = {.self = f, .read = read_psf};
+    if (plans_take(p, &f->settings, &f->info, psfs, &plan, &err) != SHEAR_OK) {
+        fail_msg("%s", err.message);
+    }
+    return plan;
+}
+
+static void expect(plans *p, int64_t count, int64_t hits, int64_t misses) {
+    const plans_statistics s = plans_get_statistics(p);
+    assert_int_equal(s.count, count);
+    assert_int_equal(s.hits, hits);
+    assert_int_equal(s.misses, misses);
+    assert_true((s.bytes > 0) == (count > 0));
+}
+
+static void test_equal_fields_share(void **state) {
+    (void)state;
+    plans *p = plans_new(4, much);
+    fake_field a = a_field(1.3);
+    fake_field b = a_field(1.3);
+    const shear_plan *first = take(p, &a);
+    assert_ptr_equal(take(p, &b), first);
+    assert_int_equal(a.reads + b.reads, 2);
+    plans_give_back(p, first);
+    plans_give_back(p, first);
+    b.info.n_stamps = 5; /* not the plan's business */
+    assert_ptr_equal(take(p, &b), first);
+    plans_give_back(p, first);
+    expect(p, 1, 2, 1);
+    plans_free(p);
+}
+
+/* One thing differs from the base field, each time another. */
+static void differ(fake_field *f, int how) {
+    shear_geometry *g = &f->info.geometry;
+    switch (how) {
+    case 0:
+        f->moved = 1e-15;
+        break;
+    case 1:
+        f->settings.beta_px = 2.0;
+        break;
+    case 2:
+        f->settings.beta_px = nextafter(2.0, 3.0);
+        break;
+    case 3:
+        f->settings.noise_correction = false;
+        break;
+    case 4:
+        f->settings.interpolation = SHEAR_INTERP_SPLINE;
+        break;
+    case 5:
+        g->nx++;
+        break;
+    case 6:
+        g->ny++;
+        break;
+    case 7:
+        f->info.columns = SHEAR_COL_R_GAL;
+        break;
+    case 8: /* the same samples, but twice as fine */
+        g->psf_oversample = 2;
+        f->r *= 0.5;
+        break;
+    case 9: /* a PSF for each stamp, of the same radius */
+        f->info.psf_layout = SHEAR_PSF_PER_STAMP;
+        f->info.n_psf = 16;
+        break;
+    default:
+        break;
+    }
+}
+enum { WAYS = 10 };
+
+static void test_whatever_differs_is_another(void **state) {
+    (void)state;
+    plans *p = plans_new(MANY, much);
+    fake_field base = a_field(1.3);
+    const shear_plan *seen[WAYS + 1] = {take(p, &base)};
+    for (int how = 0; how < WAYS; how++) {
+        fake_field f = a_field(1.3);
+        differ(&f, how);
+        seen[how + 1] = take(p, &f);
+        for (int i = 0; i <= how; i++) {
+            assert_ptr_not_equal(seen[how + 1], seen[i]);
+        }
+    }
+    for (int how = 0; how < WAYS; how++) {
+        fake_field f = a_field(1.3);
+        differ(&f, how);
+        assert_ptr_equal(take(p, &f), seen[how + 1]);
+        plans_give_back(p, seen[how + 1]);
+    }
+    expect(p, WAYS + 1, WAYS, WAYS + 1);
+    for (int i = 0; i <= WAYS; i++) {
+        plans_give_back(p, seen[i]);
+    }
+    plans_free(p);
+}
+
+static void touch(plans *p, double r) {
+    fake_field f = a_field(r);
+    plans_give_back(p, take(p, &f));
+}
+
+static void test_the_oldest_goes_first(void **state) {
+    (void)state;
+    plans *p = plans_new(2, much);
+    touch(p, 1.1);
+    touch(p, 1.2);
+    touch(p, 1.1); /* hit: now 1.2 is the older one */
+    touch(p, 1.3);
+    expect(p, 2, 1, 3);
+    touch(p, 1.1);
+    expect(p, 2, 2, 3);
+    touch(p, 1.2);
+    expect(p, 2, 2, 4);
+    plans_free(p);
+}
+
+static void test_bytes_and_none(void **state) {
+    (void)state;
+    plans *p = plans_new(MANY, much);
+    touch(p, 1.1);
+    const int64_t one = plans_get_statistics(p).bytes;
+    touch(p, 1.2);
+    assert_int_equal(plans_get_statistics(p).bytes, 2 * one);
+    plans_limit(p, MANY, 2 * one);
+    expect(p, 2, 0, 2);
+    plans_limit(p, MANY, 2 * one - 1);
+    expect(p, 1, 0, 2);
+    touch(p, 1.2);
+    expect(p, 1, 1, 2);
+    plans_limit(p, 0, much);
+    expect(p, 0, 1, 2);
+    touch(p, 1.2);
+    expect(p, 0, 1, 3);
+    plans_free(p);
+}
+
+/* Kept beyond the bounds while it is in use, and shared all the same; given up when it is not. */
+static void test_in_use_stays(void **state) {
+    (void)state;
+    plans *p = plans_new(0, 0);
+    fake_field a = a_field(1.1);
+    fake_field b = a_field(1.2);
+    const shear_plan *one = take(p, &a);
+    const shear_plan *two = take(p, &b);
+    assert_ptr_equal(take(p, &a), one);
+    assert_true(shear_plan_get_info(one)->r_psf_px < shear_plan_get_info(two)->r_psf_px);
+    plans_give_back(p, one);
+    expect(p, 2, 1, 2);
+    plans_give_back(p, two);
+    assert_true(shear_plan_get_info(one)->r_psf_px > 0.0);
+    expect(p, 1, 1, 2);
+    plans_give_back(p, one);
+    expect(p, 0, 1, 2);
+    plans_free(p);
+}
+
+static void test_errors_are_not_kept(void **state) {
+    (void)state;
+    plans *p = plans_new(4, much);
+    fake_field f = a_field(1.3);
+    const shear_plan *plan = NULL;
+    shear_error err = {0};
+    const shear_psf_source psfs = {.self = &f, .read = read_psf};
+    f.code = SHEAR_E_IO;
+    assert_int_equal(plans_take(p, &f.settings, &f.info, psfs, &plan, &err), SHEAR_E_IO);
+    assert_null(plan);
+    f.code = SHEAR_OK;
+    f.settings.beta_px = 0.01;
+    assert_int_equal(plans_take(p, &f.settings, &f.info, psfs, &plan, &err), SHEAR_E_BETA);
+    assert_null(plan);
+    expect(p, 0, 0, 1);
+    plans_give_back(p, NULL);
+    plans_free(p);
+}
+
+/* ---- many threads ---- */
+
+enum { THREADS = 4, ROUNDS = 60, RADII = 3 };
+typedef struct busy {
+    plans *p;
+    int number;
+} busy;
+
+static void *work(void *argument) {
+    const busy *b = argument;
+    for (int i = 0; i < ROUNDS; i++) {
+        const double r = 1.1 + 0.1 * ((i + b->number) % RADII);
+        fake_field f = a_field(r);
+        const shear_plan *plan = take(b->p, &f);
+        assert_true(fabs(shear_plan_get_info(plan)->r_psf_px - r) < 0.05);
+        plans_give_back(b->p, plan);
+    }
+    return NULL;
+}
+
+static void test_many_threads(void **state) {
+    (void)state;
+    plans *p = plans_new(1, much);
+    pthread_t threads[THREADS];
+    busy b[THREADS];
+    for (int i = 0; i < THREADS; i++) {
+        b[i] = (busy){.p = p, .number = i};
+        assert_int_equal(pthread_create(&threads[i], NULL, work, &b[i]), 0);
+    }
+    for (int i = 0; i < THREADS; i++) {
+        pthread_join(threads[i], NULL);
+    }
+    const plans_statistics s = plans_get_statistics(p);
+    assert_int_equal(s.hits + s.misses, THREADS * ROUNDS);
+    assert_int_equal(s.count, 1);
+    plans_free(p);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_equal_fields_share),
+        cmocka_unit_test(test_whatever_differs_is_another),
+        cmocka_unit_test(test_the_oldest_goes_first),
+        cmocka_unit_test(test_bytes_and_none),
+        cmocka_unit_test(test_in_use_stays),
+        cmocka_unit_test(test_errors_are_not_kept),
+        cmocka_unit_test(test_many_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
