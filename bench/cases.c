@@ -32,12 +32,17 @@ static void draw(double *out, int n, double sigma, double amplitude, double back
     }
 }
 
+/* Aligned as the reader's blocks are. */
+static double *new_doubles(size_t n) {
+    return aligned_alloc(64, (n * sizeof(double) / 64 + 1) * 64);
+}
+
 static int allocate(bench_data *d, int side, int psf_side, int n_psf, shear_error *err) {
     const size_t pixels = (size_t)side * (size_t)side;
     const size_t count = (size_t)d->count;
-    d->galaxy = malloc(count * pixels * sizeof(double));
-    d->noise = malloc(count * pixels * sizeof(double));
-    d->psf = malloc((size_t)n_psf * (size_t)psf_side * (size_t)psf_side * sizeof(double));
+    d->galaxy = new_doubles(count * pixels);
+    d->noise = new_doubles(count * pixels);
+    d->psf = new_doubles((size_t)n_psf * (size_t)psf_side * (size_t)psf_side);
     d->psf_index = malloc(count * sizeof(int32_t));
     d->rows = malloc(count * sizeof(shear_row));
     if (d->galaxy == NULL || d->noise == NULL || d->psf == NULL || d->psf_index == NULL ||

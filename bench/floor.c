@@ -45,6 +45,11 @@ void floor_free(floor_transform *f) {
     free(f);
 }
 
+void floor_run_on(floor_transform *f, double *galaxy, double *noise) {
+    fftw_execute_dft_r2c(f->plan, galaxy, f->out[0]);
+    fftw_execute_dft_r2c(f->plan, noise, f->out[1]);
+}
+
 void floor_run(floor_transform *f) {
     fftw_execute_dft_r2c(f->plan, f->in[0], f->out[0]);
     fftw_execute_dft_r2c(f->plan, f->in[1], f->out[1]);

@@ -9,5 +9,7 @@ typedef struct floor_transform floor_transform;
 floor_transform *floor_new(int nx, int ny); /* NULL when memory is out */
 void floor_free(floor_transform *f);
 void floor_run(floor_transform *f); /* both transforms, once */
+/* Of these images, aligned to 64 bytes. */
+void floor_run_on(floor_transform *f, double *galaxy, double *noise);
 
 #endif

@@ -16,6 +16,14 @@
 #define SHEAR_SIMD
 #endif
 
+/* Before a function that must become part of the clones that call it: on its own it would be
+ * compiled for the baseline. */
+#if defined(__GNUC__)
+#define SHEAR_INLINE inline __attribute__((always_inline))
+#else
+#define SHEAR_INLINE inline
+#endif
+
 /* glibc has vector versions of exp and log (libmvec, within 4 units in the last place), but
  * declares them to the compiler only under -ffast-math. Declared here, `omp simd` loops use them in
  * IEEE arithmetic, too. */

@@ -1,74 +1,146 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fft/fft.h"
 
+#include "base/simd.h"
+#include "fft/pass.h"
+
 #include <fftw3.h>
+#include <math.h>
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64, MAX_PASSES = 32 };
 
 /* FFTW's planner keeps global state: only fftw_execute* may run beside it. */
 static pthread_mutex_t planner = PTHREAD_MUTEX_INITIALIZER;
 
-struct fft_batch {
-    fftw_plan plan;
+struct fft_plan {
+    int n;
+    int n_passes;
+    fft_pass pass[MAX_PASSES];
+    double *twiddles;
+    fftw_plan other; /* where n has other factors: from lanes to lanes */
 };
 
 void *fft_alloc(size_t bytes) {
-    return fftw_malloc(bytes > 0 ? bytes : 1);
+    return aligned_alloc(ALIGNMENT, (bytes / ALIGNMENT + 1) * ALIGNMENT);
 }
 
 void fft_free(void *p) {
-    fftw_free(p);
+    free(p);
 }
 
-size_t fft_padded(int lines) {
-    return ((size_t)lines + FFT_LINES - 1) / FFT_LINES * FFT_LINES;
+size_t fft_padded(int n) {
+    return ((size_t)n + FFT_LANES - 1) / FFT_LANES * FFT_LANES;
 }
 
-size_t fft_row_stride(int nx) {
-    /* An odd number of cache lines' groups: a stride that is a power of two would map a column onto
-     * a few cache sets. */
-    const size_t groups = fft_padded(nx + 1) / FFT_LINES;
-    return FFT_LINES * (groups | 1u);
+/* Whether passes do it all; the largest table of twiddles has n numbers (cos, sin) a pass. */
+static bool find_passes(fft_plan *plan) {
+    int left = plan->n;
+    int done = 1;
+    while (left > 1) {
+        const int radix = fft_pass_radix(left);
+        if (radix == 1) {
+            return false;
+        }
+        left /= radix;
+        plan->pass[plan->n_passes++] = (fft_pass){.radix = radix, .m = left, .s = done};
+        done *= radix;
+    }
+    return true;
 }
 
-/* Numbers that a batch's lines span, and how many of them lie before the first one. */
-static size_t span(int n, fft_layout layout) {
-    return (size_t)(n - 1) * (size_t)layout.step + (FFT_LINES - 1) * (size_t)abs(layout.apart) + 1;
+static bool make_twiddles(fft_plan *plan) {
+    plan->twiddles = fft_alloc((size_t)plan->n_passes * 2 * (size_t)plan->n * sizeof(double));
+    double *w = plan->twiddles;
+    for (int i = 0; w != NULL && i < plan->n_passes; i++) {
+        fft_pass *pass = &plan->pass[i];
+        pass->twiddle = w;
+        for (int p = 0; p < pass->m; p++) {
+            for (int k = 1; k < pass->radix; k++) {
+                const double angle = -2.0 * M_PI * p * k / ((double)pass->radix * pass->m);
+                *w++ = cos(angle);
+                *w++ = sin(angle);
+            }
+        }
+    }
+    return plan->twiddles != NULL;
 }
 
-static size_t before(fft_layout layout) {
-    return layout.apart < 0 ? (FFT_LINES - 1) * (size_t)-layout.apart : 0;
-}
-
-fft_batch *fft_batch_new(int n, fft_layout in, fft_layout out) {
-    fft_batch *batch = calloc(1, sizeof *batch);
-    fftw_complex *from = fft_alloc(span(n, in) * sizeof *from);
-    fftw_complex *to = fft_alloc(span(n, out) * sizeof *to);
-    if (batch != NULL && from != NULL && to != NULL) {
+static bool make_other(fft_plan *plan) {
+    const size_t bytes = (size_t)plan->n * FFT_LANES * sizeof(double);
+    double *memory[4] = {fft_alloc(bytes), fft_alloc(bytes), fft_alloc(bytes), fft_alloc(bytes)};
+    const fftw_iodim line = {.n = plan->n, .is = FFT_LANES, .os = FFT_LANES};
+    const fftw_iodim lanes = {.n = FFT_LANES, .is = 1, .os = 1};
+    if (memory[0] != NULL && memory[1] != NULL && memory[2] != NULL && memory[3] != NULL) {
         pthread_mutex_lock(&planner);
-        batch->plan = fftw_plan_many_dft(1, &n, FFT_LINES, from + before(in), NULL, in.step,
-                                         in.apart, to, NULL, out.step, out.apart, FFTW_FORWARD,
-                                         FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
+        plan->other = fftw_plan_guru_split_dft(1, &line, 1, &lanes, memory[0], memory[1], memory[2],
+                                               memory[3], FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
         pthread_mutex_unlock(&planner);
     }
-    fft_free(from);
-    fft_free(to);
-    if (batch != NULL && batch->plan == NULL) {
-        free(batch);
-        batch = NULL;
+    for (int i = 0; i < 4; i++) {
+        fft_free(memory[i]);
     }
-    return batch;
+    return plan->other != NULL;
 }
 
-void fft_batch_free(fft_batch *batch) {
-    if (batch != NULL) {
+fft_plan *fft_plan_new(int n) {
+    fft_plan *plan = calloc(1, sizeof *plan);
+    if (plan == NULL) {
+        return NULL;
+    }
+    plan->n = n;
+    const bool made = find_passes(plan) ? make_twiddles(plan) : make_other(plan);
+    if (!made) {
+        fft_plan_free(plan);
+        return NULL;
+    }
+    return plan;
+}
+
+void fft_plan_free(fft_plan *plan) {
+    if (plan == NULL) {
+        return;
+    }
+    if (plan->other != NULL) {
         pthread_mutex_lock(&planner);
-        fftw_destroy_plan(batch->plan);
+        fftw_destroy_plan(plan->other);
         pthread_mutex_unlock(&planner);
-        free(batch);
+    }
+    fft_free(plan->twiddles);
+    free(plan);
+}
+
+static void gather(int n, const double *in, size_t step, double *out) {
+    for (size_t e = 0; e < (size_t)n && in != out; e++) {
+        memcpy(out + e * FFT_LANES, in + e * step, FFT_LANES * sizeof *out);
     }
 }
 
-void fft_batch_run(const fft_batch *batch, double complex *in, double complex *out) {
-    fftw_execute_dft(batch->plan, in, out);
+fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size_t step,
+                  fft_lanes a, fft_lanes b) {
+    if (plan->other != NULL) {
+        gather(plan->n, re, step, b.re);
+        gather(plan->n, im, step, b.im);
+        fftw_execute_split_dft(plan->other, b.re, b.im, a.re, a.im);
+        return a;
+    }
+    for (int i = 0; i < plan->n_passes; i++) {
+        const fft_lanes to = i % 2 == 0 ? a : b;
+        fft_pass_run(&plan->pass[i], re, im, step, to.re, to.im);
+        re = to.re;
+        im = to.im;
+        step = FFT_LANES;
+    }
+    return plan->n_passes % 2 == 1 ? a : b;
+}
+
+SHEAR_SIMD void fft_turn(const double *restrict in, ptrdiff_t step, double *restrict out) {
+    for (int c = 0; c < FFT_LANES; c++) {
+        for (int r = 0; r < FFT_LANES; r++) {
+            out[FFT_LANES * c + r] = in[r * step + c];
+        }
+    }
 }

@@ -1,42 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fft/fft.h: the only room that sees FFTW. Planning is serialised here; running a batch is
- * thread-safe.
+/* fft/fft.h: complex transforms of eight lines at once, and the memory they want.
  *
- * All transforms are batches: FFT_LINES lines at once, from one place to another, which is what
- * FFTW's vector codelets work on. One line alone takes twice as long, and a transform in place goes
- * through buffers. So shaped, FFTW_ESTIMATE finds the plans that FFTW_MEASURE does
- * (docs/performance.md), and, unlike it, the same ones in every process: results are the same to
- * the last bit. */
+ * Line l is lane l of every vector, real and imaginary parts lie apart: element e is at
+ * [e FFT_LANES + l]. In this shape a transform is plain arithmetic on vectors, without shuffles,
+ * and takes 0.6 of FFTW's time for as many lines (docs/performance.md). Lengths of 2^a 3^b 5^c are
+ * done here (pass.h); FFTW, which no other room sees, does the others. Its plans are FFTW_ESTIMATE:
+ * those that are timed would be others, and round otherwise, in every process.
+ *
+ * Plans are immutable, and running them is thread-safe; making them is serialised inside.
+ */
 #ifndef SHEAR_FFT_H
 #define SHEAR_FFT_H
 
-#include <complex.h>
 #include <stddef.h>
 
-void *fft_alloc(size_t bytes); /* aligned to 64 bytes or better as FFTW wants it; NULL: no memory */
+/* Aligned to a cache line, which vectors of 64 bytes then never straddle. NULL: no memory. */
+void *fft_alloc(size_t bytes);
 void fft_free(void *p);
 
-enum { FFT_LINES = 8 };
+enum { FFT_LANES = 8 };
 
-/* Lines, rounded up to whole batches. */
-size_t fft_padded(int lines);
+/* n, rounded up to whole groups of lanes. */
+size_t fft_padded(int n);
 
-/* Complex numbers in a row of nx, padded by one at least: rows start aligned, and columns do not
- * share cache sets. */
-size_t fft_row_stride(int nx);
+/* Eight lines: [n][FFT_LANES] each. */
+typedef struct fft_lanes {
+    double *re, *im;
+} fft_lanes;
 
-/* Where the lines of a batch are: line l, element i at [l * apart + i * step]; apart may be
- * negative for the input. */
-typedef struct fft_layout {
-    int step, apart;
-} fft_layout;
+typedef struct fft_plan fft_plan;
+fft_plan *fft_plan_new(int n); /* n >= 2 numbers a line; NULL when memory is out */
+void fft_plan_free(fft_plan *plan);
 
-/* Forward transforms of n complex numbers a line. Input is kept; both ends come from fft_alloc.
- * Real lines go two by two: FFTW's real codelets know no vectors, and take as long as complex ones.
- */
-typedef struct fft_batch fft_batch;
-fft_batch *fft_batch_new(int n, fft_layout in, fft_layout out); /* NULL when memory is out */
-void fft_batch_free(fft_batch *batch);
-void fft_batch_run(const fft_batch *batch, double complex *in, double complex *out);
+/* The forward transform of eight lines. Input: element e of lane l at re[e step + l], im[e step +
+ * l], with step >= FFT_LANES. `a` and `b` [n][FFT_LANES] come from fft_alloc; the one that is
+ * returned holds the result, the other one was scratch. `b` may be the input, which is lost then:
+ * two buffers fit the first cache where three do not. Nothing else overlaps. */
+fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size_t step,
+                  fft_lanes a, fft_lanes b);
+
+/* A square block, turned: out[FFT_LANES c + r] = in[r step + c] for r, c < FFT_LANES. */
+void fft_turn(const double *in, ptrdiff_t step, double *out);
 
 #endif

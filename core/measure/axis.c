@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/axis.h"
 #include "base/simd.h"
+#include "fft/fft.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,45 +48,35 @@ static void fill_pivots(double *pivot, int n) {
     }
 }
 
+static axis_point point(int kind, int n, int s, int fine) {
+    const int left = fine / s;
+    const bool closing = left == n - 1;
+    const double t = (double)(fine % s) / s;
+    return (axis_point){.w = weights(closing ? AXIS_LINEAR : kind, t),
+                        .left = left,
+                        .right = closing ? 0 : left + 1,
+                        .on_grid = fine % s == 0};
+}
+
 bool axis_init(axis *ax, int kind, int n, int s) {
+    const size_t fine = (size_t)n * (size_t)s;
     *ax = (axis){.kind = kind, .n = n, .s = s};
-    ax->phase = malloc((size_t)s * sizeof *ax->phase);
-    ax->a = malloc(4 * (size_t)s * sizeof *ax->a);
+    ax->points = calloc(fine + FFT_LANES, sizeof *ax->points);
     ax->pivot = malloc((size_t)n * sizeof *ax->pivot);
-    if (ax->phase == NULL || ax->a == NULL || ax->pivot == NULL) {
+    if (ax->points == NULL || ax->pivot == NULL) {
         return false;
     }
-    ax->b = ax->a + s;
-    ax->c = ax->b + s;
-    ax->d = ax->c + s;
-    for (int p = 0; p < s; p++) {
-        const axis_weights w = weights(kind, (double)p / s);
-        ax->phase[p] = w;
-        ax->a[p] = w.a;
-        ax->b[p] = w.b;
-        ax->c[p] = w.c;
-        ax->d[p] = w.d;
+    for (size_t i = 0; i < fine; i++) {
+        ax->points[i] = point(kind, n, s, (int)i);
     }
     fill_pivots(ax->pivot, n);
     return true;
 }
 
 void axis_deinit(axis *ax) {
-    free(ax->phase);
-    free(ax->a);
+    free(ax->points);
     free(ax->pivot);
     *ax = (axis){0};
-}
-
-axis_weights axis_at(const axis *ax, int fine, int *left, int *right) {
-    const int phase = fine % ax->s;
-    *left = fine / ax->s;
-    if (*left < ax->n - 1) {
-        *right = *left + 1;
-        return ax->phase[phase];
-    }
-    *right = 0;
-    return linear_weights((double)phase / ax->s);
 }
 
 /* Label dAdxdy: central differences, one-sided at the two ends. */
@@ -171,60 +162,12 @@ void axis_slopes_marked(const axis *ax, const double *marks, const double *f, do
     }
 }
 
-/* All phases of one cell: a f_i + b f_j + c e_i + d e_j. */
-SHEAR_SIMD static void expand_cells(const axis *ax, const double *f, const double *e,
-                                    size_t e_stride, double *fine) {
-    const int s = ax->s;
-    const double *a = ax->a;
-    const double *b = ax->b;
-    const double *c = ax->c;
-    const double *d = ax->d;
-    for (int i = 0; i < ax->n - 1; i++) {
-        double *cell = fine + (size_t)i * (size_t)s;
-        const double fi = f[i];
-        const double fj = f[i + 1];
-        const double ei = e[(size_t)i * e_stride];
-        const double ej = e[(size_t)(i + 1) * e_stride];
-#pragma omp simd
-        for (int p = 0; p < s; p++) {
-            cell[p] = a[p] * fi + b[p] * fj + c[p] * ei + d[p] * ej;
-        }
+double axis_between_marks(const axis_point *p, double f_left, double f_right, double e_left,
+                          double e_right) {
+    if (p->on_grid) {
+        return f_left;
     }
-}
-
-/* The cell from f_i to f_j, where it is linear. */
-static void expand_linear(double fi, double fj, int s, double *cell) {
-    for (int p = 0; p < s; p++) {
-        const axis_weights w = linear_weights((double)p / s);
-        cell[p] = w.a * fi + w.b * fj;
-    }
-}
-
-/* Over what the smooth rule made: cells that touch a mark. */
-static void mark_cells(const axis *ax, const double *f, double *fine) {
-    for (int i = 0; i < ax->n; i++) {
-        double *cell = fine + (size_t)i * (size_t)ax->s;
-        if (is_mark(f[i]) || is_mark(f[i < ax->n - 1 ? i + 1 : 0])) {
-            cell[0] = f[i];
-            for (int p = 1; p < ax->s; p++) {
-                cell[p] = -INFINITY;
-            }
-        }
-    }
-}
-
-void axis_expand(const axis *ax, const double *f, const double *e, size_t e_stride, bool marked,
-                 double *fine) {
-    const int last = ax->n - 1;
-    if (ax->kind == AXIS_LINEAR) {
-        for (int i = 0; i < last; i++) {
-            expand_linear(f[i], f[i + 1], ax->s, fine + (size_t)i * (size_t)ax->s);
-        }
-    } else {
-        expand_cells(ax, f, e, e_stride, fine);
-    }
-    expand_linear(f[last], f[0], ax->s, fine + (size_t)last * (size_t)ax->s);
-    if (marked) {
-        mark_cells(ax, f, fine);
-    }
+    return is_mark(f_left) || is_mark(f_right)
+               ? -INFINITY
+               : p->w.a * f_left + p->w.b * f_right + p->w.c * e_left + p->w.d * e_right;
 }

@@ -23,22 +23,24 @@ typedef struct axis_weights {
     double a, b, c, d;
 } axis_weights;
 
+/* A fine point: its cell's ends (right is 0 in the closing cell) and their weights. */
+typedef struct axis_point {
+    axis_weights w;
+    int left, right;
+    bool on_grid; /* it is the grid point `left` itself */
+} axis_point;
+
 typedef struct axis {
-    int kind;              /* enum axis_kind */
-    int n;                 /* grid points, >= 2 */
-    int s;                 /* fine points per grid point */
-    axis_weights *phase;   /* [s] */
-    double *a, *b, *c, *d; /* [s] the same by kind, for all phases of a cell at once */
-    double *pivot;         /* [n] elimination factors of the natural spline */
+    int kind;           /* enum axis_kind */
+    int n;              /* grid points, >= 2 */
+    int s;              /* fine points per grid point */
+    axis_point *points; /* [n s], then FFT_LANES whose weights are 0 */
+    double *pivot;      /* [n] elimination factors of the natural spline */
 } axis;
 
 /* false when memory is out; deinit is safe then too. */
 bool axis_init(axis *ax, int kind, int n, int s);
 void axis_deinit(axis *ax);
-
-/* The cell and weights of fine point `fine`: i and the index of its right neighbour (0 in the
- * closing cell). */
-axis_weights axis_at(const axis *ax, int fine, int *left, int *right);
 
 /* e of `lanes` lines at once: point i of lane l is f[i * stride + l]. No point may be -INFINITY. */
 void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes);
@@ -49,9 +51,8 @@ void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int 
 void axis_slopes_marked(const axis *ax, const double *marks, const double *f, double *e,
                         size_t stride);
 
-/* The fine line [n s] of one line (stride 1) with its slopes (e of point i is e[i * e_stride]).
- * marked: cells that touch a mark become marks. */
-void axis_expand(const axis *ax, const double *f, const double *e, size_t e_stride, bool marked,
-                 double *fine);
+/* f at a fine point of such a line: a mark in cells that touch one. */
+double axis_between_marks(const axis_point *p, double f_left, double f_right, double e_left,
+                          double e_right);
 
 #endif

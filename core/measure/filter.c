@@ -1,27 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/filter.h"
 
+#include "base/simd.h"
+#include "fft/fft.h"
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double zero_below = 1e-16; /* less than the rounding of what it multiplies */
 static const double edge_value = 1e-3;
-
-bool filter_map_init(filter_map *m, int nx, int ny, int s) {
-    const size_t rows = (size_t)ny * (size_t)s;
-    *m = (filter_map){.nx = nx, .ny = ny, .s = s, .core_px = NAN, .width_px = NAN};
-    m->value = malloc(rows * (size_t)nx * (size_t)s * sizeof *m->value);
-    m->x0 = malloc(rows * sizeof *m->x0);
-    m->x1 = malloc(rows * sizeof *m->x1);
-    return m->value != NULL && m->x0 != NULL && m->x1 != NULL;
-}
-
-void filter_map_deinit(filter_map *m) {
-    free(m->value);
-    free(m->x0);
-    free(m->x1);
-    *m = (filter_map){0};
-}
 
 /* Distance in pixels of fine point `fine` from the centre of n pixels, along one axis of the
  * periodic grid. */
@@ -30,9 +18,58 @@ static double from_centre(int fine, int n, int s) {
     return d > 0.5 * n ? d - n : d;
 }
 
-static double window(double r, double core, double width) {
-    const double x = (r - core) / width;
-    return x <= 0.0 ? 1.0 : exp(-0.5 * x * x);
+static int strips(const filter_map *m) {
+    return (m->nx * m->s + FFT_LANES - 1) / FFT_LANES;
+}
+
+bool filter_map_init(filter_map *m, int nx, int ny, int s) {
+    const size_t rows = (size_t)ny * (size_t)s;
+    *m = (filter_map){.nx = nx, .ny = ny, .s = s, .core_px = NAN, .width_px = NAN};
+    m->value = malloc(rows * (size_t)nx * (size_t)s * sizeof *m->value);
+    m->x0 = malloc(rows * sizeof *m->x0);
+    m->x1 = malloc(rows * sizeof *m->x1);
+    m->dx2 = fft_alloc(fft_padded(nx * s) * sizeof *m->dx2);
+    m->row = fft_alloc(fft_padded(nx * s) * sizeof *m->row);
+    m->strip_y0 = malloc((size_t)strips(m) * sizeof *m->strip_y0);
+    m->strip_y1 = malloc((size_t)strips(m) * sizeof *m->strip_y1);
+    if (m->value == NULL || m->x0 == NULL || m->x1 == NULL || m->dx2 == NULL || m->row == NULL ||
+        m->strip_y0 == NULL || m->strip_y1 == NULL) {
+        return false;
+    }
+    for (int i = 0; i < (int)fft_padded(nx * s); i++) {
+        const double dx = from_centre(i < nx * s ? i : 0, nx, s);
+        m->dx2[i] = dx * dx;
+    }
+    return true;
+}
+
+void filter_map_deinit(filter_map *m) {
+    free(m->value);
+    free(m->x0);
+    free(m->x1);
+    fft_free(m->dx2);
+    fft_free(m->row);
+    free(m->strip_y0);
+    free(m->strip_y1);
+    *m = (filter_map){0};
+}
+
+/* The row at dy^2 from the centre, `padded` points of it: whole vectors, so that points at the same
+ * distance have the same value to the last bit. Beyond 37 widths it has long been zero, and exp
+ * would underflow, which is slow. */
+SHEAR_SIMD static void window(const double *dx2, double dy2, double core, double per_width,
+                              size_t padded, double *out) {
+#pragma omp simd
+    for (size_t i = 0; i < padded; i++) {
+        const double x = (sqrt(dx2[i] + dy2) - core) * per_width;
+        const double beyond = x > 0.0 ? x : 0.0;
+        out[i] = beyond < 37.0 ? beyond : 37.0;
+    }
+#pragma omp simd simdlen(8)
+    for (size_t i = 0; i < padded; i++) {
+        const double v = exp(-0.5 * out[i] * out[i]);
+        out[i] = v < zero_below ? 0.0 : v;
+    }
 }
 
 /* Fill row `fine_y`; whether anything in it is not zero. */
@@ -40,20 +77,49 @@ static bool fill_row(filter_map *m, int fine_y) {
     const int n = m->nx * m->s;
     const double dy = from_centre(fine_y, m->ny, m->s);
     double *row = m->value + (size_t)fine_y * (size_t)n;
-    int first = n;
-    int last = -1;
-    for (int i = 0; i < n; i++) {
-        const double dx = from_centre(i, m->nx, m->s);
-        const double v = window(sqrt(dx * dx + dy * dy), m->core_px, m->width_px);
-        row[i] = v < zero_below ? 0.0 : v;
-        if (row[i] > 0.0) {
-            first = i < first ? i : first;
-            last = i;
-        }
+    int first = 0;
+    int last = n - 1;
+    window(m->dx2, dy * dy, m->core_px, 1.0 / m->width_px, fft_padded(n), m->row);
+    memcpy(row, m->row, (size_t)n * sizeof *row);
+    while (last >= 0 && row[last] == 0.0) {
+        last--;
     }
-    m->x0[fine_y] = last >= 0 ? first : 0;
+    while (first < last && row[first] == 0.0) {
+        first++;
+    }
+    m->x0[fine_y] = first;
     m->x1[fine_y] = last + 1;
     return last >= 0;
+}
+
+/* The row at the same distance on the other side of the centre. */
+static int mirrored(const filter_map *m, int fine_y) {
+    const int n = m->ny * m->s;
+    return ((m->ny - 1) * m->s - fine_y + n) % n;
+}
+
+static bool copy_row(filter_map *m, int from, int to) {
+    const size_t n = (size_t)m->nx * (size_t)m->s;
+    memcpy(m->value + (size_t)to * n, m->value + (size_t)from * n, n * sizeof *m->value);
+    m->x0[to] = m->x0[from];
+    m->x1[to] = m->x1[from];
+    return m->x1[to] > m->x0[to];
+}
+
+/* The rows of a strip that are not all zero. */
+static void bound_strip(filter_map *m, int strip) {
+    const int end = m->nx * m->s;
+    const int from = strip * FFT_LANES < end - FFT_LANES ? strip * FFT_LANES : end - FFT_LANES;
+    int y0 = m->y1;
+    int y1 = m->y0;
+    for (int y = m->y0; y < m->y1; y++) {
+        if (m->x0[y] < from + FFT_LANES && m->x1[y] > from) {
+            y0 = y < y0 ? y : y0;
+            y1 = y + 1;
+        }
+    }
+    m->strip_y0[strip] = y0 < y1 ? y0 : 0;
+    m->strip_y1[strip] = y0 < y1 ? y1 : 0;
 }
 
 void filter_map_fill(filter_map *m, double core_px, double width_px) {
@@ -65,10 +131,13 @@ void filter_map_fill(filter_map *m, double core_px, double width_px) {
     m->y0 = m->ny * m->s;
     m->y1 = 0;
     for (int y = 0; y < m->ny * m->s; y++) {
-        if (fill_row(m, y)) {
+        if (mirrored(m, y) < y ? copy_row(m, mirrored(m, y), y) : fill_row(m, y)) {
             m->y0 = y < m->y0 ? y : m->y0;
             m->y1 = y + 1;
         }
+    }
+    for (int i = 0; i < strips(m); i++) {
+        bound_strip(m, i);
     }
 }
 

@@ -7,13 +7,16 @@
 #include <stddef.h>
 
 /* The filter sampled on n s points a side, periodically centred on the stamp's centre ((n-1)/2, in
- * pixels), and where it is not zero. Values below 1e-18 are zero. */
+ * pixels), and where it is not zero. Values below 1e-16 are zero. */
 typedef struct filter_map {
     int nx, ny;               /* stamp, pixels */
     int s;                    /* samples per pixel */
     double *value;            /* [ny s][nx s] */
     int y0, y1;               /* rows outside [y0, y1) are zero */
     int *x0, *x1;             /* [ny s] columns outside [x0, x1) of a row are zero */
+    int *strip_y0, *strip_y1; /* rows outside [y0, y1) of strip i are zero: the columns from 8 i, or
+                                 the last 8 */
+    double *dx2, *row;        /* [nx s, padded] squares along x, scratch */
     double core_px, width_px; /* what it holds; NaN: nothing yet */
 } filter_map;
 

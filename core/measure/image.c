@@ -27,11 +27,6 @@ static int axis_kind_of(int interpolation) {
     }
 }
 
-/* What a marked image needs at each pixel: the value, the slopes along x and y, the mixed one, and
- * room for its second half. A smooth one needs its slopes along y, logarithms, and a turned image
- * with its slopes. */
-enum { SURFACE_PARTS = 5 };
-
 bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros,
                      double pedestal) {
     const int kind = axis_kind_of(interpolation);
@@ -39,8 +34,9 @@ bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, in
                       .zeros = zeros,
                       .pedestal = pedestal,
                       .fine_nx = nx * s,
-                      .fine_ny = ny * s};
-    g->stride = fft_row_stride(g->fine_nx);
+                      .fine_ny = ny * s,
+                      .wide = fft_padded(nx),
+                      .high = fft_padded(ny)};
     const bool x_made = axis_init(&g->x, kind, nx, s);
     const bool y_made = axis_init(&g->y, kind, ny, s);
     return x_made && y_made;
@@ -51,22 +47,39 @@ void image_grid_deinit(image_grid *g) {
     axis_deinit(&g->y);
 }
 
+/* Slopes stay zero under the linear methods, and what is beyond the pixels always. */
+static double *new_zeros(size_t n) {
+    double *made = fft_alloc(n * sizeof *made);
+    return made != NULL ? memset(made, 0, n * sizeof *made) : NULL;
+}
+
 bool image_init(image *im, const image_grid *g) {
     *im = (image){0};
     if (g->x.kind == AXIS_NONE) {
         return true;
     }
-    const size_t numbers = (size_t)g->y.n * g->stride;
-    im->f = fft_alloc(numbers * sizeof *im->f);
-    im->e = fft_alloc(numbers * sizeof *im->e);
-    im->surface = fft_alloc(SURFACE_PARTS * (size_t)g->x.n * (size_t)g->y.n * sizeof *im->surface);
-    return im->f != NULL && im->e != NULL && im->surface != NULL;
+    const size_t n = g->wide * g->high;
+    im->rows = new_zeros(n);
+    im->row_slopes = new_zeros(n);
+    im->f = new_zeros(n);
+    im->fx = new_zeros(n);
+    im->fy = new_zeros(n);
+    im->fxy = new_zeros(n);
+    im->strip_f = new_zeros(g->high * FFT_LANES);
+    im->strip_fy = new_zeros(g->high * FFT_LANES);
+    return im->rows != NULL && im->row_slopes != NULL && im->f != NULL && im->fx != NULL &&
+           im->fy != NULL && im->fxy != NULL && im->strip_f != NULL && im->strip_fy != NULL;
 }
 
 void image_deinit(image *im) {
+    fft_free(im->rows);
+    fft_free(im->row_slopes);
     fft_free(im->f);
-    fft_free(im->e);
-    fft_free(im->surface);
+    fft_free(im->fx);
+    fft_free(im->fy);
+    fft_free(im->fxy);
+    fft_free(im->strip_f);
+    fft_free(im->strip_fy);
     *im = (image){0};
 }
 
@@ -102,78 +115,63 @@ static void find_negative(const image_grid *g, const double *pixels, int *bad_x,
     *bad_y = i / g->x.n;
 }
 
-/* [ny][nx] to [nx][ny]. */
-static void transpose(const double *in, int nx, int ny, double *out) {
-    for (int y = 0; y < ny; y++) {
-        for (int x = 0; x < nx; x++) {
-            out[(size_t)x * (size_t)ny + (size_t)y] = in[(size_t)y * (size_t)nx + (size_t)x];
+/* The values to be interpolated: pixels, or their logarithms. */
+static void load_rows(image *im, const image_grid *g, double tiny) {
+    const size_t nx = (size_t)g->x.n;
+    for (size_t j = 0; j < (size_t)g->y.n; j++) {
+        if (g->log) {
+            take_log(im->pixels + j * nx, nx, g->pedestal, tiny, im->rows + j * g->wide);
+        } else {
+            memcpy(im->rows + j * g->wide, im->pixels + j * nx, nx * sizeof *im->rows);
         }
     }
 }
 
-/* All rows of values, or of slopes along y, to rows that are fine along x. The slopes along x are
- * taken of all rows at once, which lie side by side in the transposed image. */
-static void expand_rows(image *im, const image_grid *g, const double *values, double *out) {
-    const int nx = g->x.n;
-    const int ny = g->y.n;
-    const size_t n = (size_t)nx * (size_t)ny;
-    double *turned = im->surface + 2 * n;
-    double *slopes = turned + n;
-    if (g->x.kind != AXIS_LINEAR) {
-        transpose(values, nx, ny, turned);
-        axis_slopes(&g->x, turned, slopes, (size_t)ny, ny);
-    }
-    for (int j = 0; j < ny; j++) {
-        axis_expand(&g->x, values + (size_t)j * (size_t)nx, slopes + j, (size_t)ny, false,
-                    out + (size_t)j * g->stride);
+/* out[wide][high] = in[high][wide], turned. */
+static void turn(const image_grid *g, const double *in, double *out) {
+    for (size_t y = 0; y < g->high; y += FFT_LANES) {
+        for (size_t x = 0; x < g->wide; x += FFT_LANES) {
+            double block[FFT_LANES * FFT_LANES];
+            fft_turn(in + y * g->wide + x, (ptrdiff_t)g->wide, block);
+            for (size_t c = 0; c < FFT_LANES; c++) {
+                memcpy(out + (x + c) * g->high + y, block + c * FFT_LANES, FFT_LANES * sizeof *out);
+            }
+        }
     }
 }
 
-/* The slopes along y are taken at the pixels and then made fine along x, as the values are: both
- * interpolations are linear in what they interpolate, so that their order is free, and there are s
- * times fewer pixels than fine columns. */
-static void load_smooth(image *im, const image_grid *g, const double *values) {
-    double *slopes = im->surface;
-    expand_rows(im, g, values, im->f);
-    if (g->y.kind != AXIS_LINEAR) {
-        axis_slopes(&g->y, values, slopes, (size_t)g->x.n, g->x.n);
-        expand_rows(im, g, slopes, im->e);
-    }
+/* Slopes along y with the columns for lanes, along x with the rows for lanes. */
+static void load_slopes(image *im, const image_grid *g) {
+    axis_slopes(&g->y, im->rows, im->row_slopes, g->wide, (int)g->wide);
+    turn(g, im->rows, im->f);
+    turn(g, im->row_slopes, im->fy);
+    axis_slopes(&g->x, im->f, im->fx, g->high, (int)g->high);
+    axis_slopes(&g->x, im->fy, im->fxy, g->high, (int)g->high);
 }
 
-/* All lines of one direction: along x for step 1, along y for step nx. */
+/* All lines of one direction, of turned arrays. */
 static void mark_slopes(const image_grid *g, const double *marks, const double *f, double *e,
                         bool along_x) {
-    const size_t nx = (size_t)g->x.n;
     const int lines = along_x ? g->y.n : g->x.n;
     for (int i = 0; i < lines; i++) {
-        const size_t at = (size_t)i * (along_x ? nx : 1u);
-        axis_slopes_marked(along_x ? &g->x : &g->y, marks + at, f + at, e + at, along_x ? 1u : nx);
+        const size_t at = (size_t)i * (along_x ? 1u : g->high);
+        axis_slopes_marked(along_x ? &g->x : &g->y, marks + at, f + at, e + at,
+                           along_x ? g->high : 1u);
     }
 }
 
-/* Beside marks the two directions do not commute: fine rows first, then columns, would be another
- * surface than columns first, and imprint a shape. So all slopes are fixed at the pixels, and the
- * mixed one is the mean of both orders. */
-static void load_marked(image *im, const image_grid *g, const double *pixels) {
-    const size_t n = (size_t)g->x.n * (size_t)g->y.n;
-    double *f = im->surface;
-    double *fx = f + n;
-    double *fy = fx + n;
-    double *mixed = fy + n;
-    double *other = mixed + n;
-    take_log(pixels, n, g->pedestal, 0.0, f);
-    mark_slopes(g, f, f, fx, true);
-    mark_slopes(g, f, f, fy, false);
-    mark_slopes(g, f, fx, mixed, false);
-    mark_slopes(g, f, fy, other, true);
+/* Beside marks the two directions do not commute: along x first would be another surface than along
+ * y first, and imprint a shape. So the mixed slope is the mean of both orders. */
+static void load_marked_slopes(image *im, const image_grid *g) {
+    const size_t n = g->wide * g->high;
+    double *other = im->row_slopes;
+    turn(g, im->rows, im->f);
+    mark_slopes(g, im->f, im->f, im->fx, true);
+    mark_slopes(g, im->f, im->f, im->fy, false);
+    mark_slopes(g, im->f, im->fx, im->fxy, false);
+    mark_slopes(g, im->f, im->fy, other, true);
     for (size_t i = 0; i < n; i++) {
-        mixed[i] = 0.5 * (mixed[i] + other[i]);
-    }
-    for (int j = 0; j < g->y.n; j++) {
-        const size_t row = (size_t)j * (size_t)g->x.n;
-        axis_expand(&g->x, f + row, fx + row, 1, true, im->f + (size_t)j * g->stride);
-        axis_expand(&g->x, fy + row, mixed + row, 1, false, im->e + (size_t)j * g->stride);
+        im->fxy[i] = 0.5 * (im->fxy[i] + other[i]);
     }
 }
 
@@ -196,98 +194,108 @@ bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x
         im->marked = has_zeros && (g->zeros == SHEAR_ZEROS_SKIP || high + g->pedestal == 0.0);
         tiny = has_zeros ? floor_of_peak * (high + g->pedestal) : 0.0;
     }
+    load_rows(im, g, im->marked ? 0.0 : tiny);
     if (im->marked) {
-        load_marked(im, g, pixels);
-        return true;
+        load_marked_slopes(im, g);
+    } else {
+        load_slopes(im, g);
     }
-    const double *values = pixels;
-    if (g->log) {
-        double *logs = im->surface + (size_t)g->x.n * (size_t)g->y.n;
-        take_log(pixels, (size_t)g->x.n * (size_t)g->y.n, g->pedestal, tiny, logs);
-        values = logs;
-    }
-    load_smooth(im, g, values);
     return true;
 }
 
-SHEAR_SIMD static void mix_two(axis_weights w, const double *fj, const double *fk, int n,
-                               double *out) {
+/* Values at a fine column, all rows, and at a fine row, all columns of a strip: f = a f_left + b
+ * f_right + c e_left + d e_right. */
+static SHEAR_INLINE void mix(axis_weights w, const double *f_left, const double *f_right,
+                             const double *e_left, const double *e_right, size_t n, double *out) {
 #pragma omp simd
-    for (int i = 0; i < n; i++) {
-        out[i] = w.a * fj[i] + w.b * fk[i];
+    for (size_t i = 0; i < n; i++) {
+        out[i] = w.a * f_left[i] + w.b * f_right[i] + w.c * e_left[i] + w.d * e_right[i];
     }
 }
 
-SHEAR_SIMD static void mix_four(axis_weights w, const double *fj, const double *fk,
-                                const double *ej, const double *ek, int n, double *out) {
-#pragma omp simd
-    for (int i = 0; i < n; i++) {
-        out[i] = w.a * fj[i] + w.b * fk[i] + w.c * ej[i] + w.d * ek[i];
-    }
-}
-
-static void combine(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
-    int j;
-    int k;
-    const axis_weights w = axis_at(&g->y, fine_y, &j, &k);
-    const double *fj = im->f + (size_t)j * g->stride + x0;
-    const double *fk = im->f + (size_t)k * g->stride + x0;
-    const double *ej = im->e + (size_t)j * g->stride + x0;
-    const double *ek = im->e + (size_t)k * g->stride + x0;
-    const int n = x1 - x0;
-    if (im->marked) {
-        const bool on_grid = fine_y % g->y.s == 0;
-        for (int i = 0; i < n; i++) {
-            if (on_grid || fj[i] == -INFINITY || fk[i] == -INFINITY) {
-                out[i] = on_grid ? fj[i] : -INFINITY;
-            } else {
-                out[i] = w.a * fj[i] + w.b * fk[i] + w.c * ej[i] + w.d * ek[i];
-            }
+/* A strip along x: from [x][y] to [y][FFT_LANES], FFT_LANES rows at a time. */
+SHEAR_SIMD static void mix_columns(const axis_point *x, const double *f, const double *e,
+                                   size_t high, double *out) {
+    for (size_t y = 0; y < high; y += FFT_LANES) {
+        double block[FFT_LANES * FFT_LANES];
+        for (size_t c = 0; c < FFT_LANES; c++) {
+            const size_t left = (size_t)x[c].left * high + y;
+            const size_t right = (size_t)x[c].right * high + y;
+            mix(x[c].w, f + left, f + right, e + left, e + right, FFT_LANES, block + c * FFT_LANES);
         }
-    } else if (g->y.kind == AXIS_LINEAR) {
-        mix_two(w, fj, fk, n, out);
-    } else {
-        mix_four(w, fj, fk, ej, ek, n, out);
+        fft_turn(block, FFT_LANES, out + y * FFT_LANES);
     }
 }
 
-SHEAR_SIMD static void undo_log(double *values, int n, double pedestal) {
+SHEAR_SIMD static void mix_rows(const axis_point *y, int y0, int y1, const double *f,
+                                const double *e, double *out) {
+    for (int i = y0; i < y1; i++) {
+        const size_t left = (size_t)y[i].left * FFT_LANES;
+        const size_t right = (size_t)y[i].right * FFT_LANES;
+        mix(y[i].w, f + left, f + right, e + left, e + right, FFT_LANES,
+            out + (size_t)i * FFT_LANES);
+    }
+}
+
+/* Both, where there are marks. */
+static void mix_marked_columns(image *im, const image_grid *g, const axis_point *x) {
+    for (size_t y = 0; y < (size_t)g->y.n; y++) {
+        for (size_t c = 0; c < FFT_LANES; c++) {
+            const size_t left = (size_t)x[c].left * g->high + y;
+            const size_t right = (size_t)x[c].right * g->high + y;
+            const axis_weights w = x[c].w;
+            im->strip_f[y * FFT_LANES + c] =
+                axis_between_marks(&x[c], im->f[left], im->f[right], im->fx[left], im->fx[right]);
+            im->strip_fy[y * FFT_LANES + c] = w.a * im->fy[left] + w.b * im->fy[right] +
+                                              w.c * im->fxy[left] + w.d * im->fxy[right];
+        }
+    }
+}
+
+static void mix_marked_rows(const image *im, const axis_point *y, int y0, int y1, double *out) {
+    for (int i = y0; i < y1; i++) {
+        for (size_t c = 0; c < FFT_LANES; c++) {
+            const size_t left = (size_t)y[i].left * FFT_LANES + c;
+            const size_t right = (size_t)y[i].right * FFT_LANES + c;
+            out[(size_t)i * FFT_LANES + c] =
+                axis_between_marks(&y[i], im->strip_f[left], im->strip_f[right], im->strip_fy[left],
+                                   im->strip_fy[right]);
+        }
+    }
+}
+
+SHEAR_SIMD static void undo_log(double *values, size_t n, double pedestal) {
 #pragma omp simd
-    for (int i = 0; i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         values[i] = exp(values[i]) - pedestal;
     }
 }
 
-bool image_is_smooth_log(const image *im, const image_grid *g) {
-    return g->log && !im->marked && g->y.kind != AXIS_LINEAR;
+static void copy_columns(const image *im, const image_grid *g, int x0, int y0, int y1,
+                         double *out) {
+    const int n = x0 + FFT_LANES <= g->fine_nx ? FFT_LANES : g->fine_nx - x0;
+    for (int y = y0; y < y1; y++) {
+        memcpy(out + (size_t)y * FFT_LANES, im->pixels + (size_t)y * (size_t)g->fine_nx + x0,
+               (size_t)n * sizeof *out);
+    }
 }
 
-log_row image_log_row(const image *im, const image_grid *g, int fine_y) {
-    int j;
-    int k;
-    log_row r = {.w = axis_at(&g->y, fine_y, &j, &k)};
-    r.fj = im->f + (size_t)j * g->stride;
-    r.fk = im->f + (size_t)k * g->stride;
-    r.ej = im->e + (size_t)j * g->stride;
-    r.ek = im->e + (size_t)k * g->stride;
-    return r;
-}
-
-const double *image_row_view(const image *im, const image_grid *g, int fine_y, int x0, int x1,
-                             double *scratch) {
+void image_strip(image *im, const image_grid *g, int x0, int y0, int y1, double *out) {
+    const axis_point *x = g->x.points + x0;
+    const axis_point *y = g->y.points;
     if (g->x.kind == AXIS_NONE) {
-        return im->pixels + (size_t)fine_y * (size_t)g->x.n + x0;
+        copy_columns(im, g, x0, y0, y1, out);
+        return;
     }
-    combine(im, g, fine_y, x0, x1, scratch);
+    if (im->marked) {
+        mix_marked_columns(im, g, x);
+        mix_marked_rows(im, y, y0, y1, out);
+    } else {
+        mix_columns(x, im->f, im->fx, g->high, im->strip_f);
+        mix_columns(x, im->fy, im->fxy, g->high, im->strip_fy);
+        mix_rows(y, y0, y1, im->strip_f, im->strip_fy, out);
+    }
     if (g->log) {
-        undo_log(scratch, x1 - x0, g->pedestal);
-    }
-    return scratch;
-}
-
-void image_row(const image *im, const image_grid *g, int fine_y, int x0, int x1, double *out) {
-    const double *row = image_row_view(im, g, fine_y, x0, x1, out);
-    if (row != out) {
-        memcpy(out, row, (size_t)(x1 - x0) * sizeof *out);
+        undo_log(out + (size_t)y0 * FFT_LANES, (size_t)(y1 - y0) * FFT_LANES, g->pedestal);
     }
 }

@@ -30,17 +30,28 @@ void shear_inspection_free(shear_inspection *out) {
     }
 }
 
+static void copy_image(const shear_plan *plan, shear_workspace *ws, image *im, double *out) {
+    const image_grid *g = &plan->grid;
+    for (int x = 0; x < g->fine_nx; x++) {
+        const int x0 = x / FFT_LANES * FFT_LANES;
+        if (x == x0) {
+            image_strip(im, g, x0, 0, g->fine_ny, ws->strip.re);
+        }
+        for (int y = 0; y < g->fine_ny; y++) {
+            out[(size_t)y * (size_t)g->fine_nx + (size_t)x] =
+                ws->strip.re[(size_t)y * FFT_LANES + (size_t)(x - x0)];
+        }
+    }
+}
+
 /* A noise stamp that is not corrected for may be negative under a log method: then there is no
  * picture of it. */
-static void copy_images(const shear_plan *plan, const shear_workspace *ws, bool has_noise,
+static void copy_images(const shear_plan *plan, shear_workspace *ws, bool has_noise,
                         const filter_map *filter, shear_inspection *out) {
     const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
-    for (int y = 0; y < out->fine_ny; y++) {
-        const size_t at = (size_t)y * (size_t)out->fine_nx;
-        image_row(&ws->galaxy, &plan->grid, y, 0, out->fine_nx, out->galaxy_fine + at);
-        if (has_noise) {
-            image_row(&ws->noise, &plan->grid, y, 0, out->fine_nx, out->noise_fine + at);
-        }
+    copy_image(plan, ws, &ws->galaxy, out->galaxy_fine);
+    if (has_noise) {
+        copy_image(plan, ws, &ws->noise, out->noise_fine);
     }
     for (size_t i = 0; i < points; i++) {
         out->noise_fine[i] = has_noise ? out->noise_fine[i] : NAN;
@@ -48,13 +59,13 @@ static void copy_images(const shear_plan *plan, const shear_workspace *ws, bool 
     }
 }
 
-/* Mode (jx, jy) and its mirror image, jx >= 0. */
+/* Mode (jx, jy) and its mirror image, jy >= 0. */
 static void put_mode(const transfer_plan *p, const transfer *t, int jx, int jy, double power,
                      shear_inspection *out) {
     const double s2 = (double)p->s * p->s;
     const double norm = (double)p->nx * p->ny * s2 * s2;
-    const double both_halves = jx > 0 ? 2.0 : 1.0; /* T's weight */
-    const double weight = t->t[(size_t)(jy + p->max_jy) * p->stride + (size_t)jx];
+    const double both_halves = jy > 0 ? 2.0 : 1.0; /* T's weight */
+    const double weight = t->t[(size_t)(jx + p->max_jx) * p->stride + (size_t)jy];
     for (int sign = -1; sign <= 1; sign += 2) {
         const size_t at = (size_t)(sign * jy + p->max_jy) * (size_t)out->spec_nx +
                           (size_t)(sign * jx + p->max_jx);
@@ -69,8 +80,8 @@ static double shot_power(const shear_plan *plan, shear_workspace *ws) {
     double power = 0.0;
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
         for (int group = 0; group <= plan->plateau.last_group; group++) {
-            const mode_columns columns = transform_columns(plan, ws, group);
-            power += plateau_part(&plan->plateau, &columns);
+            const mode_rows rows = transform_rows(plan, ws, group);
+            power += plateau_part(&plan->plateau, &rows);
         }
     }
     return power;
@@ -80,13 +91,12 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
                          shear_inspection *out) {
     const transfer_plan *p = &plan->transfer_plan;
     const double flat = shot_power(plan, ws);
-    for (int group = 0; group * FFT_LINES <= t->jx; group++) {
-        const mode_columns columns = transform_columns(plan, ws, group);
-        const int left = t->jx - group * FFT_LINES;
-        for (int l = 0; l < FFT_LINES && l <= left; l++) {
-            for (int jy = -t->jy; jy <= t->jy; jy++) {
-                put_mode(p, t, group * FFT_LINES + l, jy, moments_power(&columns, p, l, jy) - flat,
-                         out);
+    for (int group = 0; group * FFT_LANES <= t->jy; group++) {
+        const mode_rows rows = transform_rows(plan, ws, group);
+        const int left = t->jy - group * FFT_LANES;
+        for (int l = 0; l < FFT_LANES && l <= left; l++) {
+            for (int jx = -t->jx; jx <= t->jx; jx++) {
+                put_mode(p, t, jx, group * FFT_LANES + l, moments_power(&rows, jx, l) - flat, out);
             }
         }
     }
@@ -118,13 +128,14 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     const filter_map *coarse = NULL;
     uint32_t flags = 0;
     pack_failure failure;
+    photometry ph;
     choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
     const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
     int bad;
     const bool has_noise =
         image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
     pack_pair(plan, ws, fine, stamps->galaxy + (size_t)i * pixels,
-              stamps->noise + (size_t)i * pixels, &failure);
+              stamps->noise + (size_t)i * pixels, last_group(plan, t), &ph, &failure);
     copy_images(plan, ws, has_noise, fine, out);
     copy_spectra(plan, ws, t, out);
     return SHEAR_OK;

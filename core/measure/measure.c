@@ -30,7 +30,7 @@ static void row_init(shear_row *row, double weight, uint32_t flags) {
 static void fill_photometry(shear_row *row, const shear_stamps *st, const double *galaxy,
                             const double *noise, const photometry *ph) {
     const double pixels = (double)st->nx * st->ny;
-    row->flux = ph->galaxy_sum - ph->noise_sum;
+    row->flux = ph->flux;
     row->snr = ph->noise_var > 0.0 ? row->flux / sqrt(2.0 * pixels * ph->noise_var) : NAN;
     const border of_galaxy = border_of(galaxy, st->nx, st->ny);
     const border of_noise = border_of(noise, st->nx, st->ny);
@@ -41,9 +41,10 @@ static void fill_photometry(shear_row *row, const shear_stamps *st, const double
 
 void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                    const filter_map **fine, const filter_map **coarse, uint32_t *flags) {
-    *fine = plan->filtered ? &plan->fine : NULL;
-    *coarse = plan->filtered ? &plan->coarse : NULL;
+    const bool one_grid = plan->info.oversample == 1;
     if (!plan->info.filter_per_stamp) {
+        *fine = plan->filtered ? &plan->fine : NULL;
+        *coarse = !plan->filtered ? NULL : one_grid ? &plan->fine : &plan->coarse;
         return;
     }
     const double r_gal = stamps->r_gal != NULL ? stamps->r_gal[i] : NAN;
@@ -53,9 +54,11 @@ void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stam
     }
     const double core = r_gal + 4.0 * plan->info.beta_px; /* the paper's choice, section 4.2 */
     filter_map_fill(&ws->fine, core, plan->info.width_px);
-    filter_map_fill(&ws->coarse, core, plan->info.width_px);
+    if (!one_grid) {
+        filter_map_fill(&ws->coarse, core, plan->info.width_px);
+    }
     *fine = &ws->fine;
-    *coarse = &ws->coarse;
+    *coarse = one_grid ? &ws->fine : &ws->coarse;
 }
 
 const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,
@@ -74,7 +77,7 @@ const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,
         return &ws->transfer;
     }
     ws->transfer_of = NULL;
-    if (transfer_make(&ws->transfer, p, &ws->scratch, psf, NULL) != SHEAR_OK) {
+    if (transfer_make(&ws->transfer, p, &ws->psf_scratch, psf, NULL) != SHEAR_OK) {
         *flags |= SHEAR_FLAG_PSF_UNUSABLE;
         return NULL;
     }
@@ -117,19 +120,27 @@ static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double wei
            (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
 }
 
-/* METHOD step 4, of the difference of galaxy and noise: the columns of modes that the transfer lets
+int last_group(const shear_plan *plan, const transfer *t) {
+    return plan->settings.shot_noise == SHEAR_SHOT_PLATEAU ? plan->plateau.last_group
+                                                           : t->jy / FFT_LANES;
+}
+
+/* METHOD step 4, of the difference of galaxy and noise: the rows of modes that the transfer lets
  * through, and for a plateau the others, too. */
-static moments moments_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
+static moments moments_of(const shear_plan *plan, shear_workspace *ws, const transfer *t,
+                          double *filtered_flux) {
     const bool shot = plan->settings.shot_noise == SHEAR_SHOT_PLATEAU;
-    const int last = shot ? plan->plateau.last_group : t->jx / FFT_LINES;
     moments m = {0};
     double shot_power = 0.0;
-    for (int group = 0; group <= last; group++) {
-        const mode_columns columns = transform_columns(plan, ws, group);
-        if (group * FFT_LINES <= t->jx) {
-            moments_add(&m, &columns, &plan->transfer_plan, t);
+    for (int group = 0; group <= last_group(plan, t); group++) {
+        const mode_rows rows = transform_rows(plan, ws, group);
+        if (group == 0) { /* Z(0) = sum of galaxy + i sum of noise */
+            *filtered_flux = rows.up.re[0] - rows.up.im[0];
         }
-        shot_power += shot ? plateau_part(&plan->plateau, &columns) : 0.0;
+        if (group * FFT_LANES <= t->jy) {
+            moments_add(&m, &rows, &plan->transfer_plan, t);
+        }
+        shot_power += shot ? plateau_part(&plan->plateau, &rows) : 0.0;
     }
     if (shot) {
         const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
@@ -138,54 +149,71 @@ static moments moments_of(const shear_plan *plan, shear_workspace *ws, const tra
     return m;
 }
 
-/* What the filter takes off the flux. Where the packed pair holds the pixels themselves, what it
- * leaves is the pair's mode k = 0, of which the rows' part is there already. */
-static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
-                           const filter_map *coarse, const double *galaxy, const double *noise,
-                           double flux) {
-    if (coarse == NULL) {
+/* What the filter takes of the pixels. Where they are the fine grid, that is what the transform
+ * lost of its k = 0. */
+static double removed_flux(const shear_plan *plan, const filter_map *filter, const double *galaxy,
+                           const double *noise, double lost) {
+    if (filter == NULL) {
         return 0.0;
     }
-    if (coarse->nx != plan->info.fine_nx || !plan->settings.noise_correction) {
-        return photometry_removed(coarse->value, galaxy, noise,
-                                  (size_t)coarse->nx * (size_t)coarse->ny);
+    const size_t pixels = (size_t)filter->nx * (size_t)filter->ny;
+    return plan->info.oversample == 1 && plan->settings.noise_correction
+               ? lost
+               : photometry_removed(filter->value, galaxy, noise, pixels);
+}
+
+/* A stamp pair on its way. */
+typedef struct subject {
+    const double *galaxy, *noise;
+    const filter_map *fine, *coarse;
+    const transfer *transfer; /* NULL where there is none, or the row is flagged already */
+    photometry ph;
+    bool packed;
+    pack_failure failure;
+} subject;
+
+static uint32_t flags_of_pixels(const photometry *ph) {
+    return (ph->galaxy_finite ? 0u : (uint32_t)SHEAR_FLAG_GALAXY_NOT_FINITE) |
+           (ph->noise_finite ? 0u : (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE) |
+           (ph->galaxy_finite && ph->galaxy_flat ? (uint32_t)SHEAR_FLAG_EMPTY : 0u);
+}
+
+/* Everything up to the transform along y; the pixels' photometry comes with it. Bad pixels are
+ * found on the way, and then what was packed is not used. */
+static void take_up(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
+                    subject *s, uint32_t *flags) {
+    uint32_t psf_flag = 0;
+    choose_filter(plan, ws, stamps, i, &s->fine, &s->coarse, flags);
+    if (*flags == 0) {
+        s->transfer = choose_transfer(plan, ws, stamps, i, &psf_flag);
     }
-    double kept = 0.0;
-    for (int y = ws->first_row; y < ws->end_row; y++) {
-        const double complex z = ws->pair[(size_t)y * plan->stride];
-        kept += creal(z) - cimag(z);
+    if (s->transfer != NULL) {
+        s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, last_group(plan, s->transfer),
+                              &s->ph, &s->failure);
+    } else {
+        s->ph = photometry_of(s->galaxy, s->noise, stamps->nx, stamps->ny);
     }
-    return flux - kept;
+    *flags |= flags_of_pixels(&s->ph);
+    *flags |= *flags == 0 ? psf_flag : 0u;
 }
 
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
-    const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
-    const double *galaxy = stamps->galaxy + (size_t)i * pixels;
-    const double *noise = stamps->noise + (size_t)i * pixels;
+    const size_t at = (size_t)i * (size_t)stamps->nx * (size_t)stamps->ny;
     const double weight = stamps->weight != NULL ? stamps->weight[i] : 1.0;
+    subject s = {.galaxy = stamps->galaxy + at, .noise = stamps->noise + at};
     row_init(row, weight, flags_of_catalogue(stamps, i, weight));
-    const photometry ph = photometry_of(galaxy, noise, pixels);
-    row->flags |= ph.galaxy_finite ? 0u : (uint32_t)SHEAR_FLAG_GALAXY_NOT_FINITE;
-    row->flags |= ph.noise_finite ? 0u : (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE;
-    row->flags |= ph.galaxy_finite && ph.galaxy_flat ? (uint32_t)SHEAR_FLAG_EMPTY : 0u;
-    const filter_map *fine = NULL;
-    const filter_map *coarse = NULL;
-    choose_filter(plan, ws, stamps, i, &fine, &coarse, &row->flags);
+    take_up(plan, ws, stamps, i, &s, &row->flags);
     if (row->flags != 0) {
         return SHEAR_OK;
     }
-    const transfer *t = choose_transfer(plan, ws, stamps, i, &row->flags);
-    if (t == NULL) {
-        return SHEAR_OK;
+    if (!s.packed) {
+        return negative_pixel(plan, stamps, i, &s.failure, err);
     }
-    fill_photometry(row, stamps, galaxy, noise, &ph);
-    pack_failure failure;
-    if (!pack_pair(plan, ws, fine, galaxy, noise, &failure)) {
-        return negative_pixel(plan, stamps, i, &failure, err);
-    }
-    row->flux_removed = removed_flux(plan, ws, coarse, galaxy, noise, row->flux);
-    const moments m = moments_of(plan, ws, t);
+    double filtered_flux = 0.0;
+    const moments m = moments_of(plan, ws, s.transfer, &filtered_flux);
+    fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
+    row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - filtered_flux);
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;
 }

@@ -5,107 +5,102 @@
 #include <math.h>
 #include <string.h>
 
-static size_t wrap(int j, int n) {
-    return (size_t)(j < 0 ? j + n : j);
+double moments_power(const mode_rows *r, int jx, int lane) {
+    const size_t here = (size_t)(jx < 0 ? r->nx + jx : jx) * FFT_LANES + (size_t)lane;
+    const size_t there = (size_t)(jx > 0 ? r->nx - jx : -jx) * FFT_LANES + (size_t)lane;
+    return r->up.re[here] * r->down.re[there] - r->up.im[here] * r->down.im[there];
 }
 
-double moments_power(const mode_columns *c, const transfer_plan *p, int lane, int jy) {
-    const int ny = p->ny * p->s;
-    const double complex here = c->left[wrap(jy, ny) * FFT_LINES + (size_t)lane];
-    const double complex there = c->right[wrap(-jy, ny) * FFT_LINES + (size_t)lane];
-    return creal(here) * creal(there) - cimag(here) * cimag(there);
-}
-
-/* Sums over jy of T P times 1, jy, jy^2, jy^3, jy^4, a column a lane: the powers of jx are the same
- * all along a column and come in at the end. */
+/* Sums over jx of T P times 1, jx, jx^2, jx^3, jx^4, a row a lane: the powers of jy are the same
+ * all along a row and come in at the end. */
 typedef struct lane_sums {
-    double s0[FFT_LINES], s1[FFT_LINES], s2[FFT_LINES], s3[FFT_LINES], s4[FFT_LINES];
+    double s0[FFT_LANES], s1[FFT_LANES], s2[FFT_LANES], s3[FFT_LANES], s4[FFT_LANES];
 } lane_sums;
 
-/* T P of row jy from its modes (here) and those of row -jy (there), interleaved re, im. */
-static inline void weigh(const double *restrict here, const double *restrict there,
-                         const double *restrict t, double *restrict tp) {
+/* Columns jx and -jx together: their even powers add, their odd ones differ. */
+static SHEAR_INLINE void add_columns(lane_sums *s, size_t l, double right, double left, double x) {
+    const double x2 = x * x;
+    const double even = right + left;
+    const double odd = x * (right - left);
+    s->s0[l] += even;
+    s->s1[l] += odd;
+    s->s2[l] += x2 * even;
+    s->s3[l] += x2 * odd;
+    s->s4[l] += x2 * x2 * even;
+}
+
+/* T P of element `here` of up and its mirror image `there` of down. */
+static SHEAR_INLINE double weigh(const mode_rows *r, size_t here, size_t there, double t) {
+    return t * (r->up.re[here] * r->down.re[there] - r->up.im[here] * r->down.im[there]);
+}
+
+/* t: T at jx = 0, [jx][stride]. */
+SHEAR_SIMD static void sum_rows(const mode_rows *rows, const double *t, size_t stride, int last,
+                                lane_sums *out) {
+    const mode_rows r = *rows;
+    const size_t end = (size_t)r.nx * FFT_LANES;
+    lane_sums s = {0};
 #pragma omp simd
-    for (int l = 0; l < FFT_LINES; l++) {
-        tp[l] = t[l] * (here[2 * l] * there[2 * l] - here[2 * l + 1] * there[2 * l + 1]);
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        s.s0[l] = weigh(&r, l, l, t[l]);
     }
-}
-
-/* Rows jy and -jy together: their even powers add, their odd ones differ. */
-static inline void add_rows(lane_sums *restrict sums, const double *restrict up,
-                            const double *restrict down, double y) {
-    const double y2 = y * y;
+    for (int jx = 1; jx <= last; jx++) {
+        const double *right = t + (ptrdiff_t)stride * jx;
+        const double *left = t - (ptrdiff_t)stride * jx;
+        const size_t at = (size_t)jx * FFT_LANES;
 #pragma omp simd
-    for (int l = 0; l < FFT_LINES; l++) {
-        const double even = up[l] + down[l];
-        const double odd = y * (up[l] - down[l]);
-        sums->s0[l] += even;
-        sums->s1[l] += odd;
-        sums->s2[l] += y2 * even;
-        sums->s3[l] += y2 * odd;
-        sums->s4[l] += y2 * y2 * even;
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            add_columns(&s, l, weigh(&r, at + l, end - at + l, right[l]),
+                        weigh(&r, end - at + l, at + l, left[l]), jx);
+        }
     }
+    *out = s;
 }
 
-SHEAR_SIMD static void sum_columns(const double *left, const double *right, const double *t,
-                                   size_t t_stride, int ny, int last, lane_sums *out) {
-    enum { ROW = 2 * FFT_LINES };
-    lane_sums sums = {0};
-    double up[FFT_LINES];
-    double down[FFT_LINES];
-    weigh(left, right, t, sums.s0);
-    for (int jy = 1; jy <= last; jy++) {
-        const ptrdiff_t step = (ptrdiff_t)t_stride * jy;
-        weigh(left + ROW * jy, right + ROW * (ny - jy), t + step, up);
-        weigh(left + ROW * (ny - jy), right + ROW * jy, t - step, down);
-        add_rows(&sums, up, down, jy);
-    }
-    *out = sums;
-}
-
-/* The sums of columns [first, first + FFT_LINES) to moments. */
+/* The sums of rows [first, first + FFT_LANES) to moments. */
 static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p, int first) {
     const double ux = 2.0 * M_PI / p->nx;
     const double uy = 2.0 * M_PI / p->ny;
-    for (int l = 0; l < FFT_LINES; l++) {
-        const double x = ux * (first + l);
-        const double x2 = x * x;
+    for (int l = 0; l < FFT_LANES; l++) {
+        const double y = uy * (first + l);
+        const double y2 = y * y;
         const double s0 = sums->s0[l];
-        const double y1 = uy * sums->s1[l];
-        const double y2 = uy * uy * sums->s2[l];
-        const double y3 = uy * uy * uy * sums->s3[l];
-        const double y4 = uy * uy * uy * uy * sums->s4[l];
-        m->m20 += x2 * s0;
-        m->m02 += y2;
-        m->m11 += x * y1;
-        m->m4 += x2 * x2 * s0 + 2.0 * x2 * y2 + y4;
-        m->u += x2 * x2 * s0 - 6.0 * x2 * y2 + y4;
-        m->v += x2 * x * y1 - x * y3;
+        const double x1 = ux * sums->s1[l];
+        const double x2 = ux * ux * sums->s2[l];
+        const double x3 = ux * ux * ux * sums->s3[l];
+        const double x4 = ux * ux * ux * ux * sums->s4[l];
+        m->m20 += x2;
+        m->m02 += y2 * s0;
+        m->m11 += x1 * y;
+        m->m4 += x4 + 2.0 * x2 * y2 + y2 * y2 * s0;
+        m->u += x4 - 6.0 * x2 * y2 + y2 * y2 * s0;
+        m->v += x3 * y - x1 * y * y2;
     }
 }
 
-/* T at (jx, 0). */
-static const double *middle_row(const transfer_plan *p, const transfer *t, int jx) {
-    return t->t + (size_t)p->max_jy * p->stride + (size_t)jx;
+/* T at (0, jy). */
+static const double *middle_column(const transfer_plan *p, const transfer *t, int jy) {
+    return t->t + (size_t)p->max_jx * p->stride + (size_t)jy;
 }
 
-void moments_add(moments *m, const mode_columns *c, const transfer_plan *p, const transfer *t) {
-    const int first = c->group * FFT_LINES;
+void moments_add(moments *m, const mode_rows *rows, const transfer_plan *p, const transfer *t) {
+    const int first = rows->group * FFT_LANES;
     lane_sums sums;
-    sum_columns((const double *)c->left, (const double *)c->right, middle_row(p, t, first),
-                p->stride, p->ny * p->s, t->jy, &sums);
+    sum_rows(rows, middle_column(p, t, first), p->stride, transfer_reach(t, p, first), &sums);
     add_lanes(m, &sums, p, first);
 }
 
 moments moments_of_flat(const transfer_plan *p, const transfer *t) {
     moments m = {0};
-    for (int first = 0; first <= t->jx; first += FFT_LINES) {
-        const double *middle = middle_row(p, t, first);
+    for (int first = 0; first <= t->jy; first += FFT_LANES) {
+        const double *middle = middle_column(p, t, first);
         lane_sums sums = {0};
         memcpy(sums.s0, middle, sizeof sums.s0);
-        for (int jy = 1; jy <= t->jy; jy++) {
-            const ptrdiff_t step = (ptrdiff_t)p->stride * jy;
-            add_rows(&sums, middle + step, middle - step, jy);
+        for (int jx = 1; jx <= t->jx; jx++) {
+            const ptrdiff_t step = (ptrdiff_t)p->stride * jx;
+            for (size_t l = 0; l < FFT_LANES; l++) {
+                add_columns(&sums, l, middle[step + (ptrdiff_t)l], middle[(ptrdiff_t)l - step], jx);
+            }
         }
         add_lanes(&m, &sums, p, first);
     }

@@ -11,29 +11,28 @@
 
 #include "measure/transfer.h"
 
-#include <complex.h>
-
 typedef struct moments {
     double m20, m02, m11, m4, u, v;
 } moments;
 
-/* FFT_LINES columns of modes and their mirror images, as they come from a batch: left[ny s][l] is
- * column jx = FFT_LINES g + l, right[ny s][l] is column -jx. */
-typedef struct mode_columns {
-    const double complex *left, *right;
-    int group; /* g */
-} mode_columns;
+/* FFT_LANES rows of modes and their mirror images, as they come from a transform along x: lane l of
+ * up is row jy = FFT_LANES group + l, of down row -jy; both [nx + 1][FFT_LANES], where element jx <
+ * 0 is at nx + jx, and 0 at nx, too. */
+typedef struct mode_rows {
+    fft_lanes up, down;
+    int nx; /* fine */
+    int group;
+} mode_rows;
 
-/* Add what the columns of one group hold; the groups are 0 .. t->jx / FFT_LINES. */
-void moments_add(moments *m, const mode_columns *columns, const transfer_plan *p,
-                 const transfer *t);
+/* Add what the rows of one group hold; the groups are 0 .. t->jy / FFT_LANES. */
+void moments_add(moments *m, const mode_rows *rows, const transfer_plan *p, const transfer *t);
 
 /* The moments of a power that is 1 at every mode. */
 moments moments_of_flat(const transfer_plan *p, const transfer *t);
 /* m -= power flat */
 void moments_subtract(moments *m, double power, const moments *flat);
 
-/* The corrected power of mode (FFT_LINES g + lane, jy). For pictures. */
-double moments_power(const mode_columns *columns, const transfer_plan *p, int lane, int jy);
+/* The corrected power of mode (jx, FFT_LANES group + lane). For pictures. */
+double moments_power(const mode_rows *rows, int jx, int lane);
 
 #endif

@@ -1,124 +1,216 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From a stamp pair to the modes of its transform: galaxy + i noise on the fine grid, filtered, one
- * complex transform for both, rows first. What no column of the result needs is not made. */
-#include "measure/pack.h"
+/* From a stamp pair to the modes of its transform: z = galaxy + i noise on the fine grid, filtered,
+ * one complex transform for both. Strips of FFT_LANES columns are made and transformed along y
+ * while they are in the first cache; of the result only the rows that somebody wants are kept, and
+ * transformed along x when asked for. */
 #include "base/simd.h"
 #include "measure/plan_impl.h"
 
 #include <string.h>
 
-SHEAR_SIMD void pack_row(double complex *out, const double *re, const double *im,
-                         const double *filter, int n) {
-    double *pairs = (double *)out;
+enum { BLOCK = FFT_LANES * FFT_LANES };
+
+/* Rows [y0, y1) of a strip of the pair, as pixels are: summed up for the photometry, times the
+ * filter, side by side. One loop for all of it: with a side that is a power of two the rows of a
+ * strip share so few sets of the first cache that they are gone when they are asked for again. */
+static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter, bool filtered,
+                                   size_t x0, size_t y0, size_t y1, fft_lanes out) {
+    const size_t step = (size_t)sums->nx;
+    const double *galaxy = sums->galaxy + x0;
+    const double *noise = sums->noise + x0;
+    photometry_sums s = *sums;
+    for (size_t y = y0; y < y1; y++) {
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            const double f = filtered ? filter[x0 + y * step + l] : 1.0;
+            const double g = galaxy[y * step + l];
+            const double n = noise[y * step + l];
+            photometry_pixel(&s, l, g, n);
+            out.re[y * FFT_LANES + l] = filtered ? f * g : g;
+            out.im[y * FFT_LANES + l] = filtered ? f * n : n;
+        }
+    }
+    *sums = s;
+}
+
+SHEAR_SIMD static void pack_filtered(photometry_sums *sums, const double *filter, size_t x0,
+                                     size_t y0, size_t y1, fft_lanes out) {
+    pack_rows(sums, filter, true, x0, y0, y1, out);
+}
+
+SHEAR_SIMD static void pack_plain(photometry_sums *sums, size_t x0, size_t y0, size_t y1,
+                                  fft_lanes out) {
+    pack_rows(sums, NULL, false, x0, y0, y1, out);
+}
+
+SHEAR_SIMD static void filter_lanes(const double *restrict filter, size_t step, int y0, int y1,
+                                    fft_lanes strip) {
+    for (size_t y = (size_t)y0; y < (size_t)y1; y++) {
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            strip.re[y * FFT_LANES + l] *= filter[y * step + l];
+            strip.im[y * FFT_LANES + l] *= filter[y * step + l];
+        }
+    }
+}
+
+/* Where a strip lies, and which of its rows are not zero. */
+typedef struct strip {
+    int x0, skip; /* the first `skip` columns were in the strip before */
+    int y0, y1;
+} strip;
+
+/* Strip number i: the last one begins where it still fits, some columns are done twice. */
+static strip strip_at(const shear_plan *plan, const filter_map *filter, int i) {
+    const int left = i * FFT_LANES;
+    const int last = plan->info.fine_nx - FFT_LANES;
+    const int x0 = left < last ? left : last;
+    return (strip){.x0 = x0,
+                   .skip = left - x0,
+                   .y0 = filter != NULL ? filter->strip_y0[i] : 0,
+                   .y1 = filter != NULL ? filter->strip_y1[i] : plan->info.fine_ny};
+}
+
+/* From pixels, with their photometry. */
+static void pack_strip(shear_workspace *ws, photometry_sums *sums, const filter_map *filter,
+                       const strip *st) {
+    const size_t y0 = (size_t)st->y0;
+    const size_t y1 = (size_t)st->y1;
+    photometry_sums unused = *sums; /* a strip that overlaps is summed up by itself */
+    photometry_sums *s = st->skip > 0 ? &unused : sums;
     if (filter != NULL) {
-#pragma omp simd
-        for (int i = 0; i < n; i++) {
-            pairs[2 * i] = filter[i] * re[i];
-            pairs[2 * i + 1] = filter[i] * im[i];
-        }
+        pack_filtered(s, filter->value, (size_t)st->x0, y0, y1, ws->strip);
     } else {
-#pragma omp simd
-        for (int i = 0; i < n; i++) {
-            pairs[2 * i] = re[i];
-            pairs[2 * i + 1] = im[i];
-        }
+        pack_plain(s, (size_t)st->x0, y0, y1, ws->strip);
+    }
+    if (st->skip > 0) {
+        photometry_add(sums, st->x0, st->skip, st->y0, st->y1);
     }
 }
 
-/* Two rows that a log method interpolates, columns [x0, x1), in one loop: each value stays in its
- * register from the logarithm to the packed pair. */
-SHEAR_SIMD static void pack_log_rows(double complex *out, const log_row *g, const log_row *n,
-                                     double pedestal, const double *filter, int x0, int x1) {
-    double *pairs = (double *)out;
-    const axis_weights w = g->w; /* of both: they are the same row */
-#pragma omp simd
-    for (int x = x0; x < x1; x++) {
-        const double galaxy =
-            exp(w.a * g->fj[x] + w.b * g->fk[x] + w.c * g->ej[x] + w.d * g->ek[x]) - pedestal;
-        const double noise =
-            exp(w.a * n->fj[x] + w.b * n->fk[x] + w.c * n->ej[x] + w.d * n->ek[x]) - pedestal;
-        pairs[2 * x] = filter[x] * galaxy;
-        pairs[2 * x + 1] = filter[x] * noise;
-    }
-}
-
-/* One fine row of the pair: interpolated where the filter lets it through, zero elsewhere. */
-static void make_row(const shear_plan *plan, shear_workspace *ws, const filter_map *filter, int y,
-                     double complex *row) {
-    const int width = plan->info.fine_nx;
-    const bool outside = y >= plan->info.fine_ny;
-    const int x0 = outside ? 0 : filter != NULL ? filter->x0[y] : 0;
-    const int x1 = outside ? 0 : filter != NULL ? filter->x1[y] : width;
-    memset(row, 0, (size_t)x0 * sizeof *row);
-    memset(row + x1, 0, (size_t)(width - x1) * sizeof *row);
-    if (x0 == x1) {
-        return;
-    }
-    if (filter != NULL && plan->settings.noise_correction &&
-        image_is_smooth_log(&ws->galaxy, &plan->grid) &&
-        image_is_smooth_log(&ws->noise, &plan->grid)) {
-        const log_row g = image_log_row(&ws->galaxy, &plan->grid, y);
-        const log_row n = image_log_row(&ws->noise, &plan->grid, y);
-        pack_log_rows(row, &g, &n, plan->grid.pedestal, filter->value + (size_t)y * (size_t)width,
-                      x0, x1);
-        return;
-    }
-    const double *galaxy = image_row_view(&ws->galaxy, &plan->grid, y, x0, x1, ws->galaxy_row);
-    const double *noise = ws->no_noise;
+/* From interpolated images. */
+static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
+                              const strip *st) {
+    const image_grid *g = &plan->grid;
+    image_strip(&ws->galaxy, g, st->x0, st->y0, st->y1, ws->strip.re);
     if (plan->settings.noise_correction) {
-        noise = image_row_view(&ws->noise, &plan->grid, y, x0, x1, ws->noise_row);
+        image_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
     }
-    const double *values = filter != NULL ? filter->value + (size_t)y * (size_t)width + x0 : NULL;
-    pack_row(row + x0, galaxy, noise, values, x1 - x0);
-}
-
-/* Rows that the pair before this one filled and this one does not are zero again. */
-static void clear_rows(const shear_plan *plan, shear_workspace *ws, int first, int end) {
-    const size_t row = plan->stride * sizeof *ws->pair;
-    for (int y = ws->first_row; y < ws->end_row; y++) {
-        if (y < first || y >= end) {
-            memset(ws->pair + (size_t)y * plan->stride, 0, row);
-        }
-    }
-    ws->first_row = first;
-    ws->end_row = end;
-}
-
-static void transform_rows(const shear_plan *plan, shear_workspace *ws, const filter_map *filter) {
-    const int first = filter != NULL ? filter->y0 / FFT_LINES * FFT_LINES : 0;
-    const int end = (int)fft_padded(filter != NULL ? filter->y1 : plan->info.fine_ny);
-    clear_rows(plan, ws, first, end);
-    for (int y = first; y < end; y += FFT_LINES) {
-        double complex *out = ws->pair + (size_t)y * plan->stride;
-        for (int l = 0; l < FFT_LINES; l++) {
-            make_row(plan, ws, filter, y + l, ws->lines + (size_t)l * (size_t)plan->info.fine_nx);
-        }
-        fft_batch_run(plan->rows, ws->lines, out);
-        for (int l = 0; l < FFT_LINES; l++) { /* column nx is column 0 once more, for the mirror */
-            double complex *row = out + (size_t)l * plan->stride;
-            row[plan->info.fine_nx] = row[0];
-        }
+    if (filter != NULL) {
+        filter_lanes(filter->value + st->x0, (size_t)g->fine_nx, st->y0, st->y1, ws->strip);
     }
 }
 
-bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-               const double *galaxy, const double *noise, pack_failure *failure) {
+static void clear_lanes(double *lanes, int y0, int y1) {
+    memset(lanes + (size_t)y0 * FFT_LANES, 0, (size_t)(y1 - y0) * FFT_LANES * sizeof *lanes);
+}
+
+/* The strip transformed along y. */
+static fft_lanes transform_strip(const shear_plan *plan, shear_workspace *ws, photometry_sums *sums,
+                                 const filter_map *filter, const strip *st) {
+    const int ny = plan->info.fine_ny;
+    if (plan->grid.x.kind == AXIS_NONE) {
+        pack_strip(ws, sums, filter, st);
+    } else {
+        interpolate_strip(plan, ws, filter, st);
+    }
+    clear_lanes(ws->strip.re, 0, st->y0);
+    clear_lanes(ws->strip.re, st->y1, ny);
+    clear_lanes(ws->strip.im, 0, plan->settings.noise_correction ? st->y0 : ny);
+    clear_lanes(ws->strip.im, st->y1, ny);
+    return fft_run(plan->along_y, ws->strip.re, ws->strip.im, FFT_LANES, ws->lanes[0], ws->strip);
+}
+
+/* Rows jy of a group and their mirror images -jy, so far transformed along y only. */
+enum side { UP, DOWN };
+static fft_lanes group_lanes(const shear_workspace *ws, int group, enum side side) {
+    double *re = ws->modes + (size_t)(4 * group + 2 * (int)side) * ws->lane_size;
+    return (fft_lanes){.re = re, .im = re + ws->lane_size};
+}
+
+/* Element 0 once more at the end, where -0 is looked for. */
+static void close_period(fft_lanes lanes, int n) {
+    const size_t end = (size_t)n * FFT_LANES;
+    memcpy(lanes.re + end, lanes.re, FFT_LANES * sizeof *lanes.re);
+    memcpy(lanes.im + end, lanes.im, FFT_LANES * sizeof *lanes.im);
+}
+
+/* A strip's modes from [jy][x] to [x][jy], the groups 0 .. last of rows. */
+static void turn_strip(const shear_plan *plan, shear_workspace *ws, fft_lanes from, int x0,
+                       int last) {
+    const size_t to = (size_t)x0 * FFT_LANES;
+    close_period(from, plan->info.fine_ny);
+    for (int group = 0; group <= last; group++) {
+        const size_t up = (size_t)group * BLOCK;
+        const size_t down = (size_t)plan->info.fine_ny * FFT_LANES - up;
+        const fft_lanes rows = group_lanes(ws, group, UP);
+        const fft_lanes mirrored = group_lanes(ws, group, DOWN);
+        fft_turn(from.re + up, FFT_LANES, rows.re + to);
+        fft_turn(from.im + up, FFT_LANES, rows.im + to);
+        fft_turn(from.re + down, -FFT_LANES, mirrored.re + to);
+        fft_turn(from.im + down, -FFT_LANES, mirrored.im + to);
+    }
+}
+
+static void clear_columns(shear_workspace *ws, int x0, int last) {
+    for (int i = 0; i < 4 * (last + 1); i++) {
+        double *lanes = ws->modes + (size_t)i * ws->lane_size;
+        memset(lanes + (size_t)x0 * FFT_LANES, 0, BLOCK * sizeof *lanes);
+    }
+}
+
+static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double *galaxy,
+                      const double *noise, pack_failure *failure) {
     failure->in_noise = false;
     if (!image_load(&ws->galaxy, &plan->grid, galaxy, &failure->x, &failure->y)) {
         return false;
     }
     failure->in_noise = true;
-    if (plan->settings.noise_correction &&
-        !image_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y)) {
+    return !plan->settings.noise_correction ||
+           image_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y);
+}
+
+bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
+               const double *galaxy, const double *noise, int last, photometry *ph,
+               pack_failure *failure) {
+    const shear_geometry *g = &plan->info.geometry;
+    const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
+    photometry_sums sums;
+    photometry_begin(&sums, galaxy, noise, g->nx, g->ny);
+    if (!as_pixels) {
+        *ph = photometry_of(galaxy, noise, g->nx, g->ny);
+    }
+    if (!load_pair(plan, ws, galaxy, noise, failure)) {
         return false;
     }
-    transform_rows(plan, ws, filter);
+    for (int i = 0; i * FFT_LANES < plan->info.fine_nx; i++) {
+        const strip st = strip_at(plan, filter, i);
+        if (as_pixels) {
+            photometry_add(&sums, st.x0, st.skip, 0, st.y0);
+            photometry_add(&sums, st.x0, st.skip, st.y1, g->ny);
+        }
+        if (st.y0 < st.y1) {
+            turn_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, last);
+        } else {
+            clear_columns(ws, st.x0, last);
+        }
+    }
+    if (as_pixels) {
+        *ph = photometry_end(&sums);
+    }
     return true;
 }
 
-mode_columns transform_columns(const shear_plan *plan, shear_workspace *ws, int group) {
-    const int first = group * FFT_LINES;
-    fft_batch_run(plan->columns, ws->pair + first, ws->left);
-    fft_batch_run(plan->mirrored, ws->pair + plan->info.fine_nx - first, ws->right);
-    return (mode_columns){.left = ws->left, .right = ws->right, .group = group};
+mode_rows transform_rows(const shear_plan *plan, shear_workspace *ws, int group) {
+    const int nx = plan->info.fine_nx;
+    const fft_lanes from = group_lanes(ws, group, UP);
+    const fft_lanes mirrored = group_lanes(ws, group, DOWN);
+    const fft_lanes up =
+        fft_run(plan->along_x, from.re, from.im, FFT_LANES, ws->lanes[0], ws->lanes[1]);
+    const fft_lanes free_one = up.re == ws->lanes[0].re ? ws->lanes[1] : ws->lanes[0];
+    const fft_lanes down =
+        fft_run(plan->along_x, mirrored.re, mirrored.im, FFT_LANES, ws->lanes[2], free_one);
+    close_period(up, nx);
+    close_period(down, nx);
+    return (mode_rows){.up = up, .down = down, .nx = nx, .group = group};
 }

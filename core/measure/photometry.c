@@ -5,6 +5,44 @@
 
 #include <math.h>
 
+void photometry_begin(photometry_sums *s, const double *galaxy, const double *noise, int nx,
+                      int ny) {
+    *s = (photometry_sums){.galaxy = galaxy,
+                           .noise = noise,
+                           .nx = nx,
+                           .ny = ny,
+                           .galaxy_first = galaxy[0],
+                           .noise_first = noise[0]};
+}
+
+SHEAR_SIMD static void add_strip(photometry_sums *sums, const double *galaxy, const double *noise,
+                                 size_t y0, size_t y1) {
+    const size_t step = (size_t)sums->nx;
+    photometry_sums s = *sums; /* a local copy stays in registers */
+    for (size_t y = y0; y < y1; y++) {
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            photometry_pixel(&s, l, galaxy[y * step + l], noise[y * step + l]);
+        }
+    }
+    *sums = s;
+}
+
+void photometry_add(photometry_sums *s, int x0, int skip, int y0, int y1) {
+    const double *galaxy = s->galaxy + x0;
+    const double *noise = s->noise + x0;
+    if (skip == 0) {
+        add_strip(s, galaxy, noise, (size_t)y0, (size_t)y1);
+        return;
+    }
+    for (size_t y = (size_t)y0; y < (size_t)y1; y++) {
+        for (size_t l = (size_t)skip; l < FFT_LANES; l++) {
+            const size_t at = y * (size_t)s->nx + l;
+            photometry_pixel(s, l, galaxy[at], noise[at]);
+        }
+    }
+}
+
 static bool all_finite(const double *pixels, size_t n) {
     size_t i = 0;
     while (i < n && isfinite(pixels[i])) {
@@ -13,44 +51,39 @@ static bool all_finite(const double *pixels, size_t n) {
     return i == n;
 }
 
-/* Sums and extremes of both images in one loop, so that the pair is fetched once. A sum that is
- * finite has finite terms only; one that is not is looked at more closely. */
-SHEAR_SIMD photometry photometry_of(const double *galaxy, const double *noise, size_t pixels) {
-    /* The noise's moments are taken about one of its pixels: about zero, a bright sky would swallow
-     * its own noise. */
-    const double origin = noise[0];
-    double g_sum = 0.0;
-    double n_sum = 0.0;
-    double n_first = 0.0;
-    double n_squares = 0.0;
-    double g_low = INFINITY;
-    double g_high = -INFINITY;
-    double n_low = INFINITY;
-    double n_high = -INFINITY;
-#pragma omp simd reduction(+ : g_sum, n_sum, n_first, n_squares) reduction(min : g_low, n_low)              \
-    reduction(max : g_high, n_high)
-    for (size_t i = 0; i < pixels; i++) {
-        const double g = galaxy[i];
-        const double n = noise[i];
-        const double d = n - origin;
-        g_sum += g;
-        g_low = g < g_low ? g : g_low;
-        g_high = g > g_high ? g : g_high;
-        n_sum += n;
-        n_first += d;
-        n_squares += d * d;
-        n_low = n < n_low ? n : n_low;
-        n_high = n > n_high ? n : n_high;
+static double total(const double *lanes) {
+    return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
+           ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
+}
+
+photometry photometry_end(const photometry_sums *s) {
+    const size_t pixels = (size_t)s->nx * (size_t)s->ny;
+    const double mean = total(s->first) / (double)pixels;
+    const double var = fmax(0.0, total(s->second) / (double)pixels - mean * mean);
+    photometry p = {.flux = total(s->flux),
+                    .galaxy_finite = true,
+                    .noise_finite = true,
+                    .galaxy_flat = total(s->galaxy_others) == 0.0,
+                    .noise_var = total(s->noise_others) > 0.0 ? var : 0.0};
+    /* A NaN or an infinity stays in the sums; finite pixels of 1e308 may make one there. */
+    if (!isfinite(p.flux) || !isfinite(mean)) {
+        p.galaxy_finite = all_finite(s->galaxy, pixels);
+        p.noise_finite = all_finite(s->noise, pixels);
     }
-    const double count = (double)pixels;
-    const double mean = n_first / count;
-    return (photometry){.galaxy_sum = g_sum,
-                        .noise_sum = n_sum,
-                        .galaxy_finite = isfinite(g_sum) || all_finite(galaxy, pixels),
-                        .noise_finite = isfinite(n_sum) || all_finite(noise, pixels),
-                        .galaxy_flat = g_low == g_high,
-                        .noise_var =
-                            n_high > n_low ? fmax(0.0, n_squares / count - mean * mean) : 0.0};
+    return p;
+}
+
+photometry photometry_of(const double *galaxy, const double *noise, int nx, int ny) {
+    photometry_sums sums;
+    int x0 = 0;
+    photometry_begin(&sums, galaxy, noise, nx, ny);
+    for (; x0 <= nx - FFT_LANES; x0 += FFT_LANES) {
+        photometry_add(&sums, x0, 0, 0, ny);
+    }
+    if (x0 < nx) {
+        photometry_add(&sums, nx - FFT_LANES, FFT_LANES - (nx - x0), 0, ny);
+    }
+    return photometry_end(&sums);
 }
 
 /* Sums of the border about `origin`: its pixels, and their squares. */
@@ -80,7 +113,7 @@ border border_of(const double *pixels, int nx, int ny) {
     const double n = 2.0 * (nx + ny) - 4.0;
     double sum;
     double squares;
-    sum_border(pixels, nx, ny, pixels[0], &sum, &squares); /* about a pixel: see photometry_of */
+    sum_border(pixels, nx, ny, pixels[0], &sum, &squares); /* about a pixel: see photometry_pixel */
     return (border){.mean = pixels[0] + sum / n,
                     .var = fmax(0.0, squares - sum * sum / n) / (n - 1)};
 }

@@ -141,17 +141,16 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
     const bool psf_grid_made =
         image_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
     const bool transfer_made = transfer_plan_init(tp);
-    plan->stride = fft_row_stride(info->fine_nx);
-    const fft_layout lines = {.step = 1, .apart = info->fine_nx};
-    const fft_layout rows = {.step = 1, .apart = (int)plan->stride};
-    const fft_layout across = {.step = (int)plan->stride, .apart = 1};
-    const fft_layout columns = {.step = FFT_LINES, .apart = 1};
-    plan->rows = fft_batch_new(info->fine_nx, lines, rows);
-    const fft_layout back = {.step = (int)plan->stride, .apart = -1};
-    plan->columns = fft_batch_new(info->fine_ny, across, columns);
-    plan->mirrored = fft_batch_new(info->fine_ny, back, columns);
-    return grid_made && psf_grid_made && transfer_made && plan->rows != NULL &&
-           plan->columns != NULL && plan->mirrored != NULL;
+    plan->along_x = fft_plan_new(info->fine_nx);
+    plan->along_y = fft_plan_new(info->fine_ny);
+    return grid_made && psf_grid_made && transfer_made && plan->along_x != NULL &&
+           plan->along_y != NULL;
+}
+
+bool filters_init(filter_map *fine, filter_map *coarse, const shear_plan_info *info) {
+    const shear_geometry *g = &info->geometry;
+    return filter_map_init(fine, g->nx, g->ny, info->oversample) &&
+           (info->oversample == 1 || filter_map_init(coarse, g->nx, g->ny, 1));
 }
 
 static bool make_filter(shear_plan *plan) {
@@ -160,15 +159,14 @@ static bool make_filter(shear_plan *plan) {
     if (!plan->filtered || info->filter_per_stamp) {
         return true;
     }
-    const bool fine_made =
-        filter_map_init(&plan->fine, info->geometry.nx, info->geometry.ny, info->oversample);
-    const bool coarse_made =
-        filter_map_init(&plan->coarse, info->geometry.nx, info->geometry.ny, 1);
-    if (fine_made && coarse_made) {
-        filter_map_fill(&plan->fine, info->core_px, info->width_px);
+    if (!filters_init(&plan->fine, &plan->coarse, info)) {
+        return false;
+    }
+    filter_map_fill(&plan->fine, info->core_px, info->width_px);
+    if (info->oversample > 1) {
         filter_map_fill(&plan->coarse, info->core_px, info->width_px);
     }
-    return fine_made && coarse_made;
+    return true;
 }
 
 static bool make_plateau(shear_plan *plan) {
@@ -268,9 +266,8 @@ void shear_plan_free(shear_plan *plan) {
         return;
     }
     image_grid_deinit(&plan->grid);
-    fft_batch_free(plan->rows);
-    fft_batch_free(plan->columns);
-    fft_batch_free(plan->mirrored);
+    fft_plan_free(plan->along_x);
+    fft_plan_free(plan->along_y);
     transfer_plan_deinit(&plan->transfer_plan);
     transfer_deinit(&plan->transfer);
     filter_map_deinit(&plan->fine);

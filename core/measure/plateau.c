@@ -12,25 +12,25 @@ static bool outside(int64_t jx, int64_t jy, int64_t nx, int64_t ny) {
     return 64 * (jx * jx * ny * ny + jy * jy * nx * nx) > 9 * nx * nx * ny * ny;
 }
 
-/* How many modes of the whole plane column jx stands for, in each row. */
-static double images(int jx, int nx) {
-    return jx == 0 || 2 * jx == nx ? 1.0 : 2.0;
+/* How many modes of the whole plane row jy stands for, in each column. */
+static double images(int jy, int ny) {
+    return jy == 0 || 2 * jy == ny ? 1.0 : 2.0;
 }
 
 bool plateau_init(plateau *p, int nx, int ny) {
     *p = (plateau){
-        .nx = nx, .ny = ny, .last_group = nx / 2 / FFT_LINES, .stride = fft_padded(nx / 2 + 1)};
-    const size_t size = (size_t)ny * p->stride;
+        .nx = nx, .ny = ny, .last_group = ny / 2 / FFT_LANES, .stride = fft_padded(ny / 2 + 1)};
+    const size_t size = (size_t)nx * p->stride;
     p->share = fft_alloc(size * sizeof *p->share);
     if (p->share == NULL) {
         return false;
     }
     memset(p->share, 0, size * sizeof *p->share);
-    for (int y = 0; y < ny; y++) {
-        for (int jx = 0; jx <= nx / 2; jx++) {
+    for (int x = 0; x < nx; x++) {
+        for (int jy = 0; jy <= ny / 2; jy++) {
             const double counts =
-                outside(jx, y <= ny / 2 ? y : ny - y, nx, ny) ? images(jx, nx) : 0.0;
-            p->share[(size_t)y * p->stride + (size_t)jx] = counts;
+                outside(x <= nx / 2 ? x : nx - x, jy, nx, ny) ? images(jy, ny) : 0.0;
+            p->share[(size_t)x * p->stride + (size_t)jy] = counts;
             p->n += counts;
         }
     }
@@ -45,22 +45,25 @@ void plateau_deinit(plateau *p) {
     *p = (plateau){0};
 }
 
-SHEAR_SIMD static double sum_row(const double *here, const double *there, const double *share) {
-    double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-    for (int l = 0; l < FFT_LINES; l++) {
-        sum += share[l] * (here[2 * l] * there[2 * l] - here[2 * l + 1] * there[2 * l + 1]);
+SHEAR_SIMD static void sum_rows(const mode_rows *r, const double *share, size_t stride,
+                                double *sums) {
+    for (size_t x = 0; x < (size_t)r->nx; x++) {
+        const size_t at = x * FFT_LANES;
+        const size_t mirrored = ((size_t)r->nx - x) * FFT_LANES;
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            sums[l] += share[x * stride + l] * (r->up.re[at + l] * r->down.re[mirrored + l] -
+                                                r->up.im[at + l] * r->down.im[mirrored + l]);
+        }
     }
-    return sum;
 }
 
-double plateau_part(const plateau *p, const mode_columns *c) {
+double plateau_part(const plateau *p, const mode_rows *r) {
+    double sums[FFT_LANES] = {0};
     double sum = 0.0;
-    for (int y = 0; y < p->ny; y++) {
-        const size_t back = (size_t)((p->ny - y) % p->ny) * FFT_LINES;
-        sum += sum_row((const double *)(c->left + (size_t)y * FFT_LINES),
-                       (const double *)(c->right + back),
-                       p->share + (size_t)y * p->stride + (size_t)c->group * FFT_LINES);
+    sum_rows(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
+    for (int l = 0; l < FFT_LANES; l++) {
+        sum += sums[l];
     }
     return sum;
 }

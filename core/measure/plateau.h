@@ -14,9 +14,9 @@
 /* The share of each mode in the mean: 1/n, 2/n where it stands for its mirror image, too, or 0. */
 typedef struct plateau {
     int nx, ny;
-    int last_group; /* of columns */
+    int last_group; /* of rows */
     size_t stride;
-    double *share; /* [ny][stride] jx = 0 .. nx/2 */
+    double *share; /* [nx][stride] jy = 0 .. ny/2 */
     double n;      /* modes of the whole plane that count */
 } plateau;
 
@@ -24,7 +24,7 @@ bool plateau_init(plateau *p, int nx,
                   int ny); /* false when memory is out; deinit is safe then too */
 void plateau_deinit(plateau *p);
 
-/* What the columns of one group hold of it; the groups are 0 .. last_group. */
-double plateau_part(const plateau *p, const mode_columns *columns);
+/* What the rows of one group hold of it; the groups are 0 .. last_group. */
+double plateau_part(const plateau *p, const mode_rows *rows);
 
 #endif

@@ -2,11 +2,13 @@
 #include "measure/transfer.h"
 
 #include "base/simd.h"
-#include "measure/pack.h"
 #include "measure/psf.h"
 
 #include <math.h>
 #include <string.h>
+
+/* Columns that are transformed along y together: two strips, one real and one imaginary. */
+enum { PAIR = 2 * FFT_LANES };
 
 /* |W_beta|^2 on the modes, with the factor of both halves and the integrals' over the plane. */
 static void fill_target(transfer_plan *p) {
@@ -14,20 +16,20 @@ static void fill_target(transfer_plan *p) {
     const double uy = 2.0 * M_PI / p->ny;
     const double s2 = (double)p->s * p->s;
     const double norm = 1.0 / ((double)p->nx * p->ny * s2 * s2);
-    for (int jx = 0; jx < (int)p->stride; jx++) {
-        p->kx2[jx] = jx <= p->max_jx ? (ux * jx) * (ux * jx) : INFINITY;
+    for (int jy = 0; jy < (int)p->stride; jy++) {
+        p->ky2[jy] = jy <= p->max_jy ? (uy * jy) * (uy * jy) : INFINITY;
     }
-    for (int jy = -p->max_jy; jy <= p->max_jy; jy++) {
-        double *row = p->target + (size_t)(jy + p->max_jy) * p->stride;
-        for (int jx = 0; jx < (int)p->stride; jx++) {
-            const double k2 = (uy * jy) * (uy * jy) + p->kx2[jx];
-            row[jx] = (jx > 0 ? 2.0 : 1.0) * norm * exp(-p->beta_px * p->beta_px * k2);
+    for (int jx = -p->max_jx; jx <= p->max_jx; jx++) {
+        double *column = p->target + (size_t)(jx + p->max_jx) * p->stride;
+        for (int jy = 0; jy < (int)p->stride; jy++) {
+            const double k2 = (ux * jx) * (ux * jx) + p->ky2[jy];
+            column[jy] = (jy > 0 ? 2.0 : 1.0) * norm * exp(-p->beta_px * p->beta_px * k2);
         }
     }
 }
 
 static size_t table_size(const transfer_plan *p) {
-    return (2 * (size_t)p->max_jy + 1) * p->stride;
+    return (2 * (size_t)p->max_jx + 1) * p->stride;
 }
 
 static int period_x(const transfer_plan *p) {
@@ -45,42 +47,22 @@ static int psf_fine(const axis *ax) {
     return ax->n * ax->s - (ax->s - 1);
 }
 
-/* Rows are packed two by two, even + i odd, so that the transform has half the rows; a single last
- * row (an odd period) goes with zeros, and is no longer worth it: then none are. */
-static bool packs_rows(const transfer_plan *p) {
-    return period_y(p) % 2 == 0;
-}
-
-static bool plan_transforms(transfer_plan *p) {
-    const int width = period_x(p);
-    p->half_ny = packs_rows(p) ? period_y(p) / 2 : period_y(p);
-    p->mode_stride = fft_row_stride(width);
-    const fft_layout lines = {.step = 1, .apart = width};
-    const fft_layout modes = {.step = 1, .apart = (int)p->mode_stride};
-    const fft_layout across = {.step = (int)p->mode_stride, .apart = 1};
-    const fft_layout back = {.step = (int)p->mode_stride, .apart = -1};
-    const fft_layout columns = {.step = FFT_LINES, .apart = 1};
-    p->rows = fft_batch_new(width, lines, modes);
-    p->columns = fft_batch_new(p->half_ny, across, columns);
-    p->mirrored = fft_batch_new(p->half_ny, back, columns);
-    p->twiddle = fft_alloc((size_t)p->half_ny * sizeof *p->twiddle);
-    for (int j = 0; p->twiddle != NULL && j < p->half_ny; j++) {
-        const double angle = -2.0 * M_PI * j / period_y(p);
-        p->twiddle[j] = cos(angle) + I * sin(angle);
-    }
-    return p->rows != NULL && p->columns != NULL && p->mirrored != NULL && p->twiddle != NULL;
-}
-
 bool transfer_plan_init(transfer_plan *p) {
     p->k_limit = M_PI * (p->s < p->q ? p->s : p->q);
     /* The largest index of a mode inside the circle: 2 pi j / n < k_limit. */
     const int side = p->s < p->q ? p->s : p->q;
     p->max_jx = (p->nx * side - 1) / 2;
     p->max_jy = (p->ny * side - 1) / 2;
-    p->stride = fft_padded(p->max_jx + 1);
-    p->kx2 = fft_alloc(p->stride * sizeof *p->kx2);
+    p->stride = fft_padded(p->max_jy + 1);
+    const int fine_nx = psf_fine(&p->grid.x);
+    const int fine_ny = psf_fine(&p->grid.y);
+    p->used_nx = fine_nx < period_x(p) ? fine_nx : period_x(p);
+    p->used_ny = fine_ny < period_y(p) ? fine_ny : period_y(p);
+    p->along_x = fft_plan_new(period_x(p));
+    p->along_y = fft_plan_new(period_y(p));
+    p->ky2 = fft_alloc(p->stride * sizeof *p->ky2);
     p->target = fft_alloc(table_size(p) * sizeof *p->target);
-    if (!plan_transforms(p) || p->kx2 == NULL || p->target == NULL) {
+    if (p->along_x == NULL || p->along_y == NULL || p->ky2 == NULL || p->target == NULL) {
         return false;
     }
     fill_target(p);
@@ -88,47 +70,45 @@ bool transfer_plan_init(transfer_plan *p) {
 }
 
 void transfer_plan_deinit(transfer_plan *p) {
-    fft_batch_free(p->rows);
-    fft_batch_free(p->columns);
-    fft_batch_free(p->mirrored);
-    fft_free(p->twiddle);
-    fft_free(p->kx2);
+    fft_plan_free(p->along_x);
+    fft_plan_free(p->along_y);
+    fft_free(p->ky2);
     fft_free(p->target);
     image_grid_deinit(&p->grid);
     *p = (transfer_plan){0};
 }
 
+static double *new_zeros(size_t n) {
+    double *made = fft_alloc(n * sizeof *made);
+    return made != NULL ? memset(made, 0, n * sizeof *made) : NULL;
+}
+
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
-    const size_t width = (size_t)period_x(p);
-    const size_t modes = fft_padded(p->half_ny) * p->mode_stride;
-    const size_t columns = (size_t)p->half_ny * FFT_LINES;
-    *t = (transfer_scratch){0};
+    const int longest = period_x(p) > period_y(p) ? period_x(p) : period_y(p);
+    const size_t lanes = ((size_t)longest + 1) * FFT_LANES;
+    *t = (transfer_scratch){.folded_stride = ((size_t)period_x(p) + PAIR - 1) / PAIR * PAIR};
     const bool image_made = image_init(&t->image, &p->grid);
-    t->fine_row = fft_alloc((size_t)p->grid.fine_nx * sizeof *t->fine_row);
-    t->even = fft_alloc(width * sizeof *t->even);
-    t->odd = fft_alloc(width * sizeof *t->odd);
-    t->lines = fft_alloc(FFT_LINES * width * sizeof *t->lines);
-    t->modes = fft_alloc(modes * sizeof *t->modes);
-    t->left = fft_alloc(columns * sizeof *t->left);
-    t->right = fft_alloc(columns * sizeof *t->right);
-    t->power = fft_alloc(table_size(p) * sizeof *t->power);
-    if (t->modes != NULL) {
-        memset(t->modes, 0, modes * sizeof *t->modes); /* padding must be numbers */
+    t->strip = fft_alloc((size_t)p->grid.fine_ny * FFT_LANES * sizeof *t->strip);
+    t->folded = new_zeros((size_t)period_y(p) * t->folded_stride);
+    for (int i = 0; i < 2; i++) {
+        t->lanes[i] = (fft_lanes){new_zeros(lanes), new_zeros(lanes)};
     }
-    return image_made && t->fine_row != NULL && t->even != NULL && t->odd != NULL &&
-           t->lines != NULL && t->modes != NULL && t->left != NULL && t->right != NULL &&
-           t->power != NULL;
+    t->modes = new_zeros(2 * p->stride * t->folded_stride);
+    t->power = fft_alloc(table_size(p) * sizeof *t->power);
+    return image_made && t->strip != NULL && t->folded != NULL && t->lanes[0].re != NULL &&
+           t->lanes[0].im != NULL && t->lanes[1].re != NULL && t->lanes[1].im != NULL &&
+           t->modes != NULL && t->power != NULL;
 }
 
 void transfer_scratch_deinit(transfer_scratch *t) {
     image_deinit(&t->image);
-    fft_free(t->fine_row);
-    fft_free(t->even);
-    fft_free(t->odd);
-    fft_free(t->lines);
+    fft_free(t->strip);
+    fft_free(t->folded);
+    for (int i = 0; i < 2; i++) {
+        fft_free(t->lanes[i].re);
+        fft_free(t->lanes[i].im);
+    }
     fft_free(t->modes);
-    fft_free(t->left);
-    fft_free(t->right);
     fft_free(t->power);
     *t = (transfer_scratch){0};
 }
@@ -143,133 +123,114 @@ void transfer_deinit(transfer *t) {
     *t = (transfer){0};
 }
 
-SHEAR_SIMD static void add_pixels(double *row, const double *pixels, int n) {
-#pragma omp simd
-    for (int i = 0; i < n; i++) {
-        row[i] += pixels[i];
+/* The PSF folded onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that period).
+ */
+static void fold_psf(const transfer_plan *p, transfer_scratch *t) {
+    if (p->grid.x.kind == AXIS_NONE && p->psf_nx <= period_x(p) && p->psf_ny <= period_y(p)) {
+        const size_t nx = (size_t)p->psf_nx;
+        for (size_t y = 0; y < (size_t)p->psf_ny; y++) {
+            memcpy(t->folded + y * t->folded_stride, t->image.pixels + y * nx,
+                   nx * sizeof *t->folded);
+        }
+        return;
     }
-}
-
-/* Row y of the PSF folded onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that
- * period); in `scratch`, or the samples where they are. */
-static const double *fold_row(const transfer_plan *p, transfer_scratch *t, int y, double *scratch) {
     const int width = period_x(p);
     const int fine_nx = psf_fine(&p->grid.x);
     const int fine_ny = psf_fine(&p->grid.y);
-    if (fine_nx == width && y < fine_ny && y + period_y(p) >= fine_ny) {
-        return image_row_view(&t->image, &p->grid, y, 0, fine_nx, scratch);
-    }
-    memset(scratch, 0, (size_t)width * sizeof *scratch);
-    for (int fine_y = y; fine_y < fine_ny; fine_y += period_y(p)) {
-        const double *row = image_row_view(&t->image, &p->grid, fine_y, 0, fine_nx, t->fine_row);
-        for (int from = 0; from < fine_nx; from += width) {
-            add_pixels(scratch, row + from, fine_nx - from < width ? fine_nx - from : width);
-        }
-    }
-    return scratch;
-}
-
-static void transform_rows(const transfer_plan *p, transfer_scratch *t) {
-    const int width = period_x(p);
-    const int step = packs_rows(p) ? 2 : 1;
-    memset(t->odd, 0, (size_t)width * sizeof *t->odd);
-    for (int y = 0; y < p->half_ny; y += FFT_LINES) {
-        double complex *out = t->modes + (size_t)y * p->mode_stride;
-        for (int l = 0; l < FFT_LINES; l++) {
-            const int at = y + l < p->half_ny ? step * (y + l) : psf_fine(&p->grid.y);
-            const double *even = fold_row(p, t, at, t->even);
-            const double *odd = step == 2 ? fold_row(p, t, at + 1, t->odd) : t->odd;
-            pack_row(t->lines + (size_t)l * (size_t)width, even, odd, NULL, width);
-        }
-        fft_batch_run(p->rows, t->lines, out);
-        for (int l = 0; l < FFT_LINES; l++) { /* column nx is column 0 once more, for the mirror */
-            out[(size_t)l * p->mode_stride + (size_t)width] = out[(size_t)l * p->mode_stride];
+    memset(t->folded, 0, (size_t)p->used_ny * t->folded_stride * sizeof *t->folded);
+    for (int x0 = 0; x0 < fine_nx; x0 += FFT_LANES) {
+        const int n = fine_nx - x0 < FFT_LANES ? fine_nx - x0 : FFT_LANES;
+        image_strip(&t->image, &p->grid, x0, 0, fine_ny, t->strip);
+        for (int y = 0; y < fine_ny; y++) {
+            double *row = t->folded + (size_t)(y % period_y(p)) * t->folded_stride;
+            const double *from = t->strip + (size_t)y * FFT_LANES;
+            for (int l = 0; l < n; l++) {
+                row[(x0 + l) % width] += from[l];
+            }
         }
     }
 }
 
-/* |scale W|^2 of one group of columns from Z, the transform of even + i odd rows: with Z' = Z(-k)*,
- * the even rows' is (Z + Z') / 2, the odd rows' (Z - Z') / 2i, and
- *     W(jx, j) = even + w odd,  W(jx, j + half) = even - w odd,  w = exp(-2 pi i j / (2 half)).
- * The amplitude is made first and squared after: squares of what nearly cancels would lose the
- * faint modes, and a PSF's flux is in any unit. `middle` is |W|^2 at jy = 0. */
-SHEAR_SIMD static void square_packed(const double *left, const double *right, const double *twiddle,
-                                     int half, int max_jy, size_t stride, double scale,
-                                     double *middle) {
-    const double h = 0.5 * scale;
-    for (int j = 0; j < half; j++) {
-        const double *z = left + 2 * FFT_LINES * (ptrdiff_t)j;
-        const double *m = right + 2 * FFT_LINES * (ptrdiff_t)((half - j) % half);
-        const double wr = twiddle[2 * j];
-        const double wi = twiddle[2 * j + 1];
-        double plus[FFT_LINES];
-        double minus[FFT_LINES];
+/* Rows jy of one group from two strips a + i b that were transformed as one: twice their modes,
+ *     A(k) = (Z(k) + Z*(-k)) / 2,    B(k) = (Z(k) - Z*(-k)) / 2i.
+ * z begins at row jy, mirrored at row -jy, whose rows go backwards. */
+SHEAR_SIMD static void part_strips(const double *zr, const double *zi, const double *mr,
+                                   const double *mi, double parts[4][FFT_LANES * FFT_LANES]) {
+    for (ptrdiff_t r = 0; r < FFT_LANES; r++) {
 #pragma omp simd
-        for (int l = 0; l < FFT_LINES; l++) {
-            const double er = h * (z[2 * l] + m[2 * l]);
-            const double ei = h * (z[2 * l + 1] - m[2 * l + 1]);
-            const double or = h * (z[2 * l + 1] + m[2 * l + 1]);
-            const double oi = h * (m[2 * l] - z[2 * l]);
-            const double tr = wr * or -wi * oi;
-            const double ti = wr * oi + wi * or ;
-            plus[l] = (er + tr) * (er + tr) + (ei + ti) * (ei + ti);
-            minus[l] = (er - tr) * (er - tr) + (ei - ti) * (ei - ti);
-        }
-        if (j <= max_jy) {
-            memcpy(middle + (ptrdiff_t)stride * j, plus, sizeof plus);
-        }
-        if (half - j <= max_jy) {
-            memcpy(middle - (ptrdiff_t)stride * (half - j), minus, sizeof minus);
+        for (ptrdiff_t l = 0; l < FFT_LANES; l++) {
+            const ptrdiff_t up = FFT_LANES * r + l;
+            const ptrdiff_t down = l - FFT_LANES * r;
+            parts[0][up] = zr[up] + mr[down];
+            parts[1][up] = zi[up] - mi[down];
+            parts[2][up] = zi[up] + mi[down];
+            parts[3][up] = mr[down] - zr[up];
         }
     }
 }
 
-/* The same where rows are not packed. */
-static void square_plain(const double complex *left, int ny, int max_jy, size_t stride,
-                         double scale, double *middle) {
-    for (int jy = -max_jy; jy <= max_jy; jy++) {
-        const double complex *modes = left + FFT_LINES * (ptrdiff_t)(jy < 0 ? jy + ny : jy);
-        double *row = middle + (ptrdiff_t)stride * jy;
-        for (int l = 0; l < FFT_LINES; l++) {
-            const double re = scale * creal(modes[l]);
-            const double im = scale * cimag(modes[l]);
-            row[l] = re * re + im * im;
+static double *group_modes(const transfer_scratch *t, size_t group, size_t part) {
+    return t->modes + (2 * group + part) * t->folded_stride * FFT_LANES;
+}
+
+/* Two strips of the folded PSF, from column x0 on, along y. */
+static void transform_pair(const transfer_plan *p, const transfer_scratch *t, size_t x0) {
+    const size_t ny = (size_t)period_y(p);
+    const double *from = t->folded + x0;
+    double parts[4][FFT_LANES * FFT_LANES];
+    const fft_lanes z =
+        fft_run(p->along_y, from, from + FFT_LANES, t->folded_stride, t->lanes[0], t->lanes[1]);
+    memcpy(z.re + ny * FFT_LANES, z.re, FFT_LANES * sizeof *z.re); /* row -0 */
+    memcpy(z.im + ny * FFT_LANES, z.im, FFT_LANES * sizeof *z.im);
+    for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
+        const size_t up = group * FFT_LANES * FFT_LANES;
+        const size_t down = ny * FFT_LANES - up;
+        part_strips(z.re + up, z.im + up, z.re + down, z.im + down, parts);
+        for (size_t i = 0; i < 4; i++) {
+            const size_t strip = x0 + i / 2 * FFT_LANES;
+            fft_turn(parts[i], FFT_LANES, group_modes(t, group, i % 2) + strip * FFT_LANES);
         }
     }
 }
 
-/* 1 / W(0) from column 0. */
-static double scale_of(const transfer_plan *p, const transfer_scratch *t) {
-    const double complex z = t->left[0];
-    return 1.0 / (packs_rows(p) ? fabs(creal(z) + cimag(z)) : cabs(z));
+/* |scale W|^2 of one group of rows; scale W(0) = 1. The amplitude first, squared after: a PSF's
+ * flux is in any unit, and its square may leave the range of double. */
+SHEAR_SIMD static void square_rows(fft_lanes modes, int nx, int max_jx, size_t stride, double scale,
+                                   double *power) {
+    for (int jx = -max_jx; jx <= max_jx; jx++) {
+        const size_t at = (size_t)(jx < 0 ? jx + nx : jx) * FFT_LANES;
+        double *column = power + (size_t)(jx + max_jx) * stride;
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            const double re = scale * modes.re[at + l];
+            const double im = scale * modes.im[at + l];
+            column[l] = re * re + im * im;
+        }
+    }
 }
 
 /* |W|^2 on the modes, W(0) = 1. */
 static void power_of_psf(const transfer_plan *p, transfer_scratch *t) {
     double scale = 0.0;
-    transform_rows(p, t);
-    for (int jx = 0; jx <= p->max_jx; jx += FFT_LINES) {
-        double *middle = t->power + (size_t)p->max_jy * p->stride + (size_t)jx;
-        fft_batch_run(p->columns, t->modes + jx, t->left);
-        scale = jx == 0 ? scale_of(p, t) : scale;
-        if (packs_rows(p)) {
-            fft_batch_run(p->mirrored, t->modes + period_x(p) - jx, t->right);
-            square_packed((const double *)t->left, (const double *)t->right,
-                          (const double *)p->twiddle, p->half_ny, p->max_jy, p->stride, scale,
-                          middle);
-        } else {
-            square_plain(t->left, p->half_ny, p->max_jy, p->stride, scale, middle);
-        }
+    fold_psf(p, t);
+    for (size_t x0 = 0; x0 < (size_t)p->used_nx; x0 += PAIR) {
+        transform_pair(p, t, x0);
+    }
+    for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
+        const fft_lanes w = fft_run(p->along_x, group_modes(t, group, 0), group_modes(t, group, 1),
+                                    FFT_LANES, t->lanes[0], t->lanes[1]);
+        scale = group == 0 ? 1.0 / hypot(w.re[0], w.im[0]) : scale;
+        square_rows(w, period_x(p), p->max_jx, p->stride, scale, t->power + group * FFT_LANES);
     }
 }
 
-/* The smallest kx^2 of a row at which |W|^2 is below the threshold, or not a number. */
-SHEAR_SIMD static double lowest_below(const double *power, const double *kx2, size_t n,
+/* The smallest ky^2 of a column at which |W|^2 is below the threshold, or not a number. */
+SHEAR_SIMD static double lowest_below(const double *power, const double *ky2, size_t n,
                                       double threshold) {
     double lowest = INFINITY;
 #pragma omp simd reduction(min : lowest)
-    for (size_t jx = 0; jx < n; jx++) {
-        const double k2 = power[jx] >= threshold ? INFINITY : kx2[jx];
+    for (size_t jy = 0; jy < n; jy++) {
+        const double k2 = power[jy] >= threshold ? INFINITY : ky2[jy];
         lowest = k2 < lowest ? k2 : lowest;
     }
     return lowest;
@@ -279,12 +240,12 @@ SHEAR_SIMD static double lowest_below(const double *power, const double *kx2, si
  * circle. Its square is not above that mode's |k|^2, although the root rounds: else the mode
  * itself, which may hold nothing, would be divided by. */
 static double find_cut(const transfer_plan *p, const transfer_scratch *t) {
-    const double uy = 2.0 * M_PI / p->ny;
+    const double ux = 2.0 * M_PI / p->nx;
     double cut2 = p->k_limit * p->k_limit;
-    for (int jy = -p->max_jy; jy <= p->max_jy; jy++) {
-        const double *row = t->power + (size_t)(jy + p->max_jy) * p->stride;
-        const double low2 = lowest_below(row, p->kx2, p->stride, p->threshold);
-        const double k2 = (uy * jy) * (uy * jy) + low2;
+    for (int jx = -p->max_jx; jx <= p->max_jx; jx++) {
+        const double *column = t->power + (size_t)(jx + p->max_jx) * p->stride;
+        const double low2 = lowest_below(column, p->ky2, p->stride, p->threshold);
+        const double k2 = (ux * jx) * (ux * jx) + low2;
         cut2 = k2 < cut2 ? k2 : cut2;
     }
     double cut = sqrt(cut2);
@@ -316,27 +277,34 @@ double transfer_smallest_beta(double k_cut, double tolerance) {
     return ceil(1e4 * high) / 1e4;
 }
 
-SHEAR_SIMD static void fill_row(const double *target, const double *power, const double *kx2,
-                                double ky2, double cut2, size_t n, double *t) {
+SHEAR_SIMD static void fill_column(const double *target, const double *power, const double *ky2,
+                                   double kx2, double cut2, size_t n, double *t) {
 #pragma omp simd
-    for (size_t jx = 0; jx < n; jx++) {
-        t[jx] = ky2 + kx2[jx] < cut2 ? target[jx] / power[jx] : 0.0;
+    for (size_t jy = 0; jy < n; jy++) {
+        t[jy] = kx2 + ky2[jy] < cut2 ? target[jy] / power[jy] : 0.0;
     }
 }
 
-/* T from |W|^2: rows [-jy, jy], whole groups of columns up to jx. */
+/* T from |W|^2: columns [-jx, jx], whole groups of rows up to jy. */
 static void fill_table(transfer *t, const transfer_plan *p, const transfer_scratch *scratch) {
-    const double uy = 2.0 * M_PI / p->ny;
-    for (int jy = -t->jy; jy <= t->jy; jy++) {
-        const size_t row = (size_t)(jy + p->max_jy) * p->stride;
-        fill_row(p->target + row, scratch->power + row, p->kx2, (uy * jy) * (uy * jy),
-                 t->k_cut * t->k_cut, fft_padded(t->jx + 1), t->t + row);
+    const double ux = 2.0 * M_PI / p->nx;
+    for (int jx = -t->jx; jx <= t->jx; jx++) {
+        const size_t column = (size_t)(jx + p->max_jx) * p->stride;
+        fill_column(p->target + column, scratch->power + column, p->ky2, (ux * jx) * (ux * jx),
+                    t->k_cut * t->k_cut, fft_padded(t->jy + 1), t->t + column);
     }
 }
 
 static int last_mode(double k_cut, int n, int max_j) {
     const int j = (int)floor(k_cut * n / (2.0 * M_PI));
     return j < max_j ? j : max_j;
+}
+
+/* One mode more than the root says, which rounds. */
+int transfer_reach(const transfer *t, const transfer_plan *p, int jy) {
+    const double ky = 2.0 * M_PI / p->ny * jy;
+    const double left = t->k_cut * t->k_cut - ky * ky;
+    return last_mode(left > 0.0 ? sqrt(left) : 0.0, p->nx, t->jx - 1) + 1;
 }
 
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,

@@ -2,10 +2,10 @@
 /* measure/transfer.h: T(k) = |W_beta(k)|^2 / |W(k)|^2 on the modes of a stamp, with the isotropic
  * cut.
  *
- * Modes: k = (2 pi jx / nx, 2 pi jy / ny) radians per galaxy pixel, kept for 0 <= jx <= max_jx and
- * |jy| <= max_jy: half the plane is enough, since |F(k)|^2 of a real image is even. T holds the
- * weight of both halves (2 for jx > 0) and the factor 1/(nx ny s^4) that makes sums over modes
- * integrals over the plane (Parseval).
+ * Modes: k = (2 pi jx / nx, 2 pi jy / ny) radians per galaxy pixel, kept for |jx| <= max_jx and
+ * 0 <= jy <= max_jy: half the plane is enough, since |F(k)|^2 of a real image is even. Tables are
+ * [jx][jy], so that rows of modes are lanes of vectors. T holds the weight of both halves (2 for jy
+ * > 0) and the factor 1/(nx ny s^4) that makes sums over modes integrals over the plane (Parseval).
  */
 #ifndef SHEAR_TRANSFER_H
 #define SHEAR_TRANSFER_H
@@ -23,16 +23,14 @@ typedef struct transfer_plan {
     int psf_nx, psf_ny; /* PSF image, samples */
     int q;              /* PSF samples per pixel when transformed (after its interpolation) */
     int max_jx, max_jy; /* modes with |k| < k_limit */
-    size_t stride;      /* of a row of T: whole groups of FFT_LINES columns */
+    size_t stride;      /* of a column of T: whole groups of FFT_LANES rows */
     double k_limit;     /* pi min(s, q): the Nyquist circle */
     double beta_px, threshold, power_tolerance;
-    image_grid grid;    /* the PSF's own interpolation */
-    int half_ny;        /* complex rows that the PSF's nx q x ny q samples are packed in */
-    size_t mode_stride; /* of a transformed row */
-    fft_batch *rows, *columns, *mirrored;
-    double complex *twiddle; /* [half_ny] exp(-2 pi i j / (ny q)) */
-    double *kx2;             /* [stride] kx^2; INFINITY beyond max_jx */
-    double *target;          /* [2 max_jy + 1][stride] |W_beta|^2 with T's factors */
+    image_grid grid;      /* the PSF's own interpolation */
+    int used_nx, used_ny; /* of the stamp's period, nx q x ny q, as much as the PSF reaches */
+    fft_plan *along_x, *along_y; /* nx q, ny q */
+    double *ky2;                 /* [stride] ky^2; INFINITY beyond max_jy */
+    double *target;              /* [2 max_jx + 1][stride] |W_beta|^2 with T's factors */
 } transfer_plan;
 
 /* false when memory is out; deinit is safe then too. grid must have been set up. */
@@ -41,12 +39,12 @@ void transfer_plan_deinit(transfer_plan *p);
 
 typedef struct transfer_scratch {
     image image;
-    double *fine_row;             /* one fine row of the PSF */
-    double *even, *odd;           /* [nx q] rows folded onto the stamp's period */
-    double complex *lines;        /* [FFT_LINES][nx q] pairs of them */
-    double complex *modes;        /* [half_ny, padded][mode_stride] transformed along x */
-    double complex *left, *right; /* [half_ny][FFT_LINES] along y, too: columns and their mirrors */
-    double *power;                /* [2 max_jy + 1][stride] |W|^2 */
+    double *strip;        /* [fine ny][FFT_LANES] fine columns of the PSF */
+    double *folded;       /* [ny q][folded_stride] the PSF, folded onto the stamp's period */
+    size_t folded_stride; /* whole pairs of strips of FFT_LANES columns */
+    fft_lanes lanes[2];   /* [longer period + 1][FFT_LANES] for transforms */
+    double *modes;        /* [group][re, im][folded_stride][FFT_LANES] transformed along y */
+    double *power;        /* [2 max_jx + 1][stride] |W|^2 */
 } transfer_scratch;
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p);
 void transfer_scratch_deinit(transfer_scratch *t);
@@ -54,7 +52,7 @@ void transfer_scratch_deinit(transfer_scratch *t);
 typedef struct transfer {
     double k_cut; /* T = 0 at |k| >= k_cut */
     int jx, jy;   /* T = 0 beyond these modes: <= max_jx, max_jy */
-    double *t;    /* [2 max_jy + 1][stride], row max_jy + jy; whole groups of columns are filled */
+    double *t;    /* [2 max_jx + 1][stride], column max_jx + jx; whole groups of rows are filled */
 } transfer;
 bool transfer_init(transfer *t, const transfer_plan *p); /* false when memory is out */
 void transfer_deinit(transfer *t);
@@ -62,6 +60,9 @@ void transfer_deinit(transfer *t);
 /* T for one PSF image. SHEAR_E_PSF, SHEAR_E_NEGATIVE, SHEAR_E_BETA. */
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
                   shear_error *err);
+
+/* The last jx that has T > 0 in row jy >= 0 or beyond; at most t->jx. */
+int transfer_reach(const transfer *t, const transfer_plan *p, int jy);
 
 /* The part of the target's power, weighted with k^4 as in M4, that lies beyond k_cut: (1 + x +
  * x^2/2) exp(-x) with x = (beta k_cut)^2. */

@@ -2,35 +2,43 @@
 #include "measure/plan_impl.h"
 
 #include <stdlib.h>
-#include <string.h>
+
+static bool lanes_init(fft_lanes *lanes, int n) {
+    const size_t bytes = (size_t)n * FFT_LANES * sizeof *lanes->re;
+    *lanes = (fft_lanes){.re = fft_alloc(bytes), .im = fft_alloc(bytes)};
+    return lanes->re != NULL && lanes->im != NULL;
+}
+
+static void lanes_deinit(fft_lanes *lanes) {
+    fft_free(lanes->re);
+    fft_free(lanes->im);
+}
+
+/* Room for the rows of modes that any transfer of the plan may want. */
+static bool modes_init(shear_workspace *ws, const shear_plan *plan) {
+    const transfer widest = {.jy = plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy};
+    const size_t groups = (size_t)last_group(plan, &widest) + 1;
+    /* A column more, so that parts do not share cache sets. */
+    ws->lane_size = ((size_t)plan->info.fine_nx + 1) * FFT_LANES;
+    ws->modes = fft_alloc(4 * groups * ws->lane_size * sizeof *ws->modes);
+    return ws->modes != NULL;
+}
 
 static bool allocate(shear_workspace *ws, const shear_plan *plan) {
     const shear_plan_info *info = &plan->info;
-    const size_t row = (size_t)info->fine_nx;
-    const size_t points = plan->stride * fft_padded(info->fine_ny);
-    const size_t columns = (size_t)info->fine_ny * FFT_LINES;
+    const int longest = info->fine_nx > info->fine_ny ? info->fine_nx : info->fine_ny;
     bool ok = image_init(&ws->galaxy, &plan->grid);
     ok = image_init(&ws->noise, &plan->grid) && ok;
-    ws->galaxy_row = fft_alloc(row * sizeof *ws->galaxy_row);
-    ws->noise_row = fft_alloc(row * sizeof *ws->noise_row);
-    ws->no_noise = fft_alloc(row * sizeof *ws->no_noise);
-    ws->lines = fft_alloc(FFT_LINES * row * sizeof *ws->lines);
-    ws->pair = fft_alloc(points * sizeof *ws->pair);
-    ws->left = fft_alloc(columns * sizeof *ws->left);
-    ws->right = fft_alloc(columns * sizeof *ws->right);
-    ok = ok && ws->galaxy_row != NULL && ws->noise_row != NULL && ws->no_noise != NULL &&
-         ws->lines != NULL && ws->pair != NULL && ws->left != NULL && ws->right != NULL;
-    if (ok) { /* padding is transformed too, and must be numbers */
-        memset(ws->pair, 0, points * sizeof *ws->pair);
-        memset(ws->no_noise, 0, row * sizeof *ws->no_noise);
+    ok = lanes_init(&ws->strip, info->fine_ny + 1) && ok;
+    for (int i = 0; i < 3; i++) {
+        ok = lanes_init(&ws->lanes[i], longest + 1) && ok;
     }
+    ok = modes_init(ws, plan) && ok;
     if (info->filter_per_stamp) {
-        ok = filter_map_init(&ws->fine, info->geometry.nx, info->geometry.ny, info->oversample) &&
-             ok;
-        ok = filter_map_init(&ws->coarse, info->geometry.nx, info->geometry.ny, 1) && ok;
+        ok = filters_init(&ws->fine, &ws->coarse, info) && ok;
     }
     if (!plan->has_psf) {
-        ok = transfer_scratch_init(&ws->scratch, &plan->transfer_plan) && ok;
+        ok = transfer_scratch_init(&ws->psf_scratch, &plan->transfer_plan) && ok;
         ok = transfer_init(&ws->transfer, &plan->transfer_plan) && ok;
     }
     return ok;
@@ -54,16 +62,14 @@ void shear_workspace_free(shear_workspace *ws) {
     }
     image_deinit(&ws->galaxy);
     image_deinit(&ws->noise);
-    fft_free(ws->galaxy_row);
-    fft_free(ws->noise_row);
-    fft_free(ws->no_noise);
-    fft_free(ws->lines);
-    fft_free(ws->pair);
-    fft_free(ws->left);
-    fft_free(ws->right);
+    lanes_deinit(&ws->strip);
+    for (int i = 0; i < 3; i++) {
+        lanes_deinit(&ws->lanes[i]);
+    }
+    fft_free(ws->modes);
     filter_map_deinit(&ws->fine);
     filter_map_deinit(&ws->coarse);
-    transfer_scratch_deinit(&ws->scratch);
+    transfer_scratch_deinit(&ws->psf_scratch);
     transfer_deinit(&ws->transfer);
     free(ws);
 }

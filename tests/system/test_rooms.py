@@ -10,7 +10,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROOMS = {  # header -> the folders that may include it (tests may include anything)
     "fftw3.h": ["core/fft", "bench"],
-    "fitsio.h": ["core/fits"],
+    "fitsio.h": ["core/fits", "bench"],
     "gmp.h": ["core/exact"],
     "xxhash.h": ["core/fits"],
     "zlib.h": ["core/fits"],

@@ -12,6 +12,7 @@ core_test(gaussian)
 core_test(direct)
 core_test(laws)
 core_test(scale)
+core_test(fft)
 core_test(axis PkgConfig::GSL)
 core_test(image)
 core_test(plan)
@@ -30,7 +31,7 @@ core_test(error)
 
 # Every allocation of libshear's own goes through the test, which lets the n-th fail.
 core_test(nomem)
-foreach(call malloc calloc realloc free strdup open_memstream fftw_malloc fftw_free fftw_destroy_plan
-    fftw_plan_many_dft)
+foreach(call malloc calloc realloc free aligned_alloc strdup open_memstream fftw_plan_guru_split_dft
+    fftw_destroy_plan)
   target_link_options(test_nomem PRIVATE -Wl,--wrap=${call})
 endforeach()
