@@ -40,8 +40,11 @@ static int make_pattern(store *s, shear_error *err) {
                              .owner = 1000,
                              .created_ms = 1};
     const store_learned learned = {NULL, "00000000000000000000000000000001", SHEAR_BLOCK};
-    const store_work work = {sums, "{\"g1\":0.0123,\"g2\":-0.0045,\"g1_err\":0.001}",
-                             "/survey/out/field-0000000.csv", 1000, 2};
+    const store_work work = {.sums = sums,
+                             .result = "{\"g1\":0.0123,\"g2\":-0.0045,\"g1_err\":0.001}",
+                             .catalogue = "/survey/out/field-0000000.csv",
+                             .elapsed_us = 1000,
+                             .now_ms = 2};
     int code = sums == NULL ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory")
                             : store_submit(s, &spec, 10, &id, &known, err);
     if (code == SHEAR_OK) {

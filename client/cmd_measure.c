@@ -72,6 +72,10 @@ static int check_options(const struct measure_options *o, int n_files) {
     if (code) {
         return code;
     }
+    if (o->jackknife && o->settings.estimator != SHEAR_ESTIMATOR_MEAN) {
+        message_fail("leave one of the two out", "--jackknife is for --estimator mean only");
+        return EXIT_CODE_USAGE;
+    }
     if (o->field && !o->field[0]) {
         message_fail(NULL, "--field: the name is empty");
         return EXIT_CODE_USAGE;

@@ -82,19 +82,28 @@ static void fail_all(struct measure_group *g, int code, const shear_error *err) 
     }
 }
 
+/* What the files of a group are joined into. */
+struct gathering {
+    shear_field_sums *sums;
+    shear_symmetry *terms; /* or NULL */
+    shear_jackknife *jack; /* or NULL */
+};
+
 static void run_input(struct measure_input *input, const struct measure_options *o,
-                      shear_field_sums *sums, shear_jackknife *jack) {
+                      const struct gathering *to) {
     shear_error err = {0};
     struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
     shear_run_options run = {
         .threads = o->threads,
         .catalog_path = input->catalog,
         .overwrite = o->force,
+        .terms = to->terms,
         .checksum = input->checksum,
         .progress = progress_callback,
         .context = progress,
     };
-    int code = shear_run_input(input->source, &o->settings, &run, sums, jack, &input->report, &err);
+    int code = shear_run_input(input->source, &o->settings, &run, to->sums, to->jack,
+                               &input->report, &err);
     progress_end(progress);
     if (code) {
         message_error(&err);
@@ -105,36 +114,48 @@ static void run_input(struct measure_input *input, const struct measure_options 
 
 /* All files of the group, in `order`; how many were measured. */
 static size_t run_inputs(struct measure_input **order, size_t n, const struct measure_options *o,
-                         shear_field_sums *sums, shear_jackknife *jack) {
+                         const struct gathering *to) {
     size_t done = 0;
     for (size_t i = 0; i < n; i++) {
         if (progress_interrupted()) {
             order[i]->failure = EXIT_CODE_OTHER;
             continue;
         }
-        run_input(order[i], o, sums, jack);
+        run_input(order[i], o, to);
         done += order[i]->measured;
     }
     return done;
 }
 
+static int gathering_init(struct gathering *to, const struct measure_options *o, shear_error *err) {
+    int code = shear_field_sums_new(&to->sums, err);
+    if (!code && o->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM) {
+        code = shear_symmetry_new(&to->terms, err);
+    }
+    if (!code && o->jackknife) {
+        code = shear_jackknife_new(&to->jack, o->jackknife, err);
+    }
+    return code;
+}
+
+static void gathering_deinit(struct gathering *to) {
+    shear_jackknife_free(to->jack);
+    shear_symmetry_free(to->terms);
+    shear_field_sums_free(to->sums);
+}
+
 static int run_all(struct measure_group *g, const struct measure_options *o,
                    struct measure_input **order, size_t *done, shear_error *err) {
-    shear_field_sums *sums = NULL;
-    shear_jackknife *jack = NULL;
-    int code = shear_field_sums_new(&sums, err);
-    if (!code && o->jackknife) {
-        code = shear_jackknife_new(&jack, o->jackknife, err);
-    }
+    struct gathering to = {0};
+    int code = gathering_init(&to, o, err);
     if (!code) {
-        *done = run_inputs(order, g->n, o, sums, jack);
-        shear_field_result(sums, &g->result);
-        if (jack && *done > 0) {
-            code = shear_jackknife_finish(jack, &g->result, err);
-        }
+        *done = run_inputs(order, g->n, o, &to);
+        code = shear_estimate(to.sums, to.terms, &g->result, err);
     }
-    shear_jackknife_free(jack);
-    shear_field_sums_free(sums);
+    if (!code && to.jack && *done > 0) {
+        code = shear_jackknife_finish(to.jack, &g->result, err);
+    }
+    gathering_deinit(&to);
     return code;
 }
 

@@ -304,8 +304,9 @@ static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_t
         if (r->jackknife) {
             plot_table_add(&table, "errors", "jackknife, %d groups", r->jackknife);
         } else {
-            plot_table_add(&table, "errors", "delta method");
+            plot_table_add(&table, "errors", "%s", shear_error_method(r));
         }
+        plot_table_add(&table, "estimator", "%s", shear_estimator_name(r->estimator));
     }
     if (isfinite(t->r_psf_px)) {
         plot_table_add(&table, "R_{PSF}", "%.3f px", t->r_psf_px);

@@ -2,6 +2,7 @@
 #include "result_table.h"
 
 #include "message.h"
+#include "shear_text.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -109,11 +110,12 @@ static void print_shear(const struct measure_group *g, FILE *out) {
     snprintf(line, sizeof line, "%.3g (correlation %+.2f)", r->cov12,
              r->cov12 / (r->g1_err * r->g2_err));
     row(out, "cov12", line);
+    row(out, "estimator", shear_estimator_name(r->estimator));
     if (r->jackknife) {
         snprintf(line, sizeof line, "jackknife over %d groups of blocks", r->jackknife);
         row(out, "errors", line);
     } else {
-        row(out, "errors", "delta method");
+        row(out, "errors", shear_text_method(shear_error_method(r)));
     }
 }
 

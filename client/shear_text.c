@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
+#include <string.h>
 
 void shear_text_line(FILE *out, const char *name, const char *format, ...) {
     char text[4200];
@@ -71,6 +72,11 @@ static void print_component(const char *name, double g, double error, double tru
     }
 }
 
+const char *shear_text_method(const char *error_method) {
+    return strcmp(error_method, "symmetry") == 0 ? "from the counts of the symmetry"
+                                                 : "delta method";
+}
+
 static void print_summary(const shear_report_summary *s, FILE *out) {
     print_stamps(s, out);
     print_method(s, out);
@@ -80,10 +86,13 @@ static void print_summary(const shear_report_summary *s, FILE *out) {
         shear_text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
                         s->cov12 / (s->g1_err * s->g2_err));
     }
+    if (isfinite(s->g1) && s->estimator[0]) {
+        shear_text_line(out, "estimator", "%s", s->estimator);
+    }
     if (s->jackknife > 0) {
         shear_text_line(out, "errors", "jackknife over %" PRId64 " groups of blocks", s->jackknife);
     } else if (isfinite(s->g1)) {
-        shear_text_line(out, "errors", "delta method");
+        shear_text_line(out, "errors", "%s", shear_text_method(s->error_method));
     }
     for (int64_t i = 0; i < s->n_warnings; i++) {
         shear_text_line(out, "warning", "%s", s->warnings[i]);

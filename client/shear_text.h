@@ -13,6 +13,9 @@ void shear_text_print(const char *report, FILE *out);
 /* "+0.02852 +- 0.00080"; "-" where it was not measured. Returns buf. */
 char *shear_text_value(double value, double error, char *buf, size_t size);
 
+/* The name of an error method ("delta") in words. */
+const char *shear_text_method(const char *error_method);
+
 /* One line "  NAME       TEXT", unprintable bytes replaced. */
 void shear_text_line(FILE *out, const char *name, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -9,7 +9,7 @@ pkg_check_modules(CFITSIO REQUIRED IMPORTED_TARGET cfitsio>=4.0) # core/fits
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)     # core/fits
 pkg_check_modules(ZLIB REQUIRED IMPORTED_TARGET zlib)            # core/fits
 pkg_check_modules(GMP REQUIRED IMPORTED_TARGET gmp)              # core/exact
-pkg_check_modules(GSL REQUIRED IMPORTED_TARGET gsl)              # mocks, tests
+pkg_check_modules(GSL REQUIRED IMPORTED_TARGET gsl)              # mocks, validation, tests
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)          # figures
 pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)      # protocol
 pkg_check_modules(INIH REQUIRED IMPORTED_TARGET inih)            # config

@@ -71,7 +71,8 @@ static void set_shear(json_t *o, const shear_result *r, bool *failed) {
 
 static void set_errors_and_truth(json_t *o, const shear_report *report, bool *failed) {
     const shear_result *r = report->result;
-    json_text_set(o, "error_method", json_string(r->jackknife ? "jackknife" : "delta"), failed);
+    json_text_set(o, "estimator", json_string(shear_estimator_name(r->estimator)), failed);
+    json_text_set(o, "error_method", json_string(shear_error_method(r)), failed);
     json_text_set(o, "jackknife", r->jackknife ? json_integer(r->jackknife) : json_null(), failed);
     json_text_set(o, "truth",
                   report->has_truth ? pair(report->true_g1, report->true_g2) : json_null(), failed);

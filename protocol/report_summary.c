@@ -34,6 +34,8 @@ static void read_shear(shear_report_summary *s, const json_t *o) {
         s->flagged[bit] = count(json_object_get(o, "flags"), shear_flag_name(bit));
     }
     s->jackknife = count(o, "jackknife");
+    text_of(o, "estimator", s->estimator, sizeof s->estimator);
+    text_of(o, "error_method", s->error_method, sizeof s->error_method);
     s->true_g1 = number(json_object_get(o, "truth"), "g1");
     s->true_g2 = number(json_object_get(o, "truth"), "g2");
     s->pull_g1 = number(json_object_get(o, "pull"), "g1");

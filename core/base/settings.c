@@ -15,6 +15,7 @@ static const char *const interpolations[] = {"auto",        "none",       "bilin
 static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
+static const char *const estimators[] = {"mean", "pdf-sym", NULL};
 
 enum { MAX_OVERSAMPLE = 64 };
 
@@ -50,6 +51,9 @@ static const shear_setting_def table[] = {
     {"shot-noise", "SHOTNOIS", SHEAR_T_CHOICE, AT(shot_noise), shot_noises, 0, 0, false, "", "KIND",
      "shot noise of galaxy and noise stamp: none (left), or plateau (their mean power at |k| > 3/4 "
      "of Nyquist is subtracted; without interpolation only)"},
+    {"estimator", "ESTIMAT", SHEAR_T_CHOICE, AT(estimator), estimators, 0, 0, false, "", "KIND",
+     "how a field's shear is made of its stamps: mean (the ratio of means) or pdf-sym (the shear "
+     "that makes the distribution of shapes symmetric)"},
 };
 enum { N_SETTINGS = sizeof table / sizeof table[0] };
 
@@ -93,6 +97,7 @@ void shear_settings_init(shear_settings *s) {
         .power_tolerance = 1e-3,
         .noise_correction = true,
         .shot_noise = SHEAR_SHOT_NONE,
+        .estimator = SHEAR_ESTIMATOR_MEAN,
     };
 }
 
@@ -307,6 +312,11 @@ const char *shear_interpolation_name(int interpolation) {
 
 const char *shear_filter_name(int filter) {
     return filter >= 0 && filter <= SHEAR_FILTER_NONE ? filters[filter] : "unknown";
+}
+
+const char *shear_estimator_name(int estimator) {
+    return estimator >= 0 && estimator <= SHEAR_ESTIMATOR_PDF_SYM ? estimators[estimator]
+                                                                  : "unknown";
 }
 
 bool shear_interpolation_is_log(int interpolation) {

@@ -94,8 +94,7 @@ static void put_result(fitsfile *f, const shear_result *r, int *status) {
         sf_write_double(f, "G2_ERR", r->g2_err, "1-sigma error of G2", status);
         sf_write_double(f, "COV12", r->cov12, "covariance of G1 and G2", status);
     }
-    put_string(f, "ERRMETH", r->jackknife > 0 ? "jackknife" : "delta", "where the errors are from",
-               status);
+    put_string(f, "ERRMETH", shear_error_method(r), "where the errors are from", status);
     put_integer(f, "NJACK", r->jackknife, "groups of the jackknife", status);
     put_counts(f, r, status);
 }
@@ -157,6 +156,18 @@ static void get_name(reading *r, char out[72]) {
     free(text);
 }
 
+/* A name that this version does not know, or none, counts as the mean. */
+static int get_estimator(reading *r) {
+    char *text = NULL;
+    if (r->rc == SHEAR_OK) {
+        r->rc = sf_key_string(r->f, r->at, "ESTIMAT", &text, r->err);
+    }
+    const bool symmetric =
+        text != NULL && strcmp(text, shear_estimator_name(SHEAR_ESTIMATOR_PDF_SYM)) == 0;
+    free(text);
+    return symmetric ? SHEAR_ESTIMATOR_PDF_SYM : SHEAR_ESTIMATOR_MEAN;
+}
+
 static void get_result(reading *r, shear_result *out) {
     const int64_t most = INT64_C(1) << 53; /* integers that are read by way of a double */
     *out = (shear_result){.sum_weight = NAN,
@@ -176,6 +187,7 @@ static void get_result(reading *r, shear_result *out) {
     out->cov12 = get_double(r, "COV12");
     out->valid = isfinite(out->g1) && isfinite(out->g2);
     out->jackknife = (int)get_integer(r, "NJACK", INT32_MAX);
+    out->estimator = get_estimator(r);
     out->n_stamps = get_integer(r, "NSTAMPS", most);
     out->n_used = get_integer(r, "NUSED", most);
     out->n_flagged = get_integer(r, "NFLAGGED", most);

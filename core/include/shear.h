@@ -12,6 +12,7 @@
 #include "shear/settings.h"
 #include "shear/stamp.h"
 #include "shear/sums.h"
+#include "shear/symmetry.h"
 #include "shear/version.h"
 #include "shear/work.h"
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/field_sums.h"
 
+#include "shear/settings.h"
+
 #include <math.h>
 
 /* The delta method for a ratio of sums, g = sum w N / sum w D (METHOD section 2), with the squares
@@ -51,6 +53,13 @@ static void fill_diagnostics(shear_result *r, const double *t) {
             &r->border_excess_err);
     mean_of(t, SHEAR_S_BORDER_VAR, SHEAR_S_BORDER_VAR2, n, &r->border_rough, &r->border_rough_err);
     r->border_noise_var = t[SHEAR_S_BORDER_NOISE] / n;
+}
+
+const char *shear_error_method(const shear_result *r) {
+    if (r->jackknife > 0) {
+        return "jackknife";
+    }
+    return r->estimator == SHEAR_ESTIMATOR_PDF_SYM ? "symmetry" : "delta";
 }
 
 void shear_field_result(const shear_field_sums *f, shear_result *out) {

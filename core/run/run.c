@@ -125,12 +125,14 @@ typedef struct run {
     file_source source;
     shear_work *work;
     shear_field_sums *sums;
+    shear_symmetry *terms; /* or NULL; likewise joined to the caller's */
 } run;
 
 static void run_deinit(run *r) {
     shear_work_free(r->work);
     file_source_deinit(&r->source);
     shear_field_sums_free(r->sums);
+    shear_symmetry_free(r->terms);
     shear_jackknife_free(r->jackknife);
     shear_catalog_abort(r->catalog);
     shear_plan_free(r->plan);
@@ -144,6 +146,9 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
     int code = shear_plan_for_field(&r->plan, settings, field, err);
     if (code == SHEAR_OK) {
         code = shear_field_sums_new(&r->sums, err);
+    }
+    if (code == SHEAR_OK && settings->estimator == SHEAR_ESTIMATOR_PDF_SYM) {
+        code = shear_symmetry_new(&r->terms, err);
     }
     if (code == SHEAR_OK && jack != NULL) {
         code = shear_jackknife_new(&r->jackknife, 2, err);
@@ -179,14 +184,34 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
         code = run_team(r->work, r->plan, size, threads, options, err);
     }
     if (code == SHEAR_OK) {
-        shear_work_join_into(r->work, r->sums);
-        shear_field_result(r->sums, &report->result);
+        int64_t blocks;
         report->plan = *shear_plan_get_info(r->plan);
+        code = shear_work_join_terms(r->work, r->sums, 0, r->terms, &blocks, err);
+    }
+    if (code == SHEAR_OK) {
+        code = shear_estimate(r->sums, r->terms, &report->result, err);
     }
     if (code == SHEAR_OK && r->catalog != NULL) {
         code = finish_catalog(r->catalog, r->plan, &report->result, input,
                               shear_field_get_info(field), options, err);
         r->catalog = NULL;
+    }
+    return code;
+}
+
+/* Terms and blocks, to the caller's: both or neither. */
+static int join_caller(const run *r, shear_symmetry *terms, shear_jackknife *jack,
+                       shear_error *err) {
+    const size_t before = terms != NULL ? shear_symmetry_count(terms) : 0;
+    int code = SHEAR_OK;
+    if (terms != NULL && r->terms != NULL) {
+        code = shear_symmetry_join(terms, r->terms, 0, err);
+    }
+    if (code == SHEAR_OK && jack != NULL) {
+        code = shear_jackknife_join(jack, r->jackknife, err);
+    }
+    if (code != SHEAR_OK && terms != NULL) {
+        shear_symmetry_truncate(terms, before);
     }
     return code;
 }
@@ -210,8 +235,8 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
     report->field = *shear_field_get_info(field);
     code = run_field(&r, input, field, settings, options != NULL ? options : &defaults, jack,
                      report, err);
-    if (code == SHEAR_OK && jack != NULL) {
-        code = shear_jackknife_join(jack, r.jackknife, err);
+    if (code == SHEAR_OK) {
+        code = join_caller(&r, options != NULL ? options->terms : NULL, jack, err);
     }
     if (code == SHEAR_OK) {
         shear_field_sums_join(sums, r.sums);

@@ -4,19 +4,14 @@
  * whoever asks how the work stands, or stops it, never waits for a disk. */
 #include "shear/work.h"
 
+#include "run/joined.h"
+
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double pixels_at_once = 131072.0; /* 1 MiB: what was read is still in the cache */
-
-/* A finished turn that waits for those before it. */
-typedef struct finished {
-    int64_t block;          /* its first */
-    int n;                  /* blocks */
-    shear_block_sums *sums; /* [n] */
-} finished;
 
 struct shear_work {
     shear_work_spec spec;
@@ -31,10 +26,7 @@ struct shear_work {
     bool stopped;
 
     pthread_mutex_t results; /* guards all below */
-    shear_field_sums *joined;
-    int64_t next_block; /* the first block that is not in `joined` */
-    finished *waiting;  /* [room], n_waiting in use, in no order */
-    size_t n_waiting, room;
+    joined joined;
     int64_t done;
     int64_t failed_at; /* first block of the failed turn that comes first in the file */
     int code;
@@ -47,6 +39,7 @@ struct shear_worker {
     shear_workspace *ws;
     shear_row *rows;        /* [size.stamps] */
     shear_block_sums *sums; /* [size.blocks] of the turn under way */
+    shear_symmetry *terms;  /* of the turn under way */
 };
 
 /* A run of blocks that one thread has taken. */
@@ -65,20 +58,25 @@ shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads) {
     return (shear_turn_size){.blocks = (int)taken, .stamps = (int)fmin(fit, taken * SHEAR_BLOCK)};
 }
 
+static bool wants_terms(const shear_plan *plan) {
+    return shear_plan_get_settings(plan)->estimator == SHEAR_ESTIMATOR_PDF_SYM;
+}
+
 int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err) {
     shear_work *work = calloc(1, sizeof *work);
     *out = NULL;
     if (work == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's work");
     }
-    const int code = shear_field_sums_new(&work->joined, err);
+    const int code = joined_init(&work->joined, spec->first_block, wants_terms(spec->plan),
+                                 spec->jackknife, err);
     if (code != SHEAR_OK) {
         free(work);
         return code;
     }
     work->spec = *spec;
     work->n_blocks = (spec->info->n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
-    work->next_turn = work->next_block = spec->first_block;
+    work->next_turn = spec->first_block;
     work->done = spec->first_block * SHEAR_BLOCK;
     pthread_mutex_init(&work->reader, NULL);
     pthread_mutex_init(&work->sink, NULL);
@@ -92,11 +90,7 @@ void shear_work_free(shear_work *work) {
     if (work == NULL) {
         return;
     }
-    for (size_t i = 0; i < work->n_waiting; i++) {
-        free(work->waiting[i].sums);
-    }
-    free(work->waiting);
-    shear_field_sums_free(work->joined);
+    joined_deinit(&work->joined);
     pthread_mutex_destroy(&work->reader);
     pthread_mutex_destroy(&work->sink);
     pthread_mutex_destroy(&work->turns);
@@ -116,6 +110,9 @@ int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size
         worker->sums = malloc((size_t)size.blocks * sizeof *worker->sums);
         code = worker->rows != NULL && worker->sums != NULL ? SHEAR_OK : SHEAR_E_NOMEM;
     }
+    if (code == SHEAR_OK && wants_terms(plan)) {
+        code = shear_symmetry_new(&worker->terms, err);
+    }
     if (code != SHEAR_OK) {
         shear_worker_free(worker);
         return shear_fail(err, code, NULL, "out of memory for a worker");
@@ -129,6 +126,7 @@ void shear_worker_free(shear_worker *worker) {
         shear_workspace_free(worker->ws);
         free(worker->rows);
         free(worker->sums);
+        shear_symmetry_free(worker->terms);
         free(worker);
     }
 }
@@ -178,18 +176,28 @@ static int write_rows(shear_work *work, const shear_worker *worker, const shear_
     return code;
 }
 
-static void sum_rows(shear_worker *worker, const turn *t, int64_t first, int count) {
-    for (int i = 0; i < count; i++) {
+static int sum_rows(shear_worker *worker, const turn *t, const shear_plan *plan, int64_t first,
+                    int count, shear_error *err) {
+    const double beta = shear_plan_get_info(plan)->beta_px;
+    int code = SHEAR_OK;
+    for (int i = 0; i < count && code == SHEAR_OK; i++) {
         shear_block_sums *b = &worker->sums[(first + i - t->first) / SHEAR_BLOCK];
         if ((first + i) % SHEAR_BLOCK == 0) {
             shear_block_sums_init(b);
         }
         shear_block_sums_add(b, &worker->rows[i]);
+        if (worker->terms != NULL) {
+            code = shear_symmetry_add(worker->terms, &worker->rows[i], beta, err);
+        }
     }
+    return code;
 }
 
 static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, shear_error *err) {
     int code = SHEAR_OK;
+    if (worker->terms != NULL) {
+        shear_symmetry_truncate(worker->terms, 0);
+    }
     for (int64_t at = t->first; at < t->end && code == SHEAR_OK; at += worker->size.stamps) {
         const int64_t left = t->end - at;
         const int count = left < worker->size.stamps ? (int)left : worker->size.stamps;
@@ -203,76 +211,17 @@ static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, s
             code = write_rows(work, worker, block, at, count, err);
         }
         if (code == SHEAR_OK) {
-            sum_rows(worker, t, at, count);
+            code = sum_rows(worker, t, work->spec.plan, at, count, err);
         }
-    }
-    return code;
-}
-
-/* Under the results lock: blocks that come next, into the joined sums. */
-static int join_blocks(shear_work *work, const shear_block_sums *sums, int n, shear_error *err) {
-    int code = SHEAR_OK;
-    for (int i = 0; i < n && code == SHEAR_OK; i++) {
-        if (work->spec.jackknife != NULL) {
-            code = shear_jackknife_add(work->spec.jackknife, &sums[i], err);
-        }
-        shear_field_sums_add(work->joined, &sums[i]);
-    }
-    work->next_block += n;
-    return code;
-}
-
-/* Under the results lock: put a turn aside until those before it have come. */
-static int put_aside(shear_work *work, const turn *t, const shear_block_sums *sums,
-                     shear_error *err) {
-    if (work->n_waiting == work->room) {
-        const size_t room = work->room > 0 ? 2 * work->room : 16;
-        finished *waiting = realloc(work->waiting, room * sizeof *waiting);
-        if (waiting == NULL) {
-            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu finished turns",
-                              room);
-        }
-        work->waiting = waiting;
-        work->room = room;
-    }
-    finished f = {.block = t->block, .n = t->n, .sums = malloc((size_t)t->n * sizeof *f.sums)};
-    if (f.sums == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a finished turn");
-    }
-    memcpy(f.sums, sums, (size_t)t->n * sizeof *f.sums);
-    work->waiting[work->n_waiting++] = f;
-    return SHEAR_OK;
-}
-
-/* Under the results lock: whatever waits and comes next now. */
-static int join_waiting(shear_work *work, shear_error *err) {
-    int code = SHEAR_OK;
-    for (size_t i = 0; i < work->n_waiting && code == SHEAR_OK;) {
-        if (work->waiting[i].block != work->next_block) {
-            i++;
-            continue;
-        }
-        const finished next = work->waiting[i];
-        work->waiting[i] = work->waiting[--work->n_waiting];
-        code = join_blocks(work, next.sums, next.n, err);
-        free(next.sums);
-        i = 0;
     }
     return code;
 }
 
 static int hand_over(shear_work *work, const shear_worker *worker, const turn *t,
                      shear_error *err) {
+    const finished f = {.block = t->block, .n = t->n, .sums = worker->sums, .terms = worker->terms};
     pthread_mutex_lock(&work->results);
-    int code;
-    if (t->block == work->next_block) {
-        code = join_blocks(work, worker->sums, t->n, err);
-        if (code == SHEAR_OK) {
-            code = join_waiting(work, err);
-        }
-    } else {
-        code = put_aside(work, t, worker->sums, err);
-    }
+    const int code = joined_take(&work->joined, &f, err);
     work->done += t->end - t->first;
     pthread_mutex_unlock(&work->results);
     return code;
@@ -325,8 +274,8 @@ shear_work_status shear_work_get_status(shear_work *work) {
     pthread_mutex_unlock(&work->turns);
     pthread_mutex_lock(&work->results);
     status.stamps_done = work->done;
-    status.next_block = work->next_block;
-    status.complete = work->next_block >= work->n_blocks;
+    status.next_block = work->joined.next_block;
+    status.complete = work->joined.next_block >= work->n_blocks;
     status.code = work->code;
     pthread_mutex_unlock(&work->results);
     return status;
@@ -344,10 +293,24 @@ int shear_work_get_error(shear_work *work, shear_error *err) {
 
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
     pthread_mutex_lock(&work->results);
-    shear_field_sums_join(sums, work->joined);
-    const int64_t next = work->next_block;
+    shear_field_sums_join(sums, work->joined.sums);
+    const int64_t next = work->joined.next_block;
     pthread_mutex_unlock(&work->results);
     return next;
+}
+
+int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
+                          shear_symmetry *terms, int64_t *next_block, shear_error *err) {
+    pthread_mutex_lock(&work->results);
+    const int code = work->joined.terms != NULL
+                         ? shear_symmetry_join(terms, work->joined.terms, from, err)
+                         : SHEAR_OK;
+    if (code == SHEAR_OK) {
+        shear_field_sums_join(sums, work->joined.sums);
+        *next_block = work->joined.next_block;
+    }
+    pthread_mutex_unlock(&work->results);
+    return code;
 }
 
 int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err) {

@@ -55,6 +55,7 @@ static int64_t least_served(const engine *e) {
 
 static void stop(engine *e, job *j) {
     j->stop_asked = true;
+    atomic_store(&j->stopping, true);
     if (j->phase == JOB_MEASURING) {
         shear_work_stop(j->work);
     }
@@ -168,19 +169,36 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
     return SHEAR_OK;
 }
 
+/* A copy; NULL where there are none, or memory is out: then the job begins anew. */
+static shear_symmetry *copy_terms(const shear_symmetry *terms) {
+    shear_symmetry *copy = NULL;
+    if (terms == NULL || shear_symmetry_new(&copy, NULL) != SHEAR_OK) {
+        return NULL;
+    }
+    if (shear_symmetry_join(copy, terms, 0, NULL) != SHEAR_OK) {
+        shear_symmetry_free(copy);
+        return NULL;
+    }
+    return copy;
+}
+
 void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
     /* Where memory is out for the checkpoint, the job begins anew. */
     char *sums = checkpoint != NULL ? strdup(checkpoint->sums) : NULL;
+    shear_symmetry *terms = checkpoint != NULL ? copy_terms(checkpoint->terms) : NULL;
     pthread_mutex_lock(&e->lock);
     job *j = find(e, id);
     if (j != NULL && j->phase == JOB_OPENED && !j->go) {
         j->go = true;
         j->first_block = sums != NULL ? checkpoint->next_block : 0;
         j->sums_before = sums;
+        j->terms_before = terms;
         sums = NULL;
+        terms = NULL;
         pthread_cond_broadcast(&e->moved);
     }
     pthread_mutex_unlock(&e->lock);
+    shear_symmetry_free(terms);
     free(sums);
 }
 

@@ -25,6 +25,7 @@
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
+#include "shear/symmetry.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -60,7 +61,8 @@ typedef struct engine_job {
 /* Where a resumed job goes on: the sums of blocks [0, next_block). */
 typedef struct engine_checkpoint {
     int64_t next_block;
-    const char *sums; /* shear_field_sums_format; copied */
+    const char *sums;            /* shear_field_sums_format; copied */
+    const shear_symmetry *terms; /* of the same stamps, where estimator = pdf-sym; copied */
 } engine_checkpoint;
 
 enum engine_event_kind {
@@ -80,9 +82,14 @@ typedef struct engine_event {
     shear_plan_info plan;               /* OPENED */
     int64_t next_block;                 /* CHECKPOINT, RESUMED */
     char *sums;                         /* CHECKPOINT, DONE: text; freed by engine_event_deinit */
-    shear_result result;                /* DONE: of this file alone */
-    double seconds;                     /* DONE: spent on it in this process */
-    shear_error error; /* FAILED: code as of shear/error.h, reader/reader.h or above */
+    int64_t from_block;                 /* CHECKPOINT: where its terms begin */
+    unsigned char *terms; /* where estimator = pdf-sym, shear_symmetry_bytes: of blocks
+                             [from_block, next_block) of a CHECKPOINT, of all stamps of a
+                             DONE job; freed likewise; else NULL */
+    size_t terms_size;    /* bytes */
+    shear_result result;  /* DONE: of this file alone */
+    double seconds;       /* DONE: spent on it in this process */
+    shear_error error;    /* FAILED: code as of shear/error.h, reader/reader.h or above */
 } engine_event;
 void engine_event_deinit(engine_event *event);
 
@@ -93,10 +100,12 @@ void engine_free(engine *e);
 
 int engine_add(engine *e, const engine_job *job, shear_error *err);
 /* After OPENED: measure it, from the checkpoint if there is one. RESUMED tells the block that it
- * begins with: 0 where the rows before the checkpoint are missing in the catalogue. */
+ * begins with: 0 where the rows before the checkpoint are missing in the catalogue, or terms do not
+ * belong to the sums. */
 void engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
 /* Stop a job: its last event is STOPPED (after a CHECKPOINT where there is something to save),
- * unless it was DONE or FAILED already. Turns under way are finished. */
+ * unless it was DONE or FAILED already. Turns under way are finished,
+ * unless a reader does not answer for a second. */
 void engine_stop_job(engine *e, int64_t job);
 
 /* The next event; false where there is none. */

@@ -13,7 +13,9 @@ struct queued_event {
 
 void engine_event_deinit(engine_event *event) {
     free(event->sums);
+    free(event->terms);
     event->sums = NULL;
+    event->terms = NULL;
 }
 
 void events_init(events *q) {

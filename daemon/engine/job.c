@@ -26,6 +26,8 @@ job *job_new(const engine_job *spec, engine *e) {
                    .workers = options->workers,
                    .files = files,
                    .started_s = engine_now_s()};
+        pthread_mutex_init(&j->saving, NULL);
+        j->limits.stop = &j->stopping;
         j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
         j->team = calloc((size_t)options->workers, sizeof(shear_worker *));
         j->entering = calloc((size_t)options->workers, sizeof *j->entering);
@@ -55,6 +57,8 @@ void job_free(job *j) {
     reader_stop(j->reader);
     shear_catalog_leave(j->catalogue); /* for the next attempt, if there is one */
     shear_field_sums_free(j->before);
+    shear_symmetry_free(j->terms_before);
+    pthread_mutex_destroy(&j->saving);
     plans_give_back(j->engine->plans, j->plan);
     job_files_close(&j->files);
     free(j->catalogue_path);
@@ -94,11 +98,19 @@ static int open_file(job *j, engine_event *event, shear_error *err) {
     return code;
 }
 
+/* How a job ends that cannot go on. That a file has changed is the better reason. */
+static int kind_of(const job *j, shear_error *err) {
+    if (err->code == READER_E_STOPPED) {
+        return ENGINE_STOPPED;
+    }
+    job_files_check(&j->files, err);
+    return ENGINE_FAILED;
+}
+
 void job_prepare(job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
     if (open_file(j, event, &event->error) != SHEAR_OK) {
-        event->kind = ENGINE_FAILED;
-        job_files_check(&j->files, &event->error); /* the better reason, where there is one */
+        event->kind = kind_of(j, &event->error);
     }
 }
 
@@ -137,12 +149,45 @@ static int read_block(void *self, int slot, int64_t first, int count, const shea
     return code;
 }
 
+static bool wants_terms(const job *j) {
+    return j->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM;
+}
+
+/* The checkpoint's sums; none where the terms of their stamps are not with them: then the work
+ * begins anew. */
+static int read_sums_before(job *j, int64_t *first_block, shear_error *err) {
+    shear_result r;
+    *first_block = 0;
+    if (j->first_block == 0) {
+        return SHEAR_OK;
+    }
+    const int code = shear_field_sums_parse(&j->before, j->sums_before, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    shear_field_result(j->before, &r);
+    const bool whole =
+        j->terms_before != NULL && (int64_t)shear_symmetry_count(j->terms_before) == r.n_used;
+    *first_block = whole || !wants_terms(j) ? j->first_block : 0;
+    return SHEAR_OK;
+}
+
+static void forget_before(job *j) {
+    shear_field_sums_free(j->before);
+    shear_symmetry_free(j->terms_before);
+    j->before = NULL;
+    j->terms_before = NULL;
+}
+
 int job_begin(job *j, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
-    int64_t first_block = j->first_block;
-    int code = open_catalogue(j, &first_block, err);
-    if (code == SHEAR_OK && first_block > 0) {
-        code = shear_field_sums_parse(&j->before, j->sums_before, err);
+    int64_t first_block = 0;
+    int code = read_sums_before(j, &first_block, err);
+    if (code == SHEAR_OK) {
+        code = open_catalogue(j, &first_block, err);
+    }
+    if (first_block == 0) {
+        forget_before(j);
     }
     if (code == SHEAR_OK) {
         const shear_work_spec spec = {.info = info,
@@ -155,7 +200,7 @@ int job_begin(job *j, shear_error *err) {
                                                .keep = j->catalogue != NULL ? keep_rows : NULL}};
         code = shear_work_new(&j->work, &spec, err);
     }
-    j->checkpoint_block = first_block;
+    j->checkpoint_block = j->terms_block = first_block;
     j->checkpoint_ms = (int64_t)(1e3 * engine_now_s());
     return code;
 }
@@ -169,21 +214,51 @@ bool job_step(job *j, int slot, shear_error *err) {
     return shear_work_step(j->work, j->team[slot]);
 }
 
-/* The checkpoint's sums and the work's, together. */
-static int sums_so_far(job *j, shear_field_sums **sums, int64_t *next_block, shear_error *err) {
-    const int code = shear_field_sums_new(sums, err);
+/* What has been measured so far. */
+typedef struct so_far {
+    shear_field_sums *sums; /* the checkpoint's and the work's, together */
+    shear_symmetry *terms;  /* or NULL */
+    int64_t next_block;
+} so_far;
+
+static void so_far_deinit(so_far *f) {
+    shear_field_sums_free(f->sums);
+    shear_symmetry_free(f->terms);
+}
+
+/* Terms: the work's from the `from`-th on. */
+static int so_far_init(so_far *f, job *j, size_t from, shear_error *err) {
+    *f = (so_far){.sums = NULL};
+    int code = shear_field_sums_new(&f->sums, err);
+    if (code == SHEAR_OK && wants_terms(j)) {
+        code = shear_symmetry_new(&f->terms, err);
+    }
     if (code == SHEAR_OK) {
-        if (j->before != NULL) {
-            shear_field_sums_join(*sums, j->before);
-        }
-        *next_block = shear_work_join_into(j->work, *sums);
+        code = shear_work_join_terms(j->work, f->sums, from, f->terms, &f->next_block, err);
+    }
+    if (code == SHEAR_OK && j->before != NULL) {
+        shear_field_sums_join(f->sums, j->before);
     }
     return code;
 }
 
-int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
-    shear_field_sums *sums = NULL;
-    int code = sums_so_far(j, &sums, next_block, err);
+/* Into an event: sums as text, terms as bytes. */
+static int so_far_write(const so_far *f, engine_event *event, shear_error *err) {
+    event->next_block = f->next_block;
+    if (f->terms != NULL) {
+        event->terms_size = shear_symmetry_count(f->terms) * SHEAR_SYMMETRY_BYTES;
+        event->terms = malloc(event->terms_size > 0 ? event->terms_size : 1);
+        if (event->terms == NULL) {
+            return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the terms of a job");
+        }
+        shear_symmetry_bytes(f->terms, 0, event->terms);
+    }
+    return shear_field_sums_format(f->sums, &event->sums, err);
+}
+
+int job_checkpoint(job *j, engine_event *event, shear_error *err) {
+    so_far f;
+    int code = so_far_init(&f, j, j->terms_saved, err);
     if (code == SHEAR_OK) {
         code = job_files_check(&j->files, err); /* after the blocks have been read */
         if (code != SHEAR_OK) {
@@ -191,24 +266,36 @@ int job_checkpoint(job *j, int64_t *next_block, char **text, shear_error *err) {
         }
     }
     if (code == SHEAR_OK) {
-        code = shear_work_keep(j->work, *next_block, err);
+        code = shear_work_keep(j->work, f.next_block, err);
     }
     if (code == SHEAR_OK) {
-        code = shear_field_sums_format(sums, text, err);
+        code = so_far_write(&f, event, err);
     }
-    shear_field_sums_free(sums);
+    if (code == SHEAR_OK) {
+        event->from_block = j->terms_block;
+        j->terms_saved += f.terms != NULL ? shear_symmetry_count(f.terms) : 0;
+        j->terms_block = f.next_block;
+    } else {
+        engine_event_deinit(event);
+    }
+    so_far_deinit(&f);
     return code;
 }
 
 static int complete(job *j, engine_event *event, shear_error *err) {
-    shear_field_sums *sums = NULL;
+    so_far f = {.sums = NULL};
     int code = job_files_check(&j->files, err);
     if (code == SHEAR_OK) {
-        code = sums_so_far(j, &sums, &event->next_block, err);
+        code = so_far_init(&f, j, 0, err);
+    }
+    if (code == SHEAR_OK && j->terms_before != NULL) {
+        code = shear_symmetry_join(f.terms, j->terms_before, 0, err);
     }
     if (code == SHEAR_OK) {
-        shear_field_result(sums, &event->result);
-        code = shear_field_sums_format(sums, &event->sums, err);
+        code = shear_estimate(f.sums, f.terms, &event->result, err);
+    }
+    if (code == SHEAR_OK) {
+        code = so_far_write(&f, event, err);
     }
     if (code == SHEAR_OK && j->catalogue != NULL) {
         char name[SHEAR_INPUT_TEXT_SIZE];
@@ -217,7 +304,7 @@ static int complete(job *j, engine_event *event, shear_error *err) {
                                     j->checksum, err);
         j->catalogue = NULL;
     }
-    shear_field_sums_free(sums);
+    so_far_deinit(&f);
     return code;
 }
 
@@ -228,14 +315,12 @@ void job_finish(job *j, engine_event *event) {
     int code = status.code;
     if (code != SHEAR_OK) {
         shear_work_get_error(j->work, &event->error);
-        job_files_check(&j->files, &event->error);
     } else if (status.complete) {
         event->kind = ENGINE_DONE;
         code = complete(j, event, &event->error);
     }
     if (code != SHEAR_OK) {
-        event->kind = ENGINE_FAILED;
-        free(event->sums);
-        event->sums = NULL;
+        event->kind = kind_of(j, &event->error);
+        engine_event_deinit(event);
     }
 }

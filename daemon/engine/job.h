@@ -12,6 +12,8 @@
 #include "shear/run.h"
 #include "shear/work.h"
 
+#include <pthread.h>
+
 enum job_phase {
     JOB_PREPARING, /* its own thread has it */
     JOB_OPENED,    /* waits for the owner's word, or begins */
@@ -26,10 +28,11 @@ typedef struct job {
     int priority;
     int phase; /* enum job_phase */
     bool go, stop_asked;
-    int64_t served; /* stamps measured, for fairness */
-    int holders;    /* workers inside this job's turns */
-    int reading;    /* of those, the ones that read, or are about to */
-    bool *entering; /* [workers] about to read for the first time in its turn */
+    atomic_bool stopping; /* stop_asked, for the reader, which does not know the lock */
+    int64_t served;       /* stamps measured, for fairness */
+    int holders;          /* workers inside this job's turns */
+    int reading;          /* of those, the ones that read, or are about to */
+    bool *entering;       /* [workers] about to read for the first time in its turn */
 
     job_files files;
     char *catalogue_path;
@@ -40,9 +43,13 @@ typedef struct job {
     reader *reader;
     const shear_plan *plan; /* the engine's; given back at the end */
     shear_catalog *catalogue;
-    int64_t first_block;      /* the checkpoint's, 0: none */
-    char *sums_before;        /* and its sums as text */
-    shear_field_sums *before; /* these; joined to the work's at the end */
+    int64_t first_block;          /* the checkpoint's, 0: none */
+    char *sums_before;            /* and its sums as text */
+    shear_field_sums *before;     /* these; joined to the work's at the end */
+    shear_symmetry *terms_before; /* of the same stamps; NULL: none, or estimator is not pdf-sym */
+    pthread_mutex_t saving; /* held from making a checkpoint to queueing it; guards the next two */
+    size_t terms_saved;     /* of the work's: those that a checkpoint has had */
+    int64_t terms_block;    /* ... and the block that they end before */
     shear_turn_size size;
     shear_work *work;
     char checksum[SHEAR_CHECKSUM_SIZE];
@@ -63,9 +70,10 @@ void job_prepare(job *j, engine_event *event);
 int job_begin(job *j, shear_error *err);
 /* One turn on behalf of worker thread `slot`; false where nothing is left to take. */
 bool job_step(job *j, int slot, shear_error *err);
-/* The sums of all blocks so far, as text, and the next block; their rows in the catalogue are on
- * disk then. Where a file has changed, the work fails. */
-int job_checkpoint(job *j, int64_t *next_block, char **sums, shear_error *err);
+/* The sums of all blocks so far, and the terms that the last checkpoint had not, into *event (its
+ * CHECKPOINT members); their rows in the catalogue are on disk then. Where a file has changed, the
+ * work fails. `saving` is held. */
+int job_checkpoint(job *j, engine_event *event, shear_error *err);
 /* All turns are over: DONE, FAILED or STOPPED into *event. */
 void job_finish(job *j, engine_event *event);
 

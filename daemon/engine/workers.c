@@ -30,9 +30,11 @@ static job *choose(engine *e) {
 void worker_save(engine *e, job *j) {
     engine_event event = {.kind = ENGINE_CHECKPOINT, .job = j->id};
     shear_error ignored;
-    if (job_checkpoint(j, &event.next_block, &event.sums, &ignored) == SHEAR_OK) {
+    pthread_mutex_lock(&j->saving); /* checkpoints are queued in the order of their blocks */
+    if (job_checkpoint(j, &event, &ignored) == SHEAR_OK) {
         engine_emit(e, &event, NULL);
     }
+    pthread_mutex_unlock(&j->saving);
 }
 
 /* Whether this thread is the one to write the checkpoint that is due; it is not due again at once.

@@ -23,6 +23,7 @@ struct reader {
     int socket;
     int memory_fd;
     int timeout_ms;
+    const atomic_bool *stop;
     int64_t shared_bytes;
     int failed; /* enum reader_code after the first failure of the child itself */
     shear_error failure;
@@ -80,6 +81,7 @@ static int give_up(reader *r, int code, const char *what, shear_error *err) {
                "for it",
                "the reader failed to %s: %s", what,
                code == READER_E_HUNG       ? "no answer in time, it was stopped"
+               : code == READER_E_STOPPED  ? "no answer yet when it was to stop"
                : code == READER_E_PROTOCOL ? "its answer made no sense, it was stopped"
                                            : end);
     r->failed = code;
@@ -91,13 +93,39 @@ static int give_up(reader *r, int code, const char *what, shear_error *err) {
 
 /* ---- questions and answers ---- */
 
+static int64_t now_ms(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
+
+static bool is_stopping(const reader *r) {
+    return r->stop != NULL && atomic_load(r->stop);
+}
+
+/* SHEAR_OK when there is something to receive; or READER_E_HUNG, READER_E_STOPPED. */
 static int wait_for_answer(const reader *r) {
+    enum { LOOK_MS = 200, GRACE_MS = 1000 };
     struct pollfd p = {.fd = r->socket, .events = POLLIN};
-    int ready;
-    do {
-        ready = poll(&p, 1, r->timeout_ms);
-    } while (ready < 0 && errno == EINTR);
-    return ready;
+    int64_t end_ms = now_ms() + r->timeout_ms;
+    bool stopping = false;
+    for (;;) {
+        const int64_t left_ms = end_ms - now_ms();
+        const int ready = poll(&p, 1,
+                               (int)(left_ms < 0         ? 0
+                                     : left_ms < LOOK_MS ? left_ms
+                                                         : LOOK_MS));
+        if (ready > 0 || (ready < 0 && errno != EINTR)) {
+            return SHEAR_OK; /* an error is recv's to tell */
+        }
+        if (ready == 0 && left_ms <= LOOK_MS) {
+            return stopping ? READER_E_STOPPED : READER_E_HUNG;
+        }
+        if (!stopping && is_stopping(r)) {
+            stopping = true;
+            end_ms = end_ms < now_ms() + GRACE_MS ? end_ms : now_ms() + GRACE_MS;
+        }
+    }
 }
 
 /* What the child says went wrong. That it is short of memory is told apart from the daemon's own
@@ -128,8 +156,9 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
     if (send(r->socket, request, sizeof *request, MSG_NOSIGNAL) != (ssize_t)sizeof *request) {
         return give_up(r, READER_E_DIED, what, err);
     }
-    if (wait_for_answer(r) == 0) {
-        return give_up(r, READER_E_HUNG, what, err);
+    const int waited = wait_for_answer(r);
+    if (waited != SHEAR_OK) {
+        return give_up(r, waited, what, err);
     }
     const ssize_t got = recv(r->socket, reply, sizeof *reply, 0);
     if (got <= 0) {
@@ -177,8 +206,10 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
     if (r == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a reader");
     }
-    *r = (reader){
-        .socket = -1, .timeout_ms = limits->timeout_ms, .shared_bytes = limits->shared_bytes};
+    *r = (reader){.socket = -1,
+                  .timeout_ms = limits->timeout_ms,
+                  .stop = limits->stop,
+                  .shared_bytes = limits->shared_bytes};
     r->memory_fd = memfd_create("sheard-stamps", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     int rc = r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0
                  ? errno

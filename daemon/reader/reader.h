@@ -13,13 +13,16 @@
 #include "shear/field.h"
 #include "shear/input.h"
 
+#include <stdatomic.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 enum reader_code {
     READER_E_DIED = 100,     /* the child ended: a crash, or a limit on processor time */
     READER_E_HUNG = 101,     /* no answer in time */
     READER_E_PROTOCOL = 102, /* an answer that makes no sense */
-    READER_E_MEMORY = 103    /* the file needs more memory than its reader may have */
+    READER_E_MEMORY = 103,   /* the file needs more memory than its reader may have */
+    READER_E_STOPPED = 104   /* no answer yet when the caller was to stop */
 };
 
 typedef struct reader_limits {
@@ -30,6 +33,9 @@ typedef struct reader_limits {
     int64_t unpacked_bytes; /* largest unpacked .gz */
     int64_t shared_bytes;   /* largest shared memory */
     int timeout_ms;         /* of one answer */
+    /* Where this becomes true (in any thread), an answer is waited for one more second at most.
+     * May be NULL. */
+    const atomic_bool *stop;
 } reader_limits;
 
 typedef struct reader reader;

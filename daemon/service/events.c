@@ -19,6 +19,26 @@ static void tell_name(service *s, after *a, int code, const shear_error *err) {
     store_job_deinit(&job);
 }
 
+/* The terms that belong to the job's checkpoint; NULL: none are wanted, or they cannot be read:
+ * then it begins anew. */
+static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
+    shear_symmetry *terms = NULL;
+    shear_error err = {0};
+    if (j->settings.estimator != SHEAR_ESTIMATOR_PDF_SYM) {
+        return NULL;
+    }
+    int code = shear_symmetry_new(&terms, &err);
+    if (code == SHEAR_OK) {
+        code = store_checkpoint_load_terms(s->store, j->id, terms, &err);
+    }
+    if (code != SHEAR_OK) {
+        log_warning("job %lld begins anew: %s", (long long)j->id, err.message);
+        shear_symmetry_free(terms);
+        return NULL;
+    }
+    return terms;
+}
+
 /* The opened file is known: its name, content and size. A copy of what was counted before ends
  * here. */
 static void opened(service *s, active_job *j, const engine_event *e) {
@@ -65,7 +85,10 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     const bool resumed =
         store_checkpoint_load(s->store, j->id, &checkpoint.next_block, &sums, &err) == SHEAR_OK;
     checkpoint.sums = sums;
+    shear_symmetry *terms = resumed ? checkpoint_terms(s, j) : NULL;
+    checkpoint.terms = terms;
     engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
+    shear_symmetry_free(terms);
     free(sums);
 }
 
@@ -109,7 +132,9 @@ static void done(service *s, active_job *j, const engine_event *e) {
                              .result = result,
                              .catalogue = catalogue,
                              .elapsed_us = (int64_t)(1e6 * e->seconds),
-                             .now_ms = wall_ms()};
+                             .now_ms = wall_ms(),
+                             .terms = e->terms,
+                             .terms_size = e->terms_size};
     int code = group_begin(s, &err);
     if (code == SHEAR_OK && j->failed_commits != s->failed_commits) {
         code = learn_again(s, j, &err);
@@ -142,6 +167,15 @@ static void stopped(service *s, active_job *j) {
     }
 }
 
+static int save(service *s, const active_job *j, const engine_event *e, shear_error *err) {
+    const store_progress progress = {.from_block = e->from_block,
+                                     .next_block = e->next_block,
+                                     .sums = e->sums,
+                                     .terms = e->terms,
+                                     .terms_size = e->terms_size};
+    return store_checkpoint_terms(s->store, j->id, &progress, err);
+}
+
 static void take_event(service *s, engine_event *e) {
     active_job *j = jobs_find(s, e->job);
     shear_error err = {0};
@@ -156,8 +190,7 @@ static void take_event(service *s, engine_event *e) {
         log_info("job %lld goes on at block %lld", (long long)j->id, (long long)e->next_block);
         return;
     case ENGINE_CHECKPOINT:
-        if (group_begin(s, &err) == SHEAR_OK &&
-            store_checkpoint(s->store, j->id, e->next_block, e->sums, &err) != SHEAR_OK) {
+        if (group_begin(s, &err) == SHEAR_OK && save(s, j, e, &err) != SHEAR_OK) {
             log_warning("job %lld: no checkpoint: %s", (long long)j->id, err.message);
         }
         return;

@@ -20,6 +20,7 @@
 /* ---- group.c ---- */
 
 typedef struct changed_field changed_field; /* news.c */
+typedef struct solutions solutions;         /* solutions.c */
 
 /* What is to happen once the group is on disk (code SHEAR_OK) or has failed. Freed after its run.
  */
@@ -99,6 +100,7 @@ struct service {
     void *spooled; /* tsearch tree: key -> active name, of files that are jobs */
     waiter *waiters;
     changed_field *news;
+    solutions *solutions;
 
     int state; /* enum shear_server_state */
     int exit_code;
@@ -175,8 +177,15 @@ void present_job_free(shear_msg_job *out);
 int present_begun(service *s, const char *name, store_field_page *page, shear_error *err);
 int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err);
 void present_field_free(shear_msg_field_row *out);
-void present_summary(const store_field *f, shear_msg_summary *out);
+void present_summary(service *s, const store_field *f, shear_msg_summary *out);
 void publish_job(service *s, const store_job *job);
+
+/* solutions.c: results of fields with estimator = pdf-sym */
+int solutions_new(solutions **all, shear_error *err);
+void solutions_free(solutions *all);
+/* The result of what was counted, whose sums are given: solved, or remembered. */
+int solutions_get(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
+                  shear_error *err);
 
 /* news.c */
 void news_field_changed(service *s, const char *name, const char *digest); /* NULL: no name yet */

@@ -102,7 +102,7 @@ void method_fields(service *s, const server_request *r) {
         method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
     } else {
         for (size_t i = 0; i < page.n; i++) {
-            present_summary(&page.fields[i], &list[i]);
+            present_summary(s, &page.fields[i], &list[i]);
             list[i].mixed =
                 (i > 0 && strcmp(page.fields[i - 1].name, page.fields[i].name) == 0) ||
                 (i + 1 < page.n && strcmp(page.fields[i + 1].name, page.fields[i].name) == 0);

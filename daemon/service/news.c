@@ -52,7 +52,7 @@ static void publish(service *s, const changed_field *f) {
     for (size_t i = 0; i < page.n; i++) {
         if (strcmp(page.fields[i].settings_digest, f->digest) == 0) {
             shear_notice_params params = {0};
-            present_summary(&page.fields[i], &params.field_changed.field);
+            present_summary(s, &page.fields[i], &params.field_changed.field);
             params.field_changed.field.mixed = page.n > 1;
             server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, f->name, &params);
         }

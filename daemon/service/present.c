@@ -73,10 +73,10 @@ void publish_job(service *s, const store_job *job) {
     }
 }
 
-/* The counted sums, and those of the jobs that run now, joined: exact, so that the result does not
- * depend on the order. */
-static int sums_now(service *s, const store_field *f, shear_field_sums **sums, int64_t *running,
-                    size_t room, size_t *n, shear_error *err) {
+/* The counted sums, and those of the jobs that run now (`partial`), joined: exact, so that the
+ * result does not depend on the order. */
+static int sums_now(service *s, const store_field *f, bool partial, shear_field_sums **sums,
+                    int64_t *running, size_t room, size_t *n, shear_error *err) {
     int code = f->sums != NULL && f->sums[0] != '\0' ? shear_field_sums_parse(sums, f->sums, err)
                                                      : shear_field_sums_new(sums, err);
     *n = 0;
@@ -85,7 +85,9 @@ static int sums_now(service *s, const store_field *f, shear_field_sums **sums, i
                           strcmp(j->digest, f->settings_digest) == 0;
         if (same && !j->ended && *n < room) {
             running[(*n)++] = j->id;
-            engine_partial(s->engine, j->id, *sums);
+            if (partial) {
+                engine_partial(s->engine, j->id, *sums);
+            }
         }
     }
     return code;
@@ -143,6 +145,17 @@ int present_begun(service *s, const char *name, store_field_page *page, shear_er
     return code;
 }
 
+/* A field's result by its settings' estimator. Of pdf-sym only what was counted is in it: stamps of
+ * running jobs would have to be solved anew with every question. */
+static int result_of(service *s, const store_field *f, const shear_settings *settings,
+                     const shear_field_sums *sums, shear_result *out, shear_error *err) {
+    if (settings->estimator == SHEAR_ESTIMATOR_PDF_SYM) {
+        return solutions_get(s, f, sums, out, err);
+    }
+    shear_field_result(sums, out);
+    return SHEAR_OK;
+}
+
 int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_result result;
@@ -150,14 +163,17 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
     char *report_text = NULL;
     int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
     size_t n = 0;
-    int code = running != NULL ? sums_now(s, f, &sums, running, SHEAR_MSG_LIST_MAX, &n, err)
-                               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     shear_settings_init(&settings);
+    int code = running != NULL ? shear_settings_apply(&settings, f->settings, err)
+                               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     if (code == SHEAR_OK) {
-        code = shear_settings_apply(&settings, f->settings, err);
+        code = sums_now(s, f, settings.estimator == SHEAR_ESTIMATOR_MEAN, &sums, running,
+                        SHEAR_MSG_LIST_MAX, &n, err);
     }
     if (code == SHEAR_OK) {
-        shear_field_result(sums, &result);
+        code = result_of(s, f, &settings, sums, &result, err);
+    }
+    if (code == SHEAR_OK) {
         const shear_report report = {.field = f->name, .result = &result, .settings = &settings};
         code = shear_report_json(&report_text, &report, err);
     }
@@ -183,11 +199,15 @@ void present_field_free(shear_msg_field_row *out) {
     *out = (shear_msg_field_row){0};
 }
 
-void present_summary(const store_field *f, shear_msg_summary *out) {
+void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
     shear_field_sums *sums = NULL;
+    shear_settings settings;
     shear_result r = {.g1 = NAN, .g2 = NAN, .g1_err = NAN, .g2_err = NAN};
-    if (f->sums != NULL && shear_field_sums_parse(&sums, f->sums, NULL) == SHEAR_OK) {
-        shear_field_result(sums, &r);
+    shear_settings_init(&settings);
+    if (f->sums != NULL && shear_settings_apply(&settings, f->settings, NULL) == SHEAR_OK &&
+        shear_field_sums_parse(&sums, f->sums, NULL) == SHEAR_OK &&
+        result_of(s, f, &settings, sums, &r, NULL) != SHEAR_OK) {
+        r.g1 = r.g2 = r.g1_err = r.g2_err = NAN;
     }
     shear_field_sums_free(sums);
     *out = (shear_msg_summary){.field = f->name,

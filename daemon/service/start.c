@@ -37,6 +37,9 @@ static int open_store(service *s, shear_error *err) {
     }
     snprintf(path, sizeof path, "%s/sheard.db", s->config.daemon.state_dir);
     if (code == SHEAR_OK) {
+        code = solutions_new(&s->solutions, err);
+    }
+    if (code == SHEAR_OK) {
         code = store_open(&s->store, path, &options, wall_ms(), err);
     }
     if (code == SHEAR_OK && store_opened(s->store)->requeued > 0) {
@@ -185,6 +188,7 @@ void service_close(service *s) {
     engine_free(s->engine);
     waits_free(s);
     news_free(s);
+    solutions_free(s->solutions);
     spooled_free(s);
     store_close(s->store);
     access_list_free(s->admins);

@@ -34,9 +34,10 @@ static void sleep_until_next(spool *s, bool more) {
         next_ms = incoming_next_ms(s);
     }
     const int64_t left_ms = next_ms - spool_clock_ms();
-    /* The loop's clock stands still during a turn: without this the timer would come early. */
+    /* The loop's clock stands still during a turn: without this the timer would come early. A time
+     * of 0 would come in this very turn of the loop, again and again, and nobody else would. */
     uv_update_time(s->loop);
-    uv_timer_start(&s->timer, on_timer, more || left_ms <= 0 ? 0 : (uint64_t)left_ms + 1, 0);
+    uv_timer_start(&s->timer, on_timer, more || left_ms <= 0 ? 1 : (uint64_t)left_ms + 1, 0);
 }
 
 static void take_turn(spool *s) {

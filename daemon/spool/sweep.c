@@ -144,6 +144,9 @@ static bool read_some(spool *s) {
             closedir(w->dir);
             w->dir = NULL;
             sort_out(w);
+            if (w->n == 0) {
+                end_folder(w);
+            }
             return true;
         }
         const int verdict = name_judge(entry->d_name);

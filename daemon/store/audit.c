@@ -67,6 +67,9 @@ static const char *const contradictions[][2] = {
     {"SELECT 1 FROM settings t WHERE uses <> (SELECT count(*) FROM jobs WHERE settings = t.digest)"
      " + (SELECT count(*) FROM fields WHERE settings = t.digest)",
      "the uses of a set of settings are wrong"},
+    {"SELECT contribution FROM contribution_terms JOIN contributions c ON c.id = contribution"
+     " GROUP BY contribution HAVING sum(length(bytes)) <> 48 * c.n_used",
+     "a contribution has not the terms of its stamps"},
     {"SELECT id FROM credentials c"
      " WHERE uses <> (SELECT count(*) FROM jobs WHERE credentials = c.id)",
      "the uses of credentials are wrong"},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a field was joined from. */
+#include "identity.h"
 #include "page.h"
 #include "query.h"
 
@@ -13,8 +14,8 @@ void store_contribution_page_deinit(store_contribution_page *page) {
     *page = (store_contribution_page){0};
 }
 
-static int find_field(store *s, const char *name, const char *settings_digest, int64_t *id,
-                      shear_error *err) {
+int field_find(store *s, const char *name, const char *settings_digest, int64_t *id,
+               shear_error *err) {
     bool row = false;
     query q = query_on(s, SQL_FIELD_FIND);
     query_text(&q, name);
@@ -58,7 +59,7 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     int64_t field = 0;
     *page = (store_contribution_page){0};
     limit = page_limit(limit);
-    int code = find_field(s, name, settings_digest, &field, err);
+    int code = field_find(s, name, settings_digest, &field, err);
     if (code != SHEAR_OK) {
         return code;
     }

@@ -4,6 +4,7 @@
 #include "job.h"
 #include "operation.h"
 #include "sums_text.h"
+#include "terms.h"
 
 #include "shear/sums.h"
 
@@ -15,6 +16,8 @@ typedef struct job_sums {
     shear_field_sums *sums; /* NULL: not given */
     char *packed;
     int64_t n_stamps, n_used;
+    const unsigned char *terms; /* the caller's; or NULL */
+    size_t terms_size;
 } job_sums;
 
 static void job_sums_deinit(job_sums *j) {
@@ -22,18 +25,21 @@ static void job_sums_deinit(job_sums *j) {
     free(j->packed);
 }
 
-static int job_sums_init(job_sums *j, const char *text, shear_error *err) {
+static int job_sums_init(job_sums *j, const store_work *w, shear_error *err) {
     shear_result result;
-    *j = (job_sums){0};
-    if (text == NULL) {
+    *j = (job_sums){.terms = w->terms, .terms_size = w->terms_size};
+    if (w->sums == NULL) {
         return SHEAR_OK;
     }
-    int code = sums_parse_given(&j->sums, text, err);
+    int code = sums_parse_given(&j->sums, w->sums, err);
+    if (code == SHEAR_OK) {
+        code = terms_check(w->terms, w->terms_size, err);
+    }
     if (code == SHEAR_OK) {
         shear_field_result(j->sums, &result);
         j->n_stamps = result.n_stamps;
         j->n_used = result.n_used;
-        code = sums_pack(text, &j->packed, err);
+        code = sums_pack(w->sums, &j->packed, err);
     }
     return code;
 }
@@ -136,6 +142,9 @@ static int count(store *s, const job_brief *b, const job_sums *j, int64_t now_ms
     if (code == SHEAR_OK) {
         code = add_contribution(s, b, field, j, now_ms, err);
     }
+    if (code == SHEAR_OK && j->terms != NULL) {
+        code = terms_count(s, j->terms, j->terms_size, err);
+    }
     free(packed);
     return code;
 }
@@ -217,7 +226,7 @@ int store_finish(store *s, int64_t id, const store_work *work, store_finished *e
     *end = (store_finished){0};
     int code = check_work(work, err);
     if (code == SHEAR_OK) {
-        code = job_sums_init(&j, work->sums, err);
+        code = job_sums_init(&j, work, err);
     }
     if (code == SHEAR_OK) {
         code = operation_begin(s, err);

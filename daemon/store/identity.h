@@ -14,4 +14,8 @@ typedef struct identity_match {
 int identity_find(store *s, const char *field, const char *settings_digest, const char *content,
                   identity_match *match, shear_error *err);
 
+/* The id of a field's row. STORE_NOT_FOUND where there is none. */
+int field_find(store *s, const char *name, const char *settings_digest, int64_t *id,
+               shear_error *err);
+
 #endif

@@ -4,6 +4,7 @@
 #include "job.h"
 #include "operation.h"
 #include "sums_text.h"
+#include "terms.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -62,18 +63,19 @@ int store_learn(store *s, int64_t id, const store_learned *learned, int64_t *dup
 }
 
 /* Refuse now what a resumed job could not go on with. */
-static int check_checkpoint(int64_t id, int64_t next_block, const char *sums, shear_error *err) {
+static int check_checkpoint(int64_t id, const store_progress *p, shear_error *err) {
     shear_field_sums *parsed = NULL;
-    if (next_block < 0) {
+    if (p->from_block < 0 || p->next_block < p->from_block) {
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
-                          "job %" PRId64 ": a checkpoint at block %" PRId64, id, next_block);
+                          "job %" PRId64 ": a checkpoint of blocks %" PRId64 " to %" PRId64, id,
+                          p->from_block, p->next_block);
     }
-    const int code = sums_parse_given(&parsed, sums, err);
+    const int code = sums_parse_given(&parsed, p->sums, err);
     shear_field_sums_free(parsed);
-    return code;
+    return code == SHEAR_OK ? terms_check(p->terms, p->terms_size, err) : code;
 }
 
-static int write_checkpoint(store *s, int64_t id, int64_t next_block, const char *packed,
+static int write_checkpoint(store *s, int64_t id, const store_progress *p, const char *packed,
                             shear_error *err) {
     job_brief b;
     int code = job_brief_running(s, id, &b, err);
@@ -84,28 +86,36 @@ static int write_checkpoint(store *s, int64_t id, int64_t next_block, const char
     if (code == SHEAR_OK) {
         query q = query_on(s, SQL_CHECKPOINT_SET);
         query_int(&q, id);
-        query_int(&q, next_block);
+        query_int(&q, p->next_block);
         query_text(&q, packed);
         code = query_run(&q, err);
+    }
+    if (code == SHEAR_OK && p->terms != NULL) {
+        code = terms_save(s, id, p, err);
     }
     job_brief_deinit(&b);
     return code;
 }
 
-int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err) {
+int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err) {
     char *packed = NULL;
-    int code = check_checkpoint(id, next_block, sums, err);
+    int code = check_checkpoint(id, progress, err);
     if (code == SHEAR_OK) {
-        code = sums_pack(sums, &packed, err);
+        code = sums_pack(progress->sums, &packed, err);
     }
     if (code == SHEAR_OK) {
         code = operation_begin(s, err);
         if (code == SHEAR_OK) {
-            code = operation_end(s, write_checkpoint(s, id, next_block, packed, err), err);
+            code = operation_end(s, write_checkpoint(s, id, progress, packed, err), err);
         }
     }
     free(packed);
     return code;
+}
+
+int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err) {
+    const store_progress progress = {.next_block = next_block, .sums = sums};
+    return store_checkpoint_terms(s, id, &progress, err);
 }
 
 int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums,

@@ -25,6 +25,13 @@ void query_text(query *q, const char *text) {
     }
 }
 
+void query_blob(query *q, const unsigned char *bytes, size_t size) {
+    if (q->rc == SQLITE_OK) { /* a NULL pointer would bind as null */
+        q->rc = sqlite3_bind_blob64(q->stmt, ++q->bound, size > 0 ? (const void *)bytes : "", size,
+                                    SQLITE_STATIC);
+    }
+}
+
 int query_step(query *q, bool *row, shear_error *err) {
     int rc = q->rc;
     if (rc == SQLITE_OK) {
@@ -47,6 +54,13 @@ int query_step(query *q, bool *row, shear_error *err) {
 
 int64_t query_get_int(query *q) {
     return sqlite3_column_int64(q->stmt, q->column++);
+}
+
+const unsigned char *query_get_blob(query *q, size_t *size) {
+    const int column = q->column++;
+    const unsigned char *bytes = sqlite3_column_blob(q->stmt, column);
+    *size = (size_t)sqlite3_column_bytes(q->stmt, column);
+    return bytes;
 }
 
 char *query_get_text(query *q) {

@@ -196,7 +196,24 @@ static const char *const version_2[] = {
     " END",
     NULL};
 
-const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2};
+/* The terms of stamps where estimator = pdf-sym (shear_symmetry_bytes): of a checkpoint in pieces
+ * that end before a block, of a contribution in parts of bounded size. */
+static const char *const version_3[] = {
+    "CREATE TABLE checkpoint_terms("
+    " job INTEGER NOT NULL REFERENCES checkpoints(job) ON DELETE CASCADE,"
+    " end_block INTEGER NOT NULL,"
+    " bytes BLOB NOT NULL,"
+    " UNIQUE (job, end_block)"
+    ") STRICT",
+    "CREATE TABLE contribution_terms("
+    " contribution INTEGER NOT NULL REFERENCES contributions(id),"
+    " part INTEGER NOT NULL,"
+    " bytes BLOB NOT NULL,"
+    " UNIQUE (contribution, part)"
+    ") STRICT",
+    NULL};
+
+const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3};
 
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err) {

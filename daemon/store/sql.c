@@ -70,6 +70,12 @@ const char *const sql_texts[SQL_N] = {
                            " ON CONFLICT (job) DO UPDATE SET next_block = ?2, sums = ?3",
     [SQL_CHECKPOINT_GET] = "SELECT next_block, sums FROM checkpoints WHERE job = ?1",
     [SQL_CHECKPOINT_DROP] = "DELETE FROM checkpoints WHERE job = ?1",
+    [SQL_CHECKPOINT_TERMS_END] =
+        "SELECT coalesce(max(end_block), 0) FROM checkpoint_terms WHERE job = ?1",
+    [SQL_CHECKPOINT_TERMS_CUT] = "DELETE FROM checkpoint_terms WHERE job = ?1 AND end_block > ?2",
+    [SQL_CHECKPOINT_TERMS_ADD] =
+        "INSERT INTO checkpoint_terms(job, end_block, bytes) VALUES (?1, ?2, ?3)",
+    [SQL_CHECKPOINT_TERMS] = "SELECT bytes FROM checkpoint_terms WHERE job = ?1 ORDER BY end_block",
 
     [SQL_COUNTED_FIND] =
         "SELECT c.job, c.n_stamps, c.n_used FROM fields f CROSS JOIN contributions c"
@@ -85,6 +91,12 @@ const char *const sql_texts[SQL_N] = {
     [SQL_CONTRIBUTION_ADD] =
         "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
         " counted_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+
+    [SQL_TERMS_ADD] =
+        "INSERT INTO contribution_terms(contribution, part, bytes) VALUES (?1, ?2, ?3)",
+    [SQL_FIELD_TERMS] = "SELECT t.bytes FROM contributions c INDEXED BY contributions_order"
+                        " CROSS JOIN contribution_terms t ON t.contribution = c.id"
+                        " WHERE c.field = ?1 ORDER BY c.id, t.part",
 
     /* The order of store_job's members. */
     [SQL_JOB_GET] =

@@ -41,6 +41,7 @@
 #define SHEARD_STORE_H
 
 #include "shear/error.h"
+#include "shear/symmetry.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -252,8 +253,22 @@ int store_learn(store *s, int64_t id, const store_learned *learned, int64_t *dup
  * is known (STORE_WRONG_STATE otherwise). The last one counts. It is dropped when the job is done
  * or cancelled. */
 int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err);
+
+/* The same where estimator = pdf-sym: with the terms (shear_symmetry_bytes) of the blocks
+ * [from_block, next_block). They are added to those of the checkpoints before; from_block = 0
+ * begins anew. STORE_WRONG_STATE where the terms just before from_block are not there (their
+ * checkpoint was lost): the last checkpoint stays. */
+typedef struct store_progress {
+    int64_t from_block, next_block;
+    const char *sums;
+    const unsigned char *terms;
+    size_t terms_size;
+} store_progress;
+int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err);
 /* *sums is malloc'd, the caller frees it. STORE_NOT_FOUND where there is none. */
 int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums, shear_error *err);
+/* Add the terms that belong to the checkpoint to `terms`; none is no error. */
+int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, shear_error *err);
 
 typedef struct store_work {
     const char *sums;   /* the job's exact sums; NULL only for an early duplicate (store_learn) */
@@ -261,6 +276,8 @@ typedef struct store_work {
     const char *catalogue; /* path; may be NULL */
     int64_t elapsed_us;
     int64_t now_ms;
+    const unsigned char *terms; /* of all its stamps where estimator = pdf-sym, as bytes; or NULL */
+    size_t terms_size;
 } store_work;
 
 typedef struct store_finished {
@@ -390,6 +407,11 @@ void store_contribution_page_deinit(store_contribution_page *page);
  * of the page before, or 0. STORE_NOT_FOUND where there is no such field. */
 int store_contributions(store *s, const char *name, const char *settings_digest, int64_t after,
                         size_t limit, store_contribution_page *page, shear_error *err);
+
+/* Add the terms of everything that was counted in a field with these settings, in the order of
+ * counting. STORE_NOT_FOUND as above; no terms is no error. */
+int store_field_terms(store *s, const char *name, const char *settings_digest,
+                      shear_symmetry *terms, shear_error *err);
 
 /* ---- Numbers ---- */
 

@@ -205,6 +205,15 @@ class Daemon:
                     pids += [int(pid) for pid in f.read().split()]
         return pids
 
+    def held(self, number):
+        """The job, once it is in the middle of its measurement, which it does not leave before
+        go_on(): however slow this test may be, and however fast the machine."""
+        until(lambda: self.job(number)["progress"]["done"], f"job {number} measures")
+        self.hold()
+        state = self.job(number)["state"]
+        assert state == "running", f"job {number} is {state} already: it is too small"
+        return number
+
     def hold(self):
         """Stop its readers: the jobs that run cannot end before go_on()."""
         for pid in self.children():

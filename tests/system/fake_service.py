@@ -13,7 +13,7 @@ REPORT = {"field": "deep", "g1": 0.0285, "g1_err": 0.0008, "g2": -0.0301, "g2_er
           "n_stamps": 1000, "n_used": 990, "n_flagged": 10, "flags": {"galaxy_not_finite": 10}, "settings": {},
           "resolved": {"interpolation": "none", "oversample": 1, "beta_px": 2.4, "r_psf_px": 1.6, "filter": "paper",
                        "core_px": 15.5, "width_px": 2.4, "k_cut": 2.0},
-          "files": [], "error_method": "delta", "jackknife": None, "truth": None, "pull": None,
+          "files": [], "estimator": "mean", "error_method": "delta", "jackknife": None, "truth": None, "pull": None,
           "filter_removed": 0.001, "warnings": ["the borders are bright"], "version": "0.1.0", "seconds": 1.5}
 
 

@@ -426,7 +426,7 @@ class Wait(ServiceTest):
                                    env={**os.environ, **SANITIZERS, "SHEARD_SOCKET": self.socket})
         self.assertTrue(asked.wait(120))
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=30)
+        _, err = process.communicate(timeout=120)
         self.assertEqual(process.returncode, OTHER)
         self.assertIn("the jobs go on", err)
 
@@ -711,7 +711,7 @@ esac
         """Findings of a copy of the tool that has no sheard beside it: the one of PATH is found."""
         os.makedirs(self.path("alone"), exist_ok=True)
         tool = shutil.copy(SHEARCTL, self.path("alone/shearctl"))
-        process = subprocess.run([tool, "doctor", "--json"], capture_output=True, text=True, check=False, timeout=60,
+        process = subprocess.run([tool, "doctor", "--json"], capture_output=True, text=True, check=False, timeout=120,
                                  env={**os.environ, **SANITIZERS, "SHEARD_SOCKET": self.socket, **env})
         found = [json.loads(line) for line in process.stdout.splitlines()]
         return process.returncode, found, {f["subject"]: f for f in found}

@@ -31,18 +31,11 @@ class Jobs(DaemonTest):
     def slow(self, name="slow.fits", seconds=3):
         """A job that runs for about so long, running."""
         stamps = stamps_for(seconds, 32, *SLOW_OPTIONS)
-        job = self.d.submit(self.data(name, stamps, 77), settings=SLOW)["id"]
-        self.d.wait_state(job, "running")
-        until(lambda: self.d.job(job)["progress"]["done"], "it measures")
-        return job
+        return self.d.submit(self.data(name, stamps, 77), settings=SLOW)["id"]
 
     def held(self, name="slow.fits"):
-        """A job in the middle of its measurement, which it does not leave before self.d.go_on():
-        however slow this test may be, and however fast the machine."""
-        job = self.slow(name)
-        self.d.hold()
-        self.assertEqual(self.d.job(job)["state"], "running")
-        return job
+        """A job in the middle of its measurement, which it does not leave before self.d.go_on()."""
+        return self.d.held(self.slow(name))
 
 
 class Submit(Jobs):

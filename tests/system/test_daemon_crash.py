@@ -2,6 +2,7 @@
 """kill -9 at random moments, while fields are submitted and dropped: whatever was accepted is done
 exactly once, and every field equals the uninterrupted run to the last bit. SHEARD_CRASHES is the
 number of kills, SHEARD_SEED makes another run of it."""
+import contextlib
 import os
 import random
 import shutil
@@ -131,22 +132,28 @@ class Checkpoint(DaemonTest):
     """A job that takes long: what it measured before the kill is not measured again."""
 
     def saved(self, daemon):
-        """The next block of each checkpoint on disk, read from a copy of the dead service's
-        database."""
+        """The next block of each checkpoint on disk, read from a copy of the database."""
         copy = os.path.join(self.directory, "copy")
         shutil.rmtree(copy, ignore_errors=True)
         shutil.copytree(daemon.state, copy)
-        with sqlite3.connect(os.path.join(copy, "sheard.db")) as base:
-            rows = base.execute("select next_block from checkpoints").fetchall()
-        base.close()
+        with contextlib.closing(sqlite3.connect(os.path.join(copy, "sheard.db"))) as base:
+            try:
+                rows = base.execute("select next_block from checkpoints").fetchall()
+                self.terms = base.execute("select sum(length(bytes)) / 48 from checkpoint_terms"
+                                          ).fetchone()[0]
+            except sqlite3.DatabaseError:  # copied while it was written
+                return []
         return [row[0] for row in rows]
 
     def interrupt(self, daemon, job, meanwhile=lambda: None):
         """Kill it when a checkpoint is due, and start it again; the blocks that it saved."""
-        begun = time.monotonic()
-        until(lambda: daemon.job(job)["state"] == "done" or
-              time.monotonic() > begun + CHECKPOINT_S + 1, "a checkpoint is due")
-        self.assertEqual(daemon.job(job)["state"], "running", "no longer when a checkpoint is due")
+        due = time.monotonic() + CHECKPOINT_S + 1
+        until(lambda: time.monotonic() > due, "a checkpoint is due")
+        before = daemon.job(job)["progress"]["done"]
+        daemon.go_on()
+        until(lambda: daemon.job(job)["progress"]["done"] > before, "the turn that saves")
+        daemon.hold()
+        until(lambda: self.saved(daemon), "the checkpoint")
         daemon.kill()
         saved = self.saved(daemon)
         meanwhile()
@@ -155,7 +162,7 @@ class Checkpoint(DaemonTest):
 
     def test_resume(self):
         daemon = self.daemon({"daemon.workers": 1})
-        job, path = self.large(daemon, 3)
+        job, path = self.large(daemon)
         saved = self.interrupt(daemon, job)
         self.assertEqual(len(saved), 1, "no checkpoint")
         self.assertGreater(saved[0], 0)
@@ -167,13 +174,24 @@ class Checkpoint(DaemonTest):
         endings = [a["ending"] for a in daemon.call("job", id=job)["history"]]
         self.assertEqual(endings, ["interrupted", "done"])
 
-    def large(self, daemon, checkpoints):
-        """A job that is measured for so many checkpoints, and its file."""
-        stamps = stamps_for(checkpoints * CHECKPOINT_S, 32, *SLOW_OPTIONS, "--threads", "1")
+    def test_resume_with_terms(self):
+        """The terms of before the kill are beside the sums: the symmetry is that of one run."""
+        daemon = self.daemon({"daemon.workers": 1})
+        job, path = self.large(daemon, estimator="pdf-sym")
+        saved = self.interrupt(daemon)
+        self.assertEqual(len(saved), 1, "no checkpoint")
+        self.assertEqual(self.terms, saved[0] * BLOCK)
+        done = until(lambda: daemon.job(job)["progress"]["done"], "it goes on")
+        self.assertGreaterEqual(done, saved[0] * BLOCK, "it began anew")
+        daemon.wait_state(job, "done")
+        expected = measured([path], *SLOW_OPTIONS, "--estimator", "pdf-sym")
+        self.assertRow(daemon, "large", expected, 1)
+
+    def large(self, daemon, seconds=6, **more):
+        """A job that is measured for about so long, held in the middle, and its file."""
+        stamps = stamps_for(seconds, 32, *SLOW_OPTIONS, "--threads", "1")
         path = mock(os.path.join(daemon.data, "large.fits"), stamps, 32, 9)
-        job = daemon.submit(path, settings=SLOW)["id"]
-        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
-        return job, path
+        return daemon.held(daemon.submit(path, settings={**SLOW, **more})["id"]), path
 
     def kept(self, daemon):
         """Temporary files of catalogues."""
@@ -183,7 +201,7 @@ class Checkpoint(DaemonTest):
         """The rows of before the kill are on disk: the catalogue is that of an uninterrupted run,
         to the last byte."""
         daemon = self.daemon({"daemon.workers": 1, "catalogues.enabled": "true"})
-        job, path = self.large(daemon, 3)
+        job, path = self.large(daemon)
         saved = self.interrupt(daemon, job)
         self.assertEqual(len(saved), 1, "no checkpoint")
         self.assertGreater(saved[0], 0)
@@ -201,7 +219,7 @@ class Checkpoint(DaemonTest):
     def test_without_its_rows_it_begins_anew(self):
         """And what is left of jobs that are over goes at the start, what is cancelled at once."""
         daemon = self.daemon({"daemon.workers": 1, "catalogues.enabled": "true"})
-        job, _ = self.large(daemon, 3)
+        job, _ = self.large(daemon)
 
         def lose():
             os.unlink(daemon.path("catalogues", f".{job}.shear.fits.part"))

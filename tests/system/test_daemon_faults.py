@@ -86,7 +86,7 @@ class Faults(DaemonTest):
                 return not daemon.alive() or self.idle(daemon)
             except (OSError, EOFError, RpcError):
                 return False
-        until(over, f"the daemon is idle or gone: {self.point}", 30, 0.02)
+        until(over, f"the daemon is idle or gone: {self.point}", step=0.02)
 
     def idle(self, daemon):
         states = daemon.call("status")["states"]
@@ -123,7 +123,7 @@ class Faults(DaemonTest):
         daemon.env.pop("LD_PRELOAD")
         daemon.start()
         self.submit(daemon, acknowledged)
-        daemon.wait_idle(30)
+        daemon.wait_idle()
         self.check(daemon, acknowledged)
         self.assertEqual(os.listdir(daemon.folder("active")), [], self.point)
         daemon.close()

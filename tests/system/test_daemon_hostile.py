@@ -133,8 +133,7 @@ class BadFiles(DaemonTest):
         daemon = self.daemon({"retry.first_delay": "10ms"})
         slow = {"interpolation": "bicubic", "oversample": 16}
         path = mock(os.path.join(daemon.data, "a.fits"), 800, 32)
-        job = daemon.submit(path, settings=slow)["id"]
-        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
+        job = daemon.held(daemon.submit(path, settings=slow)["id"])
         other = mock(os.path.join(daemon.data, "b.fits"), 8, 32)
         for pid in daemon.children():
             os.kill(pid, signal.SIGKILL)
@@ -148,7 +147,7 @@ class BadFiles(DaemonTest):
 
     def test_reader_hangs(self):
         """Twice: then the job has failed, and says that the reader did not answer."""
-        daemon = self.daemon({"retry.first_delay": "10ms", "reader.wall_time": "1s"})
+        daemon = self.daemon({"retry.first_delay": "10ms", "reader.wall_time": "3s"})
         path = mock(os.path.join(daemon.data, "a.fits"), 4000, 32)
         job = daemon.submit(path, settings={"interpolation": "bicubic", "oversample": 16})["id"]
         for attempt in (1, 2):
@@ -168,9 +167,7 @@ class BadFiles(DaemonTest):
         daemon = self.daemon()
         slow = {"interpolation": "bicubic", "oversample": 16}
         path = mock(os.path.join(daemon.data, "a.fits"), 800, 32)
-        job = daemon.submit(path, settings=slow)["id"]
-        until(lambda: daemon.job(job)["progress"]["done"], "it measures")
-        daemon.hold()
+        job = daemon.held(daemon.submit(path, settings=slow)["id"])
         for i in range(4):
             other = mock(os.path.join(daemon.data, f"b{i}.fits"), 40, 32, i)
             self.assertEqual(daemon.submit(other, wait=True)["state"], "done")
@@ -206,6 +203,24 @@ class BadFiles(DaemonTest):
         self.assertEqual((job["state"], job["class"], job["code"]),
                          ("failed", "bug", "reader_memory"), job)
 
+    def test_what_hangs_can_be_cancelled_and_stopped(self):
+        """Without waiting for its reader, and the job is not blamed for it."""
+        daemon = self.daemon({"reader.wall_time": "1h"})
+        slow = {"interpolation": "bicubic", "oversample": 16}
+        path = mock(os.path.join(daemon.data, "a.fits"), 800, 32)
+        job = daemon.held(daemon.submit(path, settings=slow)["id"])
+        daemon.call("cancel", id=job)
+        self.assertEqual(daemon.wait_state(job, *FINAL)["state"], "cancelled")
+        job = daemon.held(daemon.submit(path, settings=slow)["id"])
+        daemon.signal(signal.SIGTERM)
+        until(lambda: daemon.call("status")["state"] == "stopping", "it stops")
+        daemon.signal(signal.SIGTERM)
+        self.assertEqual(daemon.ended(), 0)
+        daemon.start()
+        self.assertEqual(daemon.wait_state(job, *FINAL)["state"], "done")
+        endings = [a["ending"] for a in daemon.call("job", id=job)["history"]]
+        self.assertEqual(endings, ["released", "done"])
+
     def test_files_that_hang_when_opened(self):
         """More of them than workers: the others are measured meanwhile."""
         programs = os.path.join(self.directory, "programs")
@@ -227,6 +242,10 @@ class BadFiles(DaemonTest):
             daemon.wait_state(hung[-1], "running")
         self.assertEqual(daemon.submit(good, wait=True)["state"], "done")
         self.assertEqual([daemon.job(job)["state"] for job in hung], ["running"] * 3)
+        daemon.call("cancel", id=hung[0])
+        self.assertEqual(daemon.wait_state(hung[0], *FINAL)["state"], "cancelled")
+        daemon.call("shutdown", mode="now")
+        self.assertEqual(daemon.ended(), 0)
 
 
 class BadClients(DaemonTest):

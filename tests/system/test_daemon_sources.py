@@ -154,13 +154,14 @@ class Separate(Sources):
         self.d.settings["daemon.max_active_jobs"] = 1
         self.d.write_config()
         self.d.call("reload")
-        slow = mock(os.path.join(self.d.data, "slow.fits"), stamps_for(5, 32, *SLOW_OPTIONS), 32, 7)
+        slow = mock(os.path.join(self.d.data, "slow.fits"), stamps_for(3, 32, *SLOW_OPTIONS), 32, 7)
         first = self.d.submit(slow, settings=SLOW)["id"]
-        self.d.wait_state(first, "running")
+        self.d.held(first)
         _, parts = self.cut(self.d)
         job = self.d.call("submit", **parts)["job"]["id"]
         os.rename(parts["psf"]["path"], parts["psf"]["path"] + ".away")
         self.d.call("cancel", id=first)
+        self.d.go_on()
         job = self.d.wait_state(job, *FINAL)
         self.assertEqual((job["state"], job["class"], job["code"]),
                          ("failed", "transient", "file_vanished"))
@@ -188,12 +189,12 @@ class Changing(Sources):
         self.d = self.daemon({"retry.first_delay": "50ms"})
 
     def write(self, program, *arguments):
+        """While the job waits in the middle of its measurement."""
         subprocess.run([sys.executable, "-c", program, *arguments], check=True)
+        self.d.go_on()
 
     def running(self, **source):
-        job = self.d.call("submit", **source, settings=SLOW)["job"]["id"]
-        until(lambda: self.d.job(job)["progress"]["done"], "it measures")
-        return job
+        return self.d.held(self.d.call("submit", **source, settings=SLOW)["job"]["id"])
 
     def check(self, job, name, expected):
         """The attempt failed and was repeated, and only the second was counted."""
@@ -284,10 +285,8 @@ class Rights(Sources):
         return next(job["id"] for job in self.d.jobs() if job["owner"] == uid)
 
     def busy(self):
-        path = mock(os.path.join(self.d.data, "slow.fits"), stamps_for(20, 32, *SLOW_OPTIONS), 32)
-        job = self.d.submit(path, settings=SLOW)["id"]
-        self.d.wait_state(job, "running")
-        return job
+        path = mock(os.path.join(self.d.data, "slow.fits"), stamps_for(3, 32, *SLOW_OPTIONS), 32)
+        return self.d.held(self.d.submit(path, settings=SLOW)["id"])
 
     def test_groups_of_the_connection(self):
         path = self.shared()
@@ -296,11 +295,11 @@ class Rights(Sources):
         self.assertRow(self.d, "shared", measured([path]), 1)
 
     def test_they_are_kept_over_a_restart(self):
-        slow, path = self.busy(), self.shared()
+        self.busy()
+        path = self.shared()
         job = self.submit_as(USER, [self.GROUP], path=path)
         self.d.kill()
         self.d.start()
-        self.d.call("cancel", id=slow)
         self.assertEqual(self.d.wait_state(job, *FINAL)["state"], "done")
 
     def test_no_other_groups(self):
@@ -309,6 +308,7 @@ class Rights(Sources):
         job = self.submit_as(USER, [self.GROUP], path=path)
         os.chown(path, 0, self.GROUP + 1)
         self.d.call("cancel", id=slow)
+        self.d.go_on()
         job = self.d.wait_state(job, *FINAL)
         self.assertEqual((job["state"], job["class"], job["code"]),
                          ("failed", "data", "not_readable"))

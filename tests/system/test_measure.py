@@ -11,14 +11,14 @@ from fitsfile import BLOCK, Field, hdus, primary, rotate
 from tool import DONE, INPUT, PARTLY, USAGE, ToolTest, shearctl
 
 KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "n_flagged",
-        "flags", "settings", "resolved", "files", "error_method", "jackknife", "truth", "pull",
+        "flags", "settings", "resolved", "files", "estimator", "error_method", "jackknife", "truth", "pull",
         "filter_removed", "warnings", "version", "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow"]
 SETTINGS = {"interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 1.5,
             "filter": "auto", "core": "auto", "width": "auto", "zeros": "skip", "pedestal": 0.0,
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
-            "shot-noise": "none"}
+            "shot-noise": "none", "estimator": "mean"}
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",
             "k_cut"]
 
@@ -165,8 +165,8 @@ class Report(ToolTest):
 
 
 class Files(ToolTest):
-    def test_files_of_one_field_are_joined(self):
-        whole = Field(n=32, nx=24, ny=24, sigma=0.2, size=2.0, r_psf=1.2)
+    def write_halves(self, whole):
+        """The field cut into two files of 16 stamps."""
         parts = []
         for k, name in enumerate("ab"):
             part = Field(n=1, nx=24, ny=24, r_psf=1.2, name="gauss")
@@ -174,6 +174,11 @@ class Files(ToolTest):
             part.galaxy, part.noise = whole.galaxy[16 * k:][:16], whole.noise[16 * k:][:16]
             part.keys = whole.keys
             parts.append(part.write(self.path(f"{name}.fits")))
+        return parts
+
+    def test_files_of_one_field_are_joined(self):
+        whole = Field(n=32, nx=24, ny=24, sigma=0.2, size=2.0, r_psf=1.2)
+        parts = self.write_halves(whole)
         one = self.measure_one(whole.write(self.path("whole.fits")))
         two = self.measure_one(*parts)
         self.assertEqual(numbers(one), numbers(two))
@@ -183,6 +188,30 @@ class Files(ToolTest):
         # The jackknife's groups follow the checksums, not the order of the arguments.
         there, back = (self.measure_one("--jackknife", 2, *order) for order in (parts, parts[::-1]))
         self.assertEqual(numbers(there), numbers(back))
+
+    def test_symmetry_of_any_order(self):
+        symmetric = ("--estimator", "pdf-sym")
+        whole = Field(n=32, nx=24, ny=24, sigma=0.2, size=2.0, r_psf=1.2)
+        parts = self.write_halves(whole)
+        path = whole.write(self.path("whole.fits"))
+        one = self.measure_one(path, *symmetric)
+        self.assertEqual((one["estimator"], one["error_method"], one["settings"]["estimator"]),
+                         ("pdf-sym", "symmetry", "pdf-sym"))
+        mean = self.measure_one(path)
+        for g in ("g1", "g2"):
+            self.assertNotEqual(one[g], mean[g])
+            self.assertLess(abs(one[g] - mean[g]), 5 * (one[g + "_err"] + mean[g + "_err"]))
+        for order in (parts, parts[::-1]):
+            for threads in (1, 2, 5):
+                result = self.measure_one("--threads", threads, *symmetric, *order)
+                self.assertEqual(numbers(one), numbers(result))
+        self.assertIn("estimator  pdf-sym", shearctl("measure", path, *symmetric).out)
+        self.assertFails(shearctl("measure", path, *symmetric, "--jackknife", 2), USAGE,
+                         "--estimator mean")
+
+    def test_symmetry_needs_16_stamps(self):
+        path = Field(n=15).write(self.path("a.fits"))
+        self.assertFails(shearctl("measure", path, "--estimator", "pdf-sym"), INPUT, "usable")
 
     def test_fields_in_order_of_first_appearance_and_override(self):
         paths = [Field(n=4, seed=k, name=name).write(self.path(f"{k}.fits"))

@@ -21,9 +21,9 @@ ROOMS = {  # header -> the folders that may include it (tests may include anythi
     "seccomp.h": ["daemon/reader"],
     "uv.h": ["daemon"],
     "Random123": ["mocks"],
-    "gsl": ["mocks"],
+    "gsl": ["mocks", "validation"],
 }
-SOURCES = [p for folder in ("core", "mocks", "figures", "protocol", "config", "daemon", "client", "bench")
+SOURCES = [p for folder in ("core", "mocks", "figures", "protocol", "config", "daemon", "client", "validation", "bench")
            for p in (ROOT / folder).rglob("*.[ch]")]
 
 

@@ -4,6 +4,7 @@ sanitizer is built in (memory is not limited then, and more time is allowed)."""
 import json
 import os
 import resource
+import signal
 import subprocess
 import tempfile
 import time
@@ -16,6 +17,10 @@ MEMORY = 2 << 30  # bytes of addresses
 PATIENCE = 20 if SANITIZED else 2.5
 
 DONE, OTHER, USAGE, INPUT, PARTLY = 0, 1, 2, 3, 4
+
+
+# In the background of a shell this process would ignore ^C, and so would its children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class Answer:

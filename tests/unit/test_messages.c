@@ -343,7 +343,7 @@ static void test_whole_settings(void **state) {
     assert_string_equal(text, "interpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=1.5\n"
                               "filter=auto\ncore=7\nwidth=auto\nzeros=skip\npedestal=0.25\n"
                               "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n"
-                              "shot-noise=none\n");
+                              "shot-noise=none\nestimator=mean\n");
     shear_settings_init(&t);
     assert_int_equal(shear_settings_apply(&t, text, &err), SHEAR_OK);
     assert_int_equal(shear_settings_write(&t, again, sizeof again, &err), SHEAR_OK);

@@ -7,6 +7,8 @@
 #include "pair.h"
 #include "test.h"
 
+#include "shear/symmetry.h"
+
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -287,12 +289,40 @@ static void test_jackknife(void **state) {
     exhaust(fill_jackknife, &b, 5);
 }
 
+/* 600 stamps: the table grows twice; joined, and solved. */
+static int solve_symmetry(void *context) {
+    shear_symmetry *s = NULL;
+    shear_symmetry *whole = NULL;
+    shear_result r = {0};
+    uint64_t seed = *(const uint64_t *)context;
+    int code = shear_symmetry_new(&s, NULL);
+    for (int i = 0; i < 600 && code == SHEAR_OK; i++) {
+        const shear_row row = {
+            .n1 = uniform(&seed) - 0.5, .n2 = uniform(&seed) - 0.5, .d = 1.0, .weight = 1.0};
+        code = shear_symmetry_add(s, &row, 1.5, NULL);
+    }
+    code = code == SHEAR_OK ? shear_symmetry_new(&whole, NULL) : code;
+    code = code == SHEAR_OK ? shear_symmetry_join(whole, s, 0, NULL) : code;
+    code = code == SHEAR_OK ? shear_symmetry_solve(whole, 0, &r, NULL) : code;
+    assert_true(r.valid == (code == SHEAR_OK));
+    shear_symmetry_free(s);
+    shear_symmetry_free(whole);
+    return code;
+}
+
+static void test_symmetry(void **state) {
+    (void)state;
+    uint64_t seed = 3;
+    exhaust(solve_symmetry, &seed, 12);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plans_and_workspaces),
         cmocka_unit_test(test_nothing_per_stamp),
         cmocka_unit_test(test_sums),
         cmocka_unit_test(test_jackknife),
+        cmocka_unit_test(test_symmetry),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

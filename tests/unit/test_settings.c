@@ -25,7 +25,7 @@ static void test_table(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
-    assert_true(n == 13);
+    assert_true(n == 14);
     for (size_t i = 0; i < n; i++) {
         assert_ptr_equal(shear_settings_find(table[i].name), &table[i]);
         assert_in_range(strlen(table[i].keyword), 1, 8);
@@ -59,7 +59,8 @@ static void test_defaults(void **state) {
     assert_true(s.filter == SHEAR_FILTER_AUTO && isnan(s.core_px) && isnan(s.width_px) &&
                 s.zeros == SHEAR_ZEROS_SKIP);
     assert_true(s.pedestal == 0.0 && s.psf_threshold == 1e-8 && s.power_tolerance == 1e-3 &&
-                s.noise_correction && s.shot_noise == SHEAR_SHOT_NONE);
+                s.noise_correction && s.shot_noise == SHEAR_SHOT_NONE &&
+                s.estimator == SHEAR_ESTIMATOR_MEAN);
 }
 
 /* Format, set into something else, compare bits; and formatting again gives the same text. */

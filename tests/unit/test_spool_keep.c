@@ -138,10 +138,43 @@ static void many(void **state) {
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, fixture_setup, fixture_teardown)
 
+static bool ticked(const spool_fixture *f, const void *ticks) {
+    (void)f;
+    return *(const int *)ticks >= 3;
+}
+
+static void count_tick(uv_timer_t *timer) {
+    ++*(int *)timer->data;
+}
+
+/* Nothing is in done/ and failed/ to look after: that is no reason to look for ever, and the loop's
+ * other users have their turns meanwhile. */
+static void empty_folders_are_looked_at_once(void **state) {
+    spool_fixture *f = *state;
+    int ticks = 0;
+    uv_timer_t timer = {.data = &ticks};
+    f->tuning.scan_ms = 20;
+    f->tuning.done.max_count = 1;
+    f->tuning.failed.max_count = 1;
+    fixture_open(f);
+    uv_timer_init(&f->loop, &timer);
+    uv_timer_start(&timer, count_tick, 5, 5);
+    fixture_run_until(f, ticked, &ticks);
+    fixture_run_until_scans(f, 3);
+    assert_int_equal(spool_get_stats(f->spool).removed, 0);
+    uv_close((uv_handle_t *)&timer, NULL);
+    uv_run(&f->loop, UV_RUN_NOWAIT);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        TEST(by_age),          TEST(by_count_the_oldest_first), TEST(by_bytes_with_the_reports),
-        TEST(jobs_count_once), TEST(what_is_not_ours_stays),    TEST(many),
+        TEST(by_age),
+        TEST(by_count_the_oldest_first),
+        TEST(by_bytes_with_the_reports),
+        TEST(jobs_count_once),
+        TEST(what_is_not_ours_stays),
+        TEST(many),
+        TEST(empty_folders_are_looked_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

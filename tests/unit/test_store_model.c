@@ -120,7 +120,8 @@ static void do_finish(pair *p) {
     const model_job *job = &p->m->jobs[id <= p->m->n_jobs ? id : 0];
     const int content = job->content > 0 ? job->content : 0;
     const int64_t now = fx_now(&p->f);
-    const store_work work = {given ? p->sums[content][job->settings] : NULL, NULL, NULL, 7, now};
+    const store_work work = {
+        given ? p->sums[content][job->settings] : NULL, NULL, NULL, 7, now, NULL, 0};
     FX_CODE(model_finish(p->m, id, given, now, &end[0]),
             store_finish(p->f.s, id, &work, &end[1], &err));
     assert_memory_equal(&end[0], &end[1], sizeof end[0]);

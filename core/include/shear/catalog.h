@@ -56,7 +56,7 @@ typedef struct shear_catalog_table {
     bool has_truth;
     double sim_g1, sim_g2;
     double beta_px, r_psf_px;
-    shear_result result; /* valid, g1, g2, errors, cov12, jackknife, counts */
+    shear_result result; /* valid, g1, g2, errors, cov12, jackknife, estimator, counts */
     shear_row *rows;     /* [n]; members that the table does not hold are NaN */
 } shear_catalog_table;
 int shear_catalog_read(shear_catalog_table **t, const char *path, shear_error *err);

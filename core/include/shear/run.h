@@ -9,6 +9,7 @@
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
+#include "shear/symmetry.h"
 
 /* Where PSF images come from: `read` gives image `index` of a field as out[psf_ny][psf_nx]. */
 typedef struct shear_psf_source {
@@ -39,6 +40,7 @@ typedef struct shear_run_options {
     int threads;              /* 0 = all cores */
     const char *catalog_path; /* or NULL */
     bool overwrite;           /* replace an existing catalogue */
+    shear_symmetry *terms;    /* or NULL: gets the terms of all stamps where estimator = pdf-sym */
     const char *checksum; /* of the input, for the catalogue; NULL = computed when one is written */
     /* Called from one thread at a time, at most every `notify_stamps` or so; return non-zero to
      * stop the run (SHEAR_E_CANCELLED). May be NULL. */
@@ -49,12 +51,12 @@ typedef struct shear_run_options {
 typedef struct shear_run_report {
     shear_field_info field;
     shear_plan_info plan;
-    shear_result result; /* of this file alone, delta method */
+    shear_result result; /* of this file alone, by the settings' estimator, no jackknife */
     double seconds;      /* wall clock, open to close */
 } shear_run_report;
 
 /* Measure one field file and add its sums to `sums` (and its blocks, in index order, to `jack` if
- * not NULL). On error nothing has been added to either and no catalogue is left. */
+ * not NULL). On error nothing has been added to any and no catalogue is left. */
 int shear_run_file(const char *path, const shear_settings *settings,
                    const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
                    shear_run_report *report, shear_error *err);

@@ -42,6 +42,12 @@ enum shear_shot_noise {
     SHEAR_SHOT_PLATEAU   /* galaxy and noise power lose each their plateau, before T */
 };
 
+/* How a field's shear is made of its stamps. */
+enum shear_estimator {
+    SHEAR_ESTIMATOR_MEAN = 0, /* the ratio of means (shear/sums.h) */
+    SHEAR_ESTIMATOR_PDF_SYM   /* PDF symmetrization (shear/symmetry.h) */
+};
+
 typedef struct shear_settings {
     int interpolation;      /* enum shear_interpolation */
     int oversample;         /* s, a power of two; 0 = smallest with 1/s < R_PSF/4 */
@@ -56,6 +62,7 @@ typedef struct shear_settings {
     double power_tolerance; /* largest part of the target's power that may lie beyond the cut */
     bool noise_correction;  /* subtract the noise stamp's moments */
     int shot_noise;         /* enum shear_shot_noise */
+    int estimator;          /* enum shear_estimator */
 } shear_settings;
 
 enum shear_setting_type { SHEAR_T_CHOICE, SHEAR_T_INT, SHEAR_T_DOUBLE, SHEAR_T_BOOL };
@@ -98,6 +105,7 @@ int shear_settings_check(const shear_settings *s, shear_error *err);
 /* The name of an enum value, from the table's choices. Never NULL. */
 const char *shear_interpolation_name(int interpolation);
 const char *shear_filter_name(int filter);
+const char *shear_estimator_name(int estimator);
 
 /* True for the three methods that interpolate ln(pixel). */
 bool shear_interpolation_is_log(int interpolation);

@@ -75,8 +75,10 @@ int shear_field_sums_parse(shear_field_sums **f, const char *text, shear_error *
  * false and the shear and its errors are NaN. */
 typedef struct shear_result {
     bool valid;
+    int estimator; /* enum shear_estimator (shear/settings.h) */
     double g1, g2;
-    double g1_err, g2_err; /* 1 sigma: delta method, or jackknife where it was asked for */
+    double g1_err, g2_err; /* 1 sigma: delta method, or jackknife where it was asked for, or the
+                              symmetry's own */
     double cov12;          /* covariance of g1 and g2, by the same method */
     int jackknife;         /* groups of the jackknife; 0 = delta method */
     int64_t n_stamps, n_used, n_flagged;
@@ -91,6 +93,9 @@ typedef struct shear_result {
     double border_rough_err;
     double border_noise_var; /* mean border variance of the noise stamps */
 } shear_result;
+
+/* Where the errors are from: "delta", "jackknife" or "symmetry". */
+const char *shear_error_method(const shear_result *r);
 
 /* The field's result with delta-method errors. */
 void shear_field_result(const shear_field_sums *f, shear_result *out);

@@ -15,6 +15,7 @@
 #include "shear/field.h"
 #include "shear/plan.h"
 #include "shear/sums.h"
+#include "shear/symmetry.h"
 
 /* Where stamps come from. `read` is called by one thread at a time (the work's lock is held), and
  * gives pairs [first, first+count) as *block, which stays valid until the same slot reads again.
@@ -95,5 +96,10 @@ int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err);
 
 /* Add the joined sums to `sums` (exact) and return next_block; thread-safe. */
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums);
+
+/* The same with the terms of the same stamps from the `from`-th on, which are kept where the plan's
+ * estimator is pdf-sym: added to `terms`. On error nothing has been added to either. */
+int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
+                          shear_symmetry *terms, int64_t *next_block, shear_error *err);
 
 #endif

@@ -44,9 +44,10 @@ typedef struct shear_report {
 } shear_report;
 
 /* *text is malloc'd and the caller's to free; no newline at its end. Keys: field g1 g1_err g2
- * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] error_method
- * ("delta" or "jackknife") jackknife (groups or null) truth{g1,g2} pull{g1,g2} (null without truth;
- * (measured - true)/error) filter_removed warnings[] version seconds. SHEAR_E_NOMEM. */
+ * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] estimator
+ * ("mean" or "pdf-sym") error_method ("delta", "jackknife" or "symmetry") jackknife (groups or
+ * null) truth{g1,g2} pull{g1,g2} (null without truth; (measured - true)/error) filter_removed
+ * warnings[] version seconds. SHEAR_E_NOMEM. */
 int shear_report_json(char **text, const shear_report *report, shear_error *err);
 
 /* Stamps of a field file that share a fault: how many, and the first few. */

@@ -15,7 +15,8 @@ typedef struct shear_report_summary {
     double g1, g1_err, g2, g2_err, cov12;
     int64_t n_stamps, n_used, n_flagged;
     int64_t flagged[SHEAR_N_FLAGS];
-    int64_t jackknife; /* groups; 0: the delta method */
+    int64_t jackknife; /* groups; 0: another method */
+    char estimator[16], error_method[16];
     double true_g1, true_g2, pull_g1, pull_g2;
     int64_t n_files;
     char interpolation[24], filter[24]; /* as resolved */

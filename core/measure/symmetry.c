@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/symmetry.h"
+
+#include "measure/block_sums.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N_DOUBLES = 6, BYTES_OF_DOUBLE = 8 };
+_Static_assert(N_DOUBLES *BYTES_OF_DOUBLE == SHEAR_SYMMETRY_BYTES, "the bytes of a stamp");
+_Static_assert(sizeof(symmetry_terms) == N_DOUBLES * sizeof(double), "six doubles, no padding");
+
+int shear_symmetry_new(shear_symmetry **out, shear_error *err) {
+    *out = calloc(1, sizeof **out);
+    if (*out == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's terms");
+    }
+    return SHEAR_OK;
+}
+
+void shear_symmetry_free(shear_symmetry *s) {
+    if (s != NULL) {
+        free(s->stamps);
+        free(s);
+    }
+}
+
+static int make_room(shear_symmetry *s, size_t more, shear_error *err) {
+    const size_t wanted = s->n + more;
+    size_t room = s->room > 0 ? s->room : 256;
+    while (room < wanted) {
+        room *= 2;
+    }
+    symmetry_terms *stamps = room > s->room ? realloc(s->stamps, room * sizeof *stamps) : s->stamps;
+    if (stamps == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the terms of %zu stamps",
+                          wanted);
+    }
+    s->stamps = stamps;
+    s->room = room;
+    return SHEAR_OK;
+}
+
+int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, shear_error *err) {
+    double sums[SHEAR_N_TERMS];
+    const double beta2 = beta_px * beta_px;
+    const symmetry_terms t = {.n1 = row->n1,
+                              .n2 = row->n2,
+                              .d = row->d,
+                              .u = -0.5 * beta2 * row->u,
+                              .v = -2.0 * beta2 * row->v,
+                              .weight = row->weight};
+    if (row->flags != 0 || !block_terms(row, sums) || !isfinite(t.u + t.v)) {
+        return SHEAR_OK;
+    }
+    const int code = make_room(s, 1, err);
+    if (code == SHEAR_OK) {
+        s->stamps[s->n++] = t;
+    }
+    return code;
+}
+
+int shear_symmetry_join(shear_symmetry *s, const shear_symmetry *other, size_t from,
+                        shear_error *err) {
+    const size_t n = other->n > from ? other->n - from : 0;
+    const int code = n > 0 ? make_room(s, n, err) : SHEAR_OK;
+    if (code == SHEAR_OK && n > 0) {
+        memcpy(s->stamps + s->n, other->stamps + from, n * sizeof *other->stamps);
+        s->n += n;
+    }
+    return code;
+}
+
+void shear_symmetry_truncate(shear_symmetry *s, size_t n) {
+    s->n = n < s->n ? n : s->n;
+}
+
+size_t shear_symmetry_count(const shear_symmetry *s) {
+    return s->n;
+}
+
+/* A double as 8 bytes, the lowest first. */
+static void put_double(double value, unsigned char *out) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    for (int i = 0; i < BYTES_OF_DOUBLE; i++) {
+        out[i] = (unsigned char)(bits >> (8 * i));
+    }
+}
+
+static double get_double(const unsigned char *in) {
+    uint64_t bits = 0;
+    for (int i = 0; i < BYTES_OF_DOUBLE; i++) {
+        bits |= (uint64_t)in[i] << (8 * i);
+    }
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+void shear_symmetry_bytes(const shear_symmetry *s, size_t from, unsigned char *out) {
+    for (size_t i = from; i < s->n; i++) {
+        double values[N_DOUBLES];
+        memcpy(values, &s->stamps[i], sizeof values);
+        for (int k = 0; k < N_DOUBLES; k++, out += BYTES_OF_DOUBLE) {
+            put_double(values[k], out);
+        }
+    }
+}
+
+static bool read_terms(const unsigned char *bytes, symmetry_terms *t) {
+    double values[N_DOUBLES];
+    bool good = true;
+    for (int k = 0; k < N_DOUBLES; k++, bytes += BYTES_OF_DOUBLE) {
+        values[k] = get_double(bytes);
+        good = good && isfinite(values[k]);
+    }
+    memcpy(t, values, sizeof *t);
+    return good && t->weight >= 0.0;
+}
+
+int shear_symmetry_add_bytes(shear_symmetry *s, const unsigned char *bytes, size_t size,
+                             shear_error *err) {
+    const size_t n = size / SHEAR_SYMMETRY_BYTES;
+    bool good = size % SHEAR_SYMMETRY_BYTES == 0;
+    const int code = good ? make_room(s, n, err) : SHEAR_OK;
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    for (size_t i = 0; i < n && good; i++) {
+        good = read_terms(bytes + i * SHEAR_SYMMETRY_BYTES, &s->stamps[s->n + i]);
+    }
+    if (!good) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "these %zu bytes are not the terms of a field's stamps", size);
+    }
+    s->n += n;
+    return SHEAR_OK;
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "terms.h"
+
+#include "identity.h"
+#include "query.h"
+
+#include <inttypes.h>
+
+/* Of a row of the database: far below SQLite's limit, and 20,000 stamps or so. */
+enum { PART_STAMPS = 1 << 14, PART_BYTES = PART_STAMPS * SHEAR_SYMMETRY_BYTES };
+
+int terms_check(const unsigned char *bytes, size_t size, shear_error *err) {
+    shear_symmetry *terms = NULL;
+    int code = shear_symmetry_new(&terms, err);
+    if (code == SHEAR_OK && bytes != NULL) {
+        code = shear_symmetry_add_bytes(terms, bytes, size, err);
+    }
+    shear_symmetry_free(terms);
+    return code == SHEAR_E_FORMAT
+               ? shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
+                            "%zu bytes are no terms of stamps", size)
+               : code;
+}
+
+static int end_of(store *s, int64_t job, int64_t *end, shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_CHECKPOINT_TERMS_END);
+    query_int(&q, job);
+    const int code = query_step(&q, &row, err);
+    *end = row ? query_get_int(&q) : 0;
+    query_end(&q);
+    return code;
+}
+
+static int cut(store *s, int64_t job, int64_t from_block, shear_error *err) {
+    query q = query_on(s, SQL_CHECKPOINT_TERMS_CUT);
+    query_int(&q, job);
+    query_int(&q, from_block);
+    return query_run(&q, err);
+}
+
+int terms_save(store *s, int64_t job, const store_progress *p, shear_error *err) {
+    int64_t end = 0;
+    int code = cut(s, job, p->from_block, err);
+    if (code == SHEAR_OK) {
+        code = end_of(s, job, &end, err);
+    }
+    if (code == SHEAR_OK && end != p->from_block) {
+        return shear_fail(err, STORE_WRONG_STATE, NULL,
+                          "job %" PRId64 ": terms up to block %" PRId64
+                          " are kept, and those that follow begin at %" PRId64,
+                          job, end, p->from_block);
+    }
+    if (code == SHEAR_OK && p->next_block > p->from_block) {
+        query q = query_on(s, SQL_CHECKPOINT_TERMS_ADD);
+        query_int(&q, job);
+        query_int(&q, p->next_block);
+        query_blob(&q, p->terms, p->terms_size);
+        code = query_run(&q, err);
+    }
+    return code;
+}
+
+int terms_count(store *s, const unsigned char *bytes, size_t size, shear_error *err) {
+    const int64_t contribution = sqlite3_last_insert_rowid(s->db);
+    int64_t part = 0;
+    int code = SHEAR_OK;
+    for (size_t at = 0; code == SHEAR_OK && (at < size || part == 0); at += PART_BYTES) {
+        query q = query_on(s, SQL_TERMS_ADD);
+        query_int(&q, contribution);
+        query_int(&q, part++);
+        query_blob(&q, bytes + at, size - at < PART_BYTES ? size - at : PART_BYTES);
+        code = query_run(&q, err);
+    }
+    return code;
+}
+
+/* All rows of a query of one blob, which has its parameters. */
+static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
+    const size_t before = shear_symmetry_count(terms);
+    bool row = false;
+    int code = query_step(q, &row, err);
+    while (code == SHEAR_OK && row) {
+        size_t size = 0;
+        const unsigned char *bytes = query_get_blob(q, &size);
+        code = shear_symmetry_add_bytes(terms, bytes, size, err);
+        if (code == SHEAR_OK) {
+            code = query_step(q, &row, err);
+        }
+    }
+    query_end(q);
+    if (code != SHEAR_OK) {
+        shear_symmetry_truncate(terms, before);
+    }
+    return code;
+}
+
+int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, shear_error *err) {
+    query q = query_on(s, SQL_CHECKPOINT_TERMS);
+    query_int(&q, id);
+    return read_all(&q, terms, err);
+}
+
+int store_field_terms(store *s, const char *name, const char *settings_digest,
+                      shear_symmetry *terms, shear_error *err) {
+    int64_t field = 0;
+    const int code = field_find(s, name, settings_digest, &field, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    query q = query_on(s, SQL_FIELD_TERMS);
+    query_int(&q, field);
+    return read_all(&q, terms, err);
+}

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fields with estimator = pdf-sym in the service: to the last bit what shearctl measure says of the
+same files, whatever the order in which they come. (Killed in the middle: test_daemon_crash.py.)"""
+import os
+import subprocess
+import unittest
+
+from daemon import DaemonTest, measured, mock, numbers, until
+from tool import SHEARCTL
+
+SYMMETRIC = ("--estimator", "pdf-sym")
+STAMPS = (48, 176, 90)  # of the parts
+
+
+class Symmetry(DaemonTest):
+    def setUp(self):
+        super().setUp()
+        self.service = self.daemon()
+        self.parts = [mock(os.path.join(self.service.data, f"part{i}.fits"), n, 32, i + 1,
+                           "--rotate", 1) for i, n in enumerate(STAMPS)]
+
+    def count(self, part, **settings):
+        job = self.service.submit(self.parts[part], field="f", settings=settings)["id"]
+        return self.service.wait_state(job, "done")
+
+    def row(self, estimator):
+        rows = [r for r in self.service.call("field", field="f")["rows"]
+                if r["settings"]["estimator"] == estimator]
+        self.assertEqual([r["estimator"] for r in rows], [estimator])
+        return rows[0]
+
+    def assertSolved(self, parts):
+        expected = measured([self.parts[i] for i in parts], *SYMMETRIC)
+        row = self.row("pdf-sym")
+        self.assertEqual(row["error_method"], "symmetry")
+        self.assertEqual((row["jobs"], row["unfinished"]), (len(parts), 0))
+        self.assertEqual(numbers(row), expected)
+        summary = [f for f in self.service.call("fields")["fields"] if f["digest"] == row["digest"]]
+        self.assertEqual([summary[0][k] for k in ("g1", "g1_err", "g2", "g2_err", "n_used")],
+                         [expected[k] for k in ("g1", "g1_err", "g2", "g2_err", "n_used")])
+
+    def test_equals_measure_in_any_order(self):
+        for so_far in ((2,), (2, 0), (2, 0, 1)):  # asked for in between: what is kept must go
+            job = self.count(so_far[-1], estimator="pdf-sym")
+            own = measured([self.parts[so_far[-1]]], *SYMMETRIC)
+            self.assertEqual(numbers(job["result"]), own)
+            self.assertSolved(so_far)
+        self.assertEqual(self.count(1, estimator="pdf-sym")["outcome"], "duplicate")
+        self.assertSolved((0, 1, 2))
+        self.service.kill()
+        self.service.start()
+        self.assertSolved((1, 2, 0))
+
+    def test_beside_the_mean(self):
+        """The estimator is a setting: a field by each, of the same files."""
+        for part in (1, 0):
+            self.count(part, estimator="pdf-sym")
+            self.assertEqual(self.count(part)["outcome"], "counted")
+        self.assertSolved((0, 1))
+        self.assertEqual(numbers(self.row("mean")), measured(self.parts[:2]))
+        shown = subprocess.run([SHEARCTL, "field", "--socket", self.service.socket, "f"],
+                               check=True, capture_output=True, encoding="utf-8").stdout
+        self.assertIn("estimator  pdf-sym", shown)
+        self.assertIn("estimator  mean", shown)
+
+    def test_only_what_was_counted(self):
+        """Stamps of a running job are in the mean at once, in the symmetry when it is done."""
+        self.count(0, estimator="pdf-sym")
+        slow = mock(os.path.join(self.service.data, "slow.fits"), 4000, 64, 9)
+        job = self.service.submit(slow, field="f", settings={"estimator": "pdf-sym"})["id"]
+        until(lambda: self.service.job(job)["progress"]["done"], "it measures")
+        self.service.hold()
+        row = self.row("pdf-sym")
+        if self.service.job(job)["state"] == "running":
+            self.assertEqual((row["running"], row["partial"]), ([job], True))
+            self.assertEqual(numbers(row), measured(self.parts[:1], *SYMMETRIC))
+        self.service.go_on()
+        self.service.wait_state(job, "done")
+        self.parts.append(slow)
+        self.assertSolved((0, 3))
+
+
+if __name__ == "__main__":
+    unittest.main()
