@@ -211,10 +211,18 @@ static int set_option(struct request *r, const char *name, const char *value, sh
 
 /* ---- the command line ---- */
 
+/* What the numbers do not depend on is left out: the table is to be the same wherever it was made.
+ */
 static void keep_command(struct request *r, int argc, char **argv) {
     size_t used = (size_t)snprintf(r->command, sizeof r->command, "shear-paper");
     for (int i = 0; i < argc && used < sizeof r->command; i++) {
-        used += (size_t)snprintf(r->command + used, sizeof r->command - used, " %s", argv[i]);
+        bool valued = strcmp(argv[i], "--out") == 0 || strcmp(argv[i], "--threads") == 0;
+        bool idle = strncmp(argv[i], "--out=", 6) == 0 || strncmp(argv[i], "--threads=", 10) == 0 ||
+                    strcmp(argv[i], "--quiet") == 0 || strcmp(argv[i], "--fresh") == 0;
+        if (!valued && !idle) {
+            used += (size_t)snprintf(r->command + used, sizeof r->command - used, " %s", argv[i]);
+        }
+        i += valued;
     }
 }
 

@@ -32,6 +32,20 @@ void fft_free(void *p) {
     free(p);
 }
 
+fft_lanes fft_lanes_new(int n) {
+    const size_t half = (size_t)n * FFT_LANES;
+    double *memory = fft_alloc(2 * half * sizeof *memory);
+    if (memory == NULL) {
+        return (fft_lanes){0};
+    }
+    memset(memory, 0, 2 * half * sizeof *memory);
+    return (fft_lanes){.re = memory, .im = memory + half};
+}
+
+void fft_lanes_free(fft_lanes lanes) {
+    fft_free(lanes.re);
+}
+
 size_t fft_padded(int n) {
     return ((size_t)n + FFT_LANES - 1) / FFT_LANES * FFT_LANES;
 }
@@ -69,20 +83,19 @@ static bool make_twiddles(fft_plan *plan) {
     return plan->twiddles != NULL;
 }
 
+/* FFTW's vector codelets want complex numbers: for split ones it takes several times as long. */
 static bool make_other(fft_plan *plan) {
-    const size_t bytes = (size_t)plan->n * FFT_LANES * sizeof(double);
-    double *memory[4] = {fft_alloc(bytes), fft_alloc(bytes), fft_alloc(bytes), fft_alloc(bytes)};
-    const fftw_iodim line = {.n = plan->n, .is = FFT_LANES, .os = FFT_LANES};
-    const fftw_iodim lanes = {.n = FFT_LANES, .is = 1, .os = 1};
-    if (memory[0] != NULL && memory[1] != NULL && memory[2] != NULL && memory[3] != NULL) {
+    const size_t points = (size_t)plan->n * FFT_LANES;
+    fftw_complex *in = fft_alloc(points * sizeof *in);
+    fftw_complex *out = fft_alloc(points * sizeof *out);
+    if (in != NULL && out != NULL) {
         pthread_mutex_lock(&planner);
-        plan->other = fftw_plan_guru_split_dft(1, &line, 1, &lanes, memory[0], memory[1], memory[2],
-                                               memory[3], FFTW_ESTIMATE | FFTW_PRESERVE_INPUT);
+        plan->other = fftw_plan_many_dft(1, &plan->n, FFT_LANES, in, NULL, FFT_LANES, 1, out, NULL,
+                                         FFT_LANES, 1, FFTW_FORWARD, FFTW_ESTIMATE);
         pthread_mutex_unlock(&planner);
     }
-    for (int i = 0; i < 4; i++) {
-        fft_free(memory[i]);
-    }
+    fft_free(in);
+    fft_free(out);
     return plan->other != NULL;
 }
 
@@ -113,18 +126,31 @@ void fft_plan_free(fft_plan *plan) {
     free(plan);
 }
 
-static void gather(int n, const double *in, size_t step, double *out) {
-    for (size_t e = 0; e < (size_t)n && in != out; e++) {
-        memcpy(out + e * FFT_LANES, in + e * step, FFT_LANES * sizeof *out);
+SHEAR_SIMD static void join(int n, const double *restrict re, const double *restrict im,
+                            size_t step, double *restrict out) {
+    for (size_t e = 0; e < (size_t)n; e++) {
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            out[2 * (e * FFT_LANES + l)] = re[e * step + l];
+            out[2 * (e * FFT_LANES + l) + 1] = im[e * step + l];
+        }
+    }
+}
+
+SHEAR_SIMD static void part(int n, const double *restrict in, fft_lanes out) {
+#pragma omp simd
+    for (size_t i = 0; i < (size_t)n * FFT_LANES; i++) {
+        out.re[i] = in[2 * i];
+        out.im[i] = in[2 * i + 1];
     }
 }
 
 fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size_t step,
                   fft_lanes a, fft_lanes b) {
     if (plan->other != NULL) {
-        gather(plan->n, re, step, b.re);
-        gather(plan->n, im, step, b.im);
-        fftw_execute_split_dft(plan->other, b.re, b.im, a.re, a.im);
+        join(plan->n, re, im, step, a.re);
+        fftw_execute_dft(plan->other, (fftw_complex *)a.re, (fftw_complex *)b.re);
+        part(plan->n, b.re, a);
         return a;
     }
     for (int i = 0; i < plan->n_passes; i++) {

@@ -23,17 +23,19 @@ enum { FFT_LANES = 8 };
 /* n, rounded up to whole groups of lanes. */
 size_t fft_padded(int n);
 
-/* Eight lines: [n][FFT_LANES] each. */
+/* Eight lines: [n][FFT_LANES] each; im lies behind re in the same memory. */
 typedef struct fft_lanes {
     double *re, *im;
 } fft_lanes;
+fft_lanes fft_lanes_new(int n); /* zeros; re is NULL when memory is out */
+void fft_lanes_free(fft_lanes lanes);
 
 typedef struct fft_plan fft_plan;
 fft_plan *fft_plan_new(int n); /* n >= 2 numbers a line; NULL when memory is out */
 void fft_plan_free(fft_plan *plan);
 
 /* The forward transform of eight lines. Input: element e of lane l at re[e step + l], im[e step +
- * l], with step >= FFT_LANES. `a` and `b` [n][FFT_LANES] come from fft_alloc; the one that is
+ * l], with step >= FFT_LANES. `a` and `b` come from fft_lanes_new, for n or more; the one that is
  * returned holds the result, the other one was scratch. `b` may be the input, which is lost then:
  * two buffers fit the first cache where three do not. Nothing else overlaps. */
 fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size_t step,

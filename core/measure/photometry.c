@@ -31,7 +31,7 @@ SHEAR_SIMD static void add_strip(photometry_sums *sums, const double *galaxy, co
 void photometry_add(photometry_sums *s, int x0, int skip, int y0, int y1) {
     const double *galaxy = s->galaxy + x0;
     const double *noise = s->noise + x0;
-    if (skip == 0) {
+    if (skip == 0 && y0 < y1) {
         add_strip(s, galaxy, noise, (size_t)y0, (size_t)y1);
         return;
     }
@@ -87,8 +87,8 @@ photometry photometry_of(const double *galaxy, const double *noise, int nx, int 
 }
 
 /* Sums of the border about `origin`: its pixels, and their squares. */
-static void sum_border(const double *pixels, int nx, int ny, double origin, double *sum,
-                       double *squares) {
+SHEAR_SIMD static void sum_border(const double *pixels, int nx, int ny, double origin, double *sum,
+                                  double *squares) {
     const double *last = pixels + (size_t)(ny - 1) * (size_t)nx;
     double s1 = 0.0;
     double s2 = 0.0;
@@ -99,6 +99,7 @@ static void sum_border(const double *pixels, int nx, int ny, double origin, doub
         s1 += bottom + top;
         s2 += bottom * bottom + top * top;
     }
+#pragma omp simd reduction(+ : s1, s2)
     for (int y = 1; y < ny - 1; y++) {
         const double left = pixels[(size_t)y * (size_t)nx] - origin;
         const double right = pixels[(size_t)(y + 1) * (size_t)nx - 1] - origin;

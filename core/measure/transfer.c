@@ -85,19 +85,17 @@ static double *new_zeros(size_t n) {
 
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
     const int longest = period_x(p) > period_y(p) ? period_x(p) : period_y(p);
-    const size_t lanes = ((size_t)longest + 1) * FFT_LANES;
     *t = (transfer_scratch){.folded_stride = ((size_t)period_x(p) + PAIR - 1) / PAIR * PAIR};
     const bool image_made = image_init(&t->image, &p->grid);
     t->strip = fft_alloc((size_t)p->grid.fine_ny * FFT_LANES * sizeof *t->strip);
     t->folded = new_zeros((size_t)period_y(p) * t->folded_stride);
     for (int i = 0; i < 2; i++) {
-        t->lanes[i] = (fft_lanes){new_zeros(lanes), new_zeros(lanes)};
+        t->lanes[i] = fft_lanes_new(longest + 1);
     }
     t->modes = new_zeros(2 * p->stride * t->folded_stride);
     t->power = fft_alloc(table_size(p) * sizeof *t->power);
     return image_made && t->strip != NULL && t->folded != NULL && t->lanes[0].re != NULL &&
-           t->lanes[0].im != NULL && t->lanes[1].re != NULL && t->lanes[1].im != NULL &&
-           t->modes != NULL && t->power != NULL;
+           t->lanes[1].re != NULL && t->modes != NULL && t->power != NULL;
 }
 
 void transfer_scratch_deinit(transfer_scratch *t) {
@@ -105,8 +103,7 @@ void transfer_scratch_deinit(transfer_scratch *t) {
     fft_free(t->strip);
     fft_free(t->folded);
     for (int i = 0; i < 2; i++) {
-        fft_free(t->lanes[i].re);
-        fft_free(t->lanes[i].im);
+        fft_lanes_free(t->lanes[i]);
     }
     fft_free(t->modes);
     fft_free(t->power);

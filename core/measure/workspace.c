@@ -3,17 +3,6 @@
 
 #include <stdlib.h>
 
-static bool lanes_init(fft_lanes *lanes, int n) {
-    const size_t bytes = (size_t)n * FFT_LANES * sizeof *lanes->re;
-    *lanes = (fft_lanes){.re = fft_alloc(bytes), .im = fft_alloc(bytes)};
-    return lanes->re != NULL && lanes->im != NULL;
-}
-
-static void lanes_deinit(fft_lanes *lanes) {
-    fft_free(lanes->re);
-    fft_free(lanes->im);
-}
-
 /* Room for the rows of modes that any transfer of the plan may want. */
 static bool modes_init(shear_workspace *ws, const shear_plan *plan) {
     const transfer widest = {.jy = plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy};
@@ -29,9 +18,11 @@ static bool allocate(shear_workspace *ws, const shear_plan *plan) {
     const int longest = info->fine_nx > info->fine_ny ? info->fine_nx : info->fine_ny;
     bool ok = image_init(&ws->galaxy, &plan->grid);
     ok = image_init(&ws->noise, &plan->grid) && ok;
-    ok = lanes_init(&ws->strip, info->fine_ny + 1) && ok;
+    ws->strip = fft_lanes_new(info->fine_ny + 1);
+    ok = ok && ws->strip.re != NULL;
     for (int i = 0; i < 3; i++) {
-        ok = lanes_init(&ws->lanes[i], longest + 1) && ok;
+        ws->lanes[i] = fft_lanes_new(longest + 1);
+        ok = ok && ws->lanes[i].re != NULL;
     }
     ok = modes_init(ws, plan) && ok;
     if (info->filter_per_stamp) {
@@ -62,9 +53,9 @@ void shear_workspace_free(shear_workspace *ws) {
     }
     image_deinit(&ws->galaxy);
     image_deinit(&ws->noise);
-    lanes_deinit(&ws->strip);
+    fft_lanes_free(ws->strip);
     for (int i = 0; i < 3; i++) {
-        lanes_deinit(&ws->lanes[i]);
+        fft_lanes_free(ws->lanes[i]);
     }
     fft_free(ws->modes);
     filter_map_deinit(&ws->fine);

@@ -178,7 +178,7 @@ class Checkpoint(DaemonTest):
         """The terms of before the kill are beside the sums: the symmetry is that of one run."""
         daemon = self.daemon({"daemon.workers": 1})
         job, path = self.large(daemon, estimator="pdf-sym")
-        saved = self.interrupt(daemon)
+        saved = self.interrupt(daemon, job)
         self.assertEqual(len(saved), 1, "no checkpoint")
         self.assertEqual(self.terms, saved[0] * BLOCK)
         done = until(lambda: daemon.job(job)["progress"]["done"], "it goes on")

@@ -32,7 +32,7 @@ core_test(error)
 
 # Every allocation of libshear's own goes through the test, which lets the n-th fail.
 core_test(nomem)
-foreach(call malloc calloc realloc free aligned_alloc strdup open_memstream fftw_plan_guru_split_dft
+foreach(call malloc calloc realloc free aligned_alloc strdup open_memstream fftw_plan_many_dft
     fftw_destroy_plan)
   target_link_options(test_nomem PRIVATE -Wl,--wrap=${call})
 endforeach()

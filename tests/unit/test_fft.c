@@ -15,15 +15,9 @@ enum { MAX_N = 1024 };
 static const double eps = 2.2e-16;
 
 static fft_lanes new_lanes(int n) {
-    const size_t bytes = (size_t)n * FFT_LANES * sizeof(double);
-    const fft_lanes made = {fft_alloc(bytes), fft_alloc(bytes)};
+    const fft_lanes made = fft_lanes_new(n);
     assert_true(made.re != NULL && made.im != NULL);
     return made;
-}
-
-static void free_lanes(fft_lanes lanes) {
-    fft_free(lanes.re);
-    fft_free(lanes.im);
 }
 
 static void draw(fft_lanes x, int n, uint64_t seed) {
@@ -93,12 +87,12 @@ static void check_length(int n, int every) {
     const fft_lanes apart = fft_run(plan, re, im, STEP, c, d);
     assert_memory_equal(apart.re, z.re, (size_t)n * FFT_LANES * sizeof(double));
     assert_memory_equal(apart.im, z.im, (size_t)n * FFT_LANES * sizeof(double));
-    free_lanes(x);
-    free_lanes(in);
-    free_lanes(a);
-    free_lanes(b);
-    free_lanes(c);
-    free_lanes(d);
+    fft_lanes_free(x);
+    fft_lanes_free(in);
+    fft_lanes_free(a);
+    fft_lanes_free(b);
+    fft_lanes_free(c);
+    fft_lanes_free(d);
     fft_plan_free(plan);
 }
 
@@ -140,11 +134,11 @@ static void test_lanes_are_apart(void **state) {
         for (int k = 3; k < n * FFT_LANES; k += FFT_LANES) {
             assert_true(alone.re[k] == z.re[k] && alone.im[k] == z.im[k]);
         }
-        free_lanes(x);
-        free_lanes(a);
-        free_lanes(b);
-        free_lanes(c);
-        free_lanes(d);
+        fft_lanes_free(x);
+        fft_lanes_free(a);
+        fft_lanes_free(b);
+        fft_lanes_free(c);
+        fft_lanes_free(d);
         fft_plan_free(plan);
     }
 }

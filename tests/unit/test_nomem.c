@@ -37,9 +37,9 @@ void __real_free(void *p);
 char *__real_strdup(const char *s);
 void *__real_aligned_alloc(size_t alignment, size_t n);
 FILE *__real_open_memstream(char **text, size_t *size);
-void *__real_fftw_plan_guru_split_dft(int rank, const void *dims, int howmany_rank,
-                                      const void *howmany, double *ri, double *ii, double *ro,
-                                      double *io, unsigned flags);
+void *__real_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
+                                int istride, int idist, void *out, const int *onembed, int ostride,
+                                int odist, int sign, unsigned flags);
 void __real_fftw_destroy_plan(void *plan);
 
 void *__wrap_malloc(size_t n);
@@ -49,9 +49,9 @@ void __wrap_free(void *p);
 char *__wrap_strdup(const char *s);
 void *__wrap_aligned_alloc(size_t alignment, size_t n);
 FILE *__wrap_open_memstream(char **text, size_t *size);
-void *__wrap_fftw_plan_guru_split_dft(int rank, const void *dims, int howmany_rank,
-                                      const void *howmany, double *ri, double *ii, double *ro,
-                                      double *io, unsigned flags);
+void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
+                                int istride, int idist, void *out, const int *onembed, int ostride,
+                                int odist, int sign, unsigned flags);
 void __wrap_fftw_destroy_plan(void *plan);
 
 void *__wrap_malloc(size_t n) {
@@ -88,12 +88,13 @@ FILE *__wrap_open_memstream(char **text, size_t *size) {
     return refuse() ? NULL : counted(__real_open_memstream(text, size));
 }
 
-void *__wrap_fftw_plan_guru_split_dft(int rank, const void *dims, int howmany_rank,
-                                      const void *howmany, double *ri, double *ii, double *ro,
-                                      double *io, unsigned flags) {
-    return refuse() ? NULL
-                    : counted(__real_fftw_plan_guru_split_dft(rank, dims, howmany_rank, howmany, ri,
-                                                              ii, ro, io, flags));
+void *__wrap_fftw_plan_many_dft(int rank, const int *n, int howmany, void *in, const int *inembed,
+                                int istride, int idist, void *out, const int *onembed, int ostride,
+                                int odist, int sign, unsigned flags) {
+    return refuse()
+               ? NULL
+               : counted(__real_fftw_plan_many_dft(rank, n, howmany, in, inembed, istride, idist,
+                                                   out, onembed, ostride, odist, sign, flags));
 }
 
 void __wrap_fftw_destroy_plan(void *plan) {

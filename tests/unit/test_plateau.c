@@ -105,7 +105,7 @@ static void add(mean *m, double x) {
  * restores the moments of a stamp without noise, which are far away without it. */
 static void test_expectation(void **state) {
     (void)state;
-    enum { SIDE = 32, TRIES = 1500 };
+    enum { SIDE = 32, TRIES = 400 };
     uint64_t seed = 5;
     double clean[SIDE * SIDE];
     pair p;

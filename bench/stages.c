@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "stages.h"
+
+#include "rounds.h"
+#include "timer.h"
+
+#include "measure/plan_impl.h"
+
+const char *const stage_names[N_STAGES] = {
+    "PSF", "interpolation", "transform along y", "packing", "along x", "moments", "border, flags"};
+
+/* The case, and the pair that a stage is to work on. */
+typedef struct scene {
+    const shear_plan *plan;
+    shear_workspace *ws;
+    const transfer *transfer;
+    const double *galaxy, *noise, *psf;
+    moments sum;
+} scene;
+
+static const filter_map *filter_of(const scene *s) {
+    return s->plan->filtered ? &s->plan->fine : NULL;
+}
+
+static int strips(const scene *s) {
+    return (s->plan->info.fine_nx + FFT_LANES - 1) / FFT_LANES;
+}
+
+static int strip_start(const scene *s, int i) {
+    const int last = s->plan->info.fine_nx - FFT_LANES;
+    return i * FFT_LANES < last ? i * FFT_LANES : last;
+}
+
+static void do_psf(scene *s) {
+    shear_workspace *ws = s->ws;
+    transfer_make(&ws->transfer, &s->plan->transfer_plan, &ws->psf_scratch, s->psf, NULL);
+}
+
+static void interpolate(const scene *s, image *im, const double *pixels) {
+    const filter_map *filter = filter_of(s);
+    int bad;
+    image_load(im, &s->plan->grid, pixels, &bad, &bad);
+    for (int i = 0; i < strips(s); i++) {
+        const int y0 = filter != NULL ? filter->strip_y0[i] : 0;
+        const int y1 = filter != NULL ? filter->strip_y1[i] : s->plan->info.fine_ny;
+        image_strip(im, &s->plan->grid, strip_start(s, i), y0, y1, s->ws->strip.re);
+    }
+}
+
+static void do_interpolate(scene *s) {
+    interpolate(s, &s->ws->galaxy, s->galaxy);
+    interpolate(s, &s->ws->noise, s->noise);
+}
+
+static void do_along_y(scene *s) {
+    const fft_lanes strip = s->ws->strip;
+    for (int i = 0; i < strips(s); i++) {
+        fft_run(s->plan->along_y, strip.re, strip.im, FFT_LANES, s->ws->lanes[0], s->ws->lanes[1]);
+    }
+}
+
+static void do_pack(scene *s) {
+    photometry ph;
+    pack_failure failure;
+    pack_pair(s->plan, s->ws, filter_of(s), s->galaxy, s->noise, last_group(s->plan, s->transfer),
+              &ph, &failure);
+}
+
+static void do_along_x(scene *s) {
+    for (int group = 0; group <= last_group(s->plan, s->transfer); group++) {
+        transform_rows(s->plan, s->ws, group);
+    }
+}
+
+static void do_moments(scene *s) {
+    for (int group = 0; group <= last_group(s->plan, s->transfer); group++) {
+        const mode_rows rows = {.up = s->ws->lanes[0],
+                                .down = s->ws->lanes[2],
+                                .nx = s->plan->info.fine_nx,
+                                .group = group};
+        moments_add(&s->sum, &rows, &s->plan->transfer_plan, s->transfer);
+    }
+}
+
+static double time_stage(const bench_data *d, scene *s, int repeats, void (*stage)(scene *)) {
+    const size_t pixels = (size_t)d->stamps.nx * (size_t)d->stamps.ny;
+    const double start = timer_processor_us();
+    for (int r = 0; r < repeats; r++) {
+        for (int i = 0; i < d->count; i++) {
+            const size_t psf = d->stamps.psf != NULL ? (size_t)i : 0;
+            s->galaxy = d->galaxy + (size_t)i * pixels;
+            s->noise = d->noise + (size_t)i * pixels;
+            s->psf = d->psf + psf * pixels;
+            stage(s);
+        }
+    }
+    return (timer_processor_us() - start) / ((double)repeats * d->count);
+}
+
+void stages_time(const bench_data *d, shear_workspace *ws, int repeats, double us[N_STAGES]) {
+    const shear_plan *plan = d->plan;
+    scene s = {.plan = plan,
+               .ws = ws,
+               .transfer = plan->has_psf ? &plan->transfer : &ws->transfer,
+               .psf = d->psf};
+    const bool interpolated = plan->grid.x.kind != AXIS_NONE;
+    const double whole = rounds_time_pairs(d, ws, repeats);
+    us[STAGE_PSF] = plan->has_psf ? 0.0 : time_stage(d, &s, repeats, do_psf);
+    us[STAGE_INTERPOLATE] = interpolated ? time_stage(d, &s, repeats, do_interpolate) : 0.0;
+    us[STAGE_ALONG_Y] = time_stage(d, &s, repeats, do_along_y);
+    us[STAGE_PACK] =
+        time_stage(d, &s, repeats, do_pack) - us[STAGE_INTERPOLATE] - us[STAGE_ALONG_Y];
+    us[STAGE_ALONG_X] = time_stage(d, &s, repeats, do_along_x);
+    us[STAGE_MOMENTS] = time_stage(d, &s, repeats, do_moments);
+    us[STAGE_REST] = whole;
+    for (int i = 0; i < STAGE_REST; i++) {
+        us[STAGE_REST] -= us[i];
+    }
+}
