@@ -79,7 +79,8 @@ static int measure_ratio(const struct request *r, struct ledger *ledger, double 
     const shear_settings settings = settings_at(r, ratio);
     int n = pixels_samplings(r) * N_METHODS;
     for (int i = 0; i < n; i++) {
-        series[i] = method_series(0, i % N_METHODS, i / N_METHODS, 1.0 / ratio, &settings);
+        series[i] = method_series(0, i % N_METHODS, (enum psf_sampling)(i / N_METHODS), 1.0 / ratio,
+                                  &settings);
     }
     snprintf(name, sizeof name, "R_G=%g,pixel=%g", size, ratio);
     int code = measure(r, ledger, name, &scene, series, n, &tally, err);

@@ -123,7 +123,8 @@ static int measure(const struct request *r, struct ledger *ledger, int object, d
     shear_settings settings = r->settings;
     settings.beta_px = request_number(r, "beta") / ratio;
     for (int i = 0; i < N_SERIES; i++) {
-        series[i] = method_series(0, i % N_METHODS, i / N_METHODS, 1.0 / ratio, &settings);
+        series[i] = method_series(0, i % N_METHODS, (enum psf_sampling)(i / N_METHODS), 1.0 / ratio,
+                                  &settings);
     }
     shear_mock_spec draws = scene.spec;
     draws.n_stamps = r->galaxies;

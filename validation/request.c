@@ -183,20 +183,21 @@ static bool takes_value(const struct experiment *e, const char *name) {
     return text == NULL;
 }
 
+/* A knob may have the name of an option that the experiment otherwise chooses itself. */
 static int set_option(struct request *r, const char *name, const char *value, shear_error *err) {
     const struct experiment *e = r->experiment;
-    bool known = false;
+    int knob = find_knob(e, name);
+    if (knob >= 0) {
+        return parse_knob(&e->knobs[knob], value, &r->knobs[knob], err);
+    }
     if (is_fixed(e, name)) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--%s': %s chooses it itself", name,
                           e->name);
     }
+    bool known = false;
     int code = set_common(r, name, value, &known, err);
     if (known) {
         return code;
-    }
-    int knob = find_knob(e, name);
-    if (knob >= 0) {
-        return parse_knob(&e->knobs[knob], value, &r->knobs[knob], err);
     }
     if (shear_mock_option_find(name)) {
         return shear_mock_set(&r->mock, name, value, err);
@@ -367,7 +368,9 @@ void request_help(const struct experiment *e, FILE *out) {
     print_changed(&r, out);
     fputs("and what the experiment chooses itself:", out);
     for (const char *const *p = e->fixed; p && *p; p++) {
-        fprintf(out, " %s", *p);
+        if (find_knob(e, *p) < 0) {
+            fprintf(out, " %s", *p);
+        }
     }
     fputc('\n', out);
 }

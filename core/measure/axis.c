@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static axis_weights linear_weights(double t) {
     return (axis_weights){.a = 1.0 - t, .b = t};
@@ -127,6 +128,10 @@ void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int 
         cubic_slopes(ax->n, f, e, stride, lanes);
     } else if (ax->kind == AXIS_SPLINE) {
         spline_slopes(ax->pivot, ax->n, f, e, stride, lanes);
+    } else { /* weighed with 0, and so must be numbers */
+        for (int i = 0; i < ax->n; i++) {
+            memset(e + (size_t)i * stride, 0, (size_t)lanes * sizeof *e);
+        }
     }
 }
 

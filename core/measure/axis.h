@@ -42,7 +42,8 @@ typedef struct axis {
 bool axis_init(axis *ax, int kind, int n, int s);
 void axis_deinit(axis *ax);
 
-/* e of `lanes` lines at once: point i of lane l is f[i * stride + l]. No point may be -INFINITY. */
+/* e of `lanes` lines at once: point i of lane l is f[i * stride + l]. No point may be -INFINITY.
+ * Of a linear axis e is 0. */
 void axis_slopes(const axis *ax, const double *f, double *e, size_t stride, int lanes);
 
 /* The same for one line in which -INFINITY in `marks` (f itself, or the values that f was made of)

@@ -65,6 +65,7 @@ typedef struct waiter {
     int64_t until_ms; /* loop time; INT64_MAX: for ever */
     size_t n_ids;
     int64_t *ids;
+    size_t left; /* of them, not final when they were last looked at, less those that ended since */
 } waiter;
 
 enum { RATE_SLOTS = 61 };

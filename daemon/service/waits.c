@@ -29,12 +29,13 @@ static size_t look(service *s, const waiter *w, store_job *jobs, shear_msg_job *
 }
 
 /* Reply where all have ended, or `now`. Whether it was answered. */
-static bool answer(service *s, const waiter *w, bool now) {
+static bool answer(service *s, waiter *w, bool now) {
     store_job *jobs = calloc(w->n_ids, sizeof *jobs);
     shear_msg_job *messages = calloc(w->n_ids, sizeof *messages);
     bool answered = false;
     if (jobs != NULL && messages != NULL) {
-        const bool all = look(s, w, jobs, messages) == w->n_ids;
+        w->left = w->n_ids - look(s, w, jobs, messages);
+        const bool all = w->left == 0;
         if (all || now) {
             shear_reply reply = {0};
             if (w->method == SHEAR_METHOD_SUBMIT) {
@@ -112,8 +113,14 @@ static void sweep(service *s, bool (*over)(service *, waiter *, int64_t), int64_
     }
 }
 
+/* The store is asked only when it may be the last one: many clients may wait for many jobs. It may
+ * turn out not to be: a job that had failed may have been retried meanwhile. */
 static bool over_with_job(service *s, waiter *w, int64_t id) {
-    return waits_for(w, id) && answer(s, w, false);
+    if (!waits_for(w, id)) {
+        return false;
+    }
+    w->left -= w->left > 0;
+    return w->left == 0 && answer(s, w, false);
 }
 
 static bool over_by_time(service *s, waiter *w, int64_t now) {

@@ -82,6 +82,12 @@ class Usage(ExperimentTest):
         self.fails("shot", "--snrs", "1", says="snrs")
         self.assertEqual(list(self.path.glob("*.ecsv")), [])
 
+    def test_a_knob_may_have_a_mock_option_s_name(self):
+        self.fails("pixels", "--beta", "none", says="beta")
+        self.run_paper("single", "--galaxies", 4, "--objects", 1, "--steps", 20, "--ratios", "1", "--size", 3, "--beta", 2)
+        self.assertIn(";size 3;", self.meta["settings"])
+        self.assertNotIn("--out", self.meta["command"])
+
     def test_help(self):
         names = subprocess.run([PAPER, "help"], capture_output=True, text=True, check=True).stdout
         for name in ("noise", "images", "single", "pixels", "overall", "shot", "bias", "errors", "efficiency"):
