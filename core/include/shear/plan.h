@@ -6,8 +6,8 @@
  * transfer T(k). It is immutable once made: any number of threads may use it at the same time. A
  * workspace holds the scratch memory of one thread. shear_measure allocates nothing.
  *
- * No timing enters a plan, so that the same machine returns the same bits in every process. Sides that
- * are products of 2, 3 and 5 are fastest.
+ * No timing enters a plan, so that the same machine returns the same bits in every process. Sides
+ * that are products of 2, 3 and 5 are fastest.
  */
 #ifndef SHEAR_PLAN_H
 #define SHEAR_PLAN_H
