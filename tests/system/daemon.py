@@ -311,8 +311,9 @@ def rate(size, *options):
 
 def stamps_for(seconds, size, *options):
     """As many stamps as take about so long to measure, or somewhat longer: however fast the machine
-    and the measurement are."""
-    return 16 * round(seconds * rate(size, *options) / 16 + 1)
+    and the measurement are. Never so few that all could have been read when the first are measured:
+    a job that is held then would not stay."""
+    return max(320, 16 * round(seconds * rate(size, *options) / 16 + 1))
 
 
 def named(content, name):

@@ -8,7 +8,7 @@ target_include_directories(store_fixtures PUBLIC
 
 function(store_test name)
   shear_add_test(store_${name}
-    SOURCES test_store_${name}.c ${ARGN} LIBRARIES store_fixtures LABELS store)
+    SOURCES test_store_${name}.c ${ARGN} LIBRARIES store_fixtures LABELS store TIMEOUT 400)
 endfunction()
 
 store_test(open)
