@@ -166,6 +166,7 @@ static int draw(const struct request *r, curves all, shear_figure **f, shear_err
                                    .legend = SHEAR_TOP_LEFT,
                                    .truth = c ? r->mock.g2 : r->mock.g1,
                                    .spread = 0.008,
+                                   .headroom = i == 0 ? 0.9 : 0.0,
                                    .n_curves = N_METHODS,
                                    .curves = all[row][c]});
     }
