@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "bias_report.h"
+#include "memory.h"
 
 #include "chart.h"
 #include "report.h"
@@ -291,9 +292,9 @@ static int take_case(const struct request *r, struct ledger *ledger, const struc
 int bias_report(const struct request *r, struct ledger *ledger, const struct bias_case *cases,
                 int n, shear_error *err) {
     struct table *t = table_new(r);
-    struct lines *lines = calloc(1, sizeof *lines);
     shear_figure *f = NULL;
-    int code = lines ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for results");
+    int code = SHEAR_OK;
+    struct lines *lines = memory_new(1, sizeof *lines, "results", &code, err);
     add_columns(t);
     for (int i = 0; code == SHEAR_OK && i < n; i++) {
         code = take_case(r, ledger, &cases[i], t, lines, err);

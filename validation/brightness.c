@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "brightness.h"
+#include "memory.h"
 
 #include <math.h>
 #include <omp.h>
@@ -35,8 +36,9 @@ int brightness_sigma(const shear_mock_spec *spec, double snr, double *sigma, she
     m.n_stamps = PROBES;
     m.rotate = 1;
     const size_t n = PROBES * (size_t)m.nx * (size_t)m.ny;
-    double *galaxy = calloc(2 * n, sizeof *galaxy);
-    int code = galaxy ? shear_mock_new(&mock, &m, err) : no_memory(err);
+    int code = SHEAR_OK;
+    double *galaxy = memory_new(2 * n, sizeof *galaxy, "stamps", &code, err);
+    code = code ? code : shear_mock_new(&mock, &m, err);
     code = code ? code : shear_mock_stamps(mock, 0, PROBES, 1, galaxy, galaxy + n, err);
     double sum = 0.0;
     for (size_t i = 0; code == SHEAR_OK && i < n; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "efficiency.h"
+#include "memory.h"
 
 #include "shear/symmetry.h"
 
@@ -68,12 +69,8 @@ int fields_init(struct fields *fields, const struct request *r, shear_error *err
                                  r->threads, err);
     }
     const size_t n = (size_t)fields->cases.n * (size_t)fields->count;
-    fields->rows = calloc(n, sizeof *fields->rows);
-    fields->crossed = calloc(n, sizeof *fields->crossed);
-    if (code == SHEAR_OK && (!fields->rows || !fields->crossed)) {
-        code =
-            shear_fail(err, SHEAR_E_NOMEM, "use more groups", "out of memory for a field's rows");
-    }
+    fields->rows = memory_new(n, sizeof *fields->rows, "a field's rows", &code, err);
+    fields->crossed = memory_new(n, sizeof *fields->crossed, "a field's rows", &code, err);
     return code ? code : set_typical(fields, err);
 }
 

@@ -4,6 +4,7 @@
 #include "chart.h"
 #include "efficiency.h"
 #include "experiment.h"
+#include "memory.h"
 #include "report.h"
 
 #include <math.h>
@@ -158,11 +159,10 @@ static int draw(struct curves *curves, const struct summary *s, shear_figure **f
 static int finish(const struct fields *fields, const struct ledger *ledger, const double *values,
                   shear_error *err) {
     struct table *t = table_new(fields->r);
-    struct curves *curves = calloc(1, sizeof *curves);
     struct summary s = {0};
     shear_figure *f = NULL;
-    int code =
-        curves ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the figure");
+    int code = SHEAR_OK;
+    struct curves *curves = memory_new(1, sizeof *curves, "the figure", &code, err);
     if (code == SHEAR_OK) {
         tabulate(fields, values, t, curves, &s);
         code = draw(curves, &s, &f, err);

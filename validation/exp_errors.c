@@ -3,6 +3,7 @@
  * the jackknife, for fields of several lengths. */
 #include "chart.h"
 #include "experiment.h"
+#include "memory.h"
 #include "report.h"
 #include "sample.h"
 
@@ -217,9 +218,10 @@ static void add_row(const struct request *r, struct table *t, int length, int wa
 static int add_rows(const struct request *r, const double *values, int chunks, struct table *t,
                     struct outcome *o, shear_error *err) {
     size_t most = 2 * (size_t)chunks * (size_t)fields_of_chunk(r, 0);
-    double *pulls = calloc(most + 1, sizeof *pulls);
-    if (!pulls) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for pulls");
+    int code = SHEAR_OK;
+    double *pulls = memory_new(most, sizeof *pulls, "pulls", &code, err);
+    if (code) {
+        return code;
     }
     o->from[0] = o->from[1] = NAN;
     for (int k = 0; k < request_list(r, "lengths")->n; k++) {
@@ -317,9 +319,9 @@ static int check(const struct request *r, shear_error *err) {
 static int finish(const struct request *r, const struct ledger *ledger, const double *values,
                   int chunks, shear_error *err) {
     struct table *t = table_new(r);
-    struct outcome *o = calloc(1, sizeof *o);
     shear_figure *f = NULL;
-    int code = o ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    int code = SHEAR_OK;
+    struct outcome *o = memory_new(1, sizeof *o, "results", &code, err);
     add_columns(t);
     code = code ? code : add_rows(r, values, chunks, t, o, err);
     code = code ? code : draw(r, o, &f, err);
@@ -332,13 +334,10 @@ static int finish(const struct request *r, const struct ledger *ledger, const do
 
 static int exec(const struct request *r, shear_error *err) {
     struct ledger *ledger = NULL;
-    double *values = NULL;
     int code = check(r, err);
     int chunks = (int)(r->galaxies / chunk_length(r));
-    if (code == SHEAR_OK) {
-        values = calloc((size_t)chunks * (size_t)values_of_chunk(r), sizeof *values);
-        code = values ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for fields");
-    }
+    size_t size = (size_t)chunks * (size_t)values_of_chunk(r);
+    double *values = memory_new(size, sizeof *values, "fields", &code, err);
     code = code ? code : ledger_open(&ledger, r, (int64_t)chunks * chunk_length(r), err);
     code = code ? code : measure(r, ledger, chunks, values, err);
     code = code ? code : finish(r, ledger, values, chunks, err);

@@ -2,6 +2,7 @@
 /* Section 4.4: noise and pixels at once; both kinds of galaxies under both PSFs, four sizes. */
 #include "chart.h"
 #include "experiment.h"
+#include "memory.h"
 #include "methods.h"
 #include "report.h"
 
@@ -231,8 +232,8 @@ static int exec(const struct request *r, shear_error *err) {
     struct ledger *ledger = NULL;
     shear_figure *f = NULL;
     struct table *t = table_new(r);
-    struct outcome *o = calloc(1, sizeof *o);
-    int code = o ? check(r, err) : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    int code = check(r, err);
+    struct outcome *o = memory_new(1, sizeof *o, "results", &code, err);
     int64_t total = r->galaxies * N_PANELS * request_list(r, "sizes")->n;
     add_columns(t);
     code = code ? code : ledger_open(&ledger, r, total, err);

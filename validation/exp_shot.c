@@ -3,6 +3,7 @@
 #include "bias.h"
 #include "chart.h"
 #include "experiment.h"
+#include "memory.h"
 #include "methods.h"
 #include "report.h"
 
@@ -295,7 +296,7 @@ static int do_points(const struct request *r, struct ledger *ledger, struct tabl
     return code;
 }
 
-static int open(const struct request *r, struct ledger **ledger, shear_error *err) {
+static int open_ledger(const struct request *r, struct ledger **ledger, shear_error *err) {
     int points = N_PANELS; /* the references */
     for (int panel = 0; panel < N_PANELS; panel++) {
         points += exposures(r, panel)->n;
@@ -310,8 +311,8 @@ static int exec(const struct request *r, shear_error *err) {
     struct ledger *ledger = NULL;
     shear_figure *f = NULL;
     struct table *t = table_new(r);
-    struct outcome *o = calloc(1, sizeof *o);
-    int code = o ? open(r, &ledger, err) : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    int code = open_ledger(r, &ledger, err);
+    struct outcome *o = memory_new(1, sizeof *o, "results", &code, err);
     add_columns(t);
     code = code ? code : do_points(r, ledger, t, o, err);
     if (code == SHEAR_OK) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Section 4.3, second figure: the shear of one galaxy, placed at random positions on the grid. */
 #include "experiment.h"
+#include "memory.h"
 #include "methods.h"
 #include "single.h"
 
@@ -103,9 +104,9 @@ static int run_task(const struct request *r, struct ledger *ledger, struct run *
                               .stamps_of_chunk = CHUNK,
                               .work = measure_chunk,
                               .context = run};
-    double *values = calloc((size_t)chunks * (size_t)task.values, sizeof *values);
-    int code = values ? shears_new(out, r->galaxies, err)
-                      : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for shears");
+    int code = shears_new(out, r->galaxies, err);
+    size_t size = (size_t)chunks * (size_t)task.values;
+    double *values = memory_new(size, sizeof *values, "shears", &code, err);
     code = code ? code : ledger_run(ledger, &task, values, err);
     if (code == SHEAR_OK) {
         unpack(values, out);
@@ -194,8 +195,8 @@ static int exec(const struct request *r, shear_error *err) {
     int n = (int)request_number(r, "objects");
     int ratios = request_list(r, "ratios")->n;
     struct ledger *ledger = NULL;
-    struct object *objects = calloc((size_t)n, sizeof *objects);
-    int code = objects ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    int code = SHEAR_OK;
+    struct object *objects = memory_new((size_t)n, sizeof *objects, "galaxies", &code, err);
     if (code == SHEAR_OK && ratios > MAX_RATIOS) {
         code = shear_fail(err, SHEAR_E_SETTING, NULL, "option '--ratios': at most %d", MAX_RATIOS);
     }

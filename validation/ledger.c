@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -65,14 +66,29 @@ static bool parse_double(char **p, double *value) {
     return good;
 }
 
+static bool parse_int(char **p, int *value) {
+    double number = 0.0;
+    bool good = parse_double(p, &number) && number >= 0.0 && number <= INT_MAX;
+    *value = good ? (int)number : 0;
+    return good;
+}
+
+/* The first word, which is the task's name. */
+static bool parse_name(char **p, char *name) {
+    size_t length = strcspn(*p, " ");
+    bool good = length > 0 && length < MAX_NAME && (*p)[length] == ' ';
+    snprintf(name, MAX_NAME, "%.*s", good ? (int)length : 0, *p);
+    *p += good ? length + 1 : 0;
+    return good;
+}
+
 /* True where `line` (without its end) is a whole record. */
 static bool parse_record(char *line, struct record *r) {
-    int used = 0;
+    char *p = line;
     *r = (struct record){0};
-    if (sscanf(line, "%79s %d %d %n", r->name, &r->chunk, &r->n, &used) != 3 || r->n < 0) {
+    if (!parse_name(&p, r->name) || !parse_int(&p, &r->chunk) || !parse_int(&p, &r->n)) {
         return false;
     }
-    char *p = line + used;
     r->values = calloc((size_t)r->n + 1, sizeof *r->values);
     bool good = r->values && parse_double(&p, &r->seconds);
     for (int i = 0; good && i < r->n; i++) {

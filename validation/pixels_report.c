@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "memory.h"
 #include "pixels.h"
 
 #include "chart.h"
@@ -211,8 +212,8 @@ int pixels_report(const struct request *r, const struct ledger *ledger,
                   struct tally *const *tallies, shear_error *err) {
     struct table *t = table_new(r);
     shear_figure *figures[N_PSF_SAMPLINGS] = {0};
-    curves *all = calloc(N_PSF_SAMPLINGS, sizeof *all);
-    int code = all ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for curves");
+    int code = SHEAR_OK;
+    curves *all = memory_new(N_PSF_SAMPLINGS, sizeof *all, "curves", &code, err);
     add_columns(t);
     for (int psf = 0; code == SHEAR_OK && psf < pixels_samplings(r); psf++) {
         code = fill(r, tallies, psf, t, all[psf], err);

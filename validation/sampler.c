@@ -163,7 +163,7 @@ static bool bench_init(struct bench *b, const struct sampler *s, shear_error *er
     b->shared = shares ? calloc(n, sizeof *b->shared) : NULL;
     b->shared_n = shares ? calloc(n, sizeof *b->shared_n) : NULL;
     b->bare = shares ? calloc(n, sizeof *b->bare) : NULL;
-    b->workspaces = calloc((size_t)s->n_plans + 1, sizeof *b->workspaces);
+    b->workspaces = calloc((size_t)s->n_plans + 1, sizeof(shear_workspace *));
     bool made = b->galaxy && b->noise && b->workspaces &&
                 (!shares || (b->shared && b->shared_n && b->bare));
     for (int i = 0; made && i < s->n_plans; i++) {
@@ -207,8 +207,8 @@ int sampler_new(struct sampler **sampler, const struct sample_spec *spec, shear_
         return no_memory(err);
     }
     s->spec = *spec;
-    s->mocks = calloc((size_t)spec->n_scenes + 1, sizeof *s->mocks);
-    s->plans = calloc((size_t)spec->n_series + 1, sizeof *s->plans);
+    s->mocks = calloc((size_t)spec->n_scenes + 1, sizeof(shear_mock *));
+    s->plans = calloc((size_t)spec->n_series + 1, sizeof(shear_plan *));
     s->plan_of = calloc((size_t)spec->n_series + 1, sizeof *s->plan_of);
     int code = s->mocks && s->plans && s->plan_of ? SHEAR_OK : no_memory(err);
     code = code ? code : make_mocks(s, err);

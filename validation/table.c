@@ -45,7 +45,10 @@ struct table {
 static void add_settings(struct table *t, const struct request *r) {
     char *text = request_describe(r);
     for (char *p = text; p && *p; p++) {
-        *p = *p == '\n' ? (p[1] ? ';' : '\0') : *p;
+        const char *separator = p[1] ? ";" : "";
+        if (*p == '\n') {
+            *p = *separator;
+        }
     }
     table_meta(t, "settings", "%s", text ? text : "");
     free(text);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tally.h"
+#include "memory.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -142,9 +143,10 @@ int tally_jackknife(const struct tally *t, tally_function *f, const void *contex
         return shear_fail(err, SHEAR_E_SETTING, "give more galaxies or groups",
                           "a jackknife needs at least two groups");
     }
-    struct total *totals = calloc((size_t)t->n_series, sizeof *totals);
-    double *values = calloc((size_t)(t->groups + 1) * (size_t)n, sizeof *values);
-    int code = totals && values ? SHEAR_OK : no_memory(err);
+    int code = SHEAR_OK;
+    size_t size = (size_t)(t->groups + 1) * (size_t)n;
+    struct total *totals = memory_new((size_t)t->n_series, sizeof *totals, "totals", &code, err);
+    double *values = memory_new(size, sizeof *values, "totals", &code, err);
     for (int group = 0; code == SHEAR_OK && group < t->groups; group++) {
         sum_groups(t, group, totals);
         f(totals, context, values + (size_t)group * (size_t)n);
