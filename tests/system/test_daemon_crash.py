@@ -18,8 +18,8 @@ SEED = int(os.environ.get("SHEARD_SEED", "3"))
 PARTS = 4     # files of a field: half are submitted, half are dropped
 BLOCK = 16        # stamps
 CHECKPOINT_S = 5  # between two checkpoints of a job
-SLOW = {"interpolation": "bicubic", "oversample": 32}
-SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "32")
+SLOW = {"interpolation": "bicubic", "oversample": 16}
+SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "16")
 BACKLOG = 24  # jobs that may be unfinished before the stream pauses
 
 
