@@ -54,8 +54,8 @@ static int prepare(sqlite3 *db, const char *path, int busy_ms, shear_error *err)
     sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DML, 0, NULL);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DQS_DDL, 0, NULL);
-    /* The exclusive transaction comes before anything is read, so that of two services that start
-     * together one gets the file; with this locking mode its end does not give the lock back. */
+    /* The exclusive transaction comes before anything is read; with this locking mode its end does
+     * not give SQLite's lock back. */
     return database_exec(db, path,
                          "PRAGMA locking_mode = EXCLUSIVE; PRAGMA synchronous = FULL;"
                          "PRAGMA foreign_keys = ON; PRAGMA trusted_schema = OFF;"

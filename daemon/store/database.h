@@ -10,6 +10,7 @@
 #include <sqlite3.h>
 
 struct store {
+    int lock; /* descriptor (lock.h), held while the database is open; -1: none */
     sqlite3 *db;
     sqlite3_stmt *statements[SQL_N]; /* prepared at first use, reset when not in use */
     bool in_group;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "database.h"
+#include "lock.h"
 
 #include <errno.h>
 #include <string.h>
@@ -21,9 +22,7 @@ static const meaning meanings[] = {
     {SQLITE_READONLY, SHEAR_E_IO, retry_advice},
     {SQLITE_PERM, SHEAR_E_IO, retry_advice},
     {SQLITE_NOMEM, SHEAR_E_NOMEM, NULL},
-    {SQLITE_BUSY, STORE_LOCKED,
-     "only one service may use a state directory: stop the other one, or configure another "
-     "directory"},
+    {SQLITE_BUSY, STORE_LOCKED, NULL}, /* see lock_fail */
     {SQLITE_CORRUPT, SHEAR_E_FORMAT,
      "stop the service, keep a copy of the state directory, and restore the database"},
     {SQLITE_NOTADB, SHEAR_E_FORMAT,
@@ -66,7 +65,7 @@ int database_fail(sqlite3 *db, const char *path, int rc, const char *doing, shea
     const int system_errno = db != NULL && said->code == SHEAR_E_IO ? sqlite3_system_errno(db) : 0;
     const meaning *m = when_full(said, system_errno);
     if (m->code == STORE_LOCKED) {
-        return shear_fail(err, m->code, m->advice, "%s: another process uses this database", path);
+        return lock_fail(path, err);
     }
     /* What was being done comes last: it may be a long statement, which the message's end cuts off.
      */

@@ -3,6 +3,7 @@
 #include "store.h"
 
 #include "job.h"
+#include "lock.h"
 #include "operation.h"
 #include "query.h"
 #include "schema.h"
@@ -10,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* With a slash at least: SQLite takes "file:..." for a URI, "" and ":memory:" for databases without
  * a file. */
@@ -67,15 +69,20 @@ static int recover(store *s, int64_t now_ms, shear_error *err) {
 int store_open(store **out, const char *path, const store_options *options, int64_t now_ms,
                shear_error *err) {
     static const store_options plain = {0};
+    const store_options *how = options != NULL ? options : &plain;
     int version = 0;
     *out = NULL;
     store *s = calloc(1, sizeof *s);
     if (s == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the store");
     }
+    s->lock = -1;
     int code = take_path(s, path, err);
     if (code == SHEAR_OK) {
-        code = database_connect(&s->db, s->path, options != NULL ? options : &plain, &version, err);
+        code = lock_take(&s->lock, s->path, how->busy_ms, err);
+    }
+    if (code == SHEAR_OK) {
+        code = database_connect(&s->db, s->path, how, &version, err);
     }
     if (code == SHEAR_OK) {
         code = bring_up_to_date(s, version, err);
@@ -103,6 +110,9 @@ void store_close(store *s) {
     }
     /* An open transaction is rolled back; the log is brought into the database and removed. */
     sqlite3_close(s->db);
+    if (s->lock >= 0) {
+        close(s->lock);
+    }
     free(s);
 }
 

@@ -110,26 +110,29 @@ static void has_one_owner(void **state) {
 
 /* Services that all start at once where no database is yet: one gets it, and it is good. */
 static void one_of_many_gets_it(void **state) {
-    enum { MANY = 6, ROUNDS = 5 };
+    enum { MANY = 8, ROUNDS = 20 };
     fixture *f = *state;
     for (int round = 0; round < ROUNDS; round++) {
         int go[2];
+        int stay[2];
         int answers[2];
         int owners = 0;
-        assert_true(pipe(go) == 0 && pipe(answers) == 0);
+        assert_true(pipe(go) == 0 && pipe(stay) == 0 && pipe(answers) == 0);
         for (int i = 0; i < MANY; i++) {
             if (fork() == 0) {
                 char byte = 0;
                 close(go[1]);
+                close(stay[1]);
                 (void)!read(go[0], &byte, 1); /* till its end is closed: all at once */
                 byte = store_open(&f->s, f->path, NULL, 1, NULL) == SHEAR_OK ? 'y' : 'n';
                 (void)!write(answers[1], &byte, 1);
-                usleep(byte == 'y' ? 100000 : 0);
+                (void)!read(stay[0], &byte, 1); /* the owner is there till all have tried */
                 _exit(0);
             }
         }
         close(go[0]);
         close(go[1]);
+        close(stay[0]);
         for (int i = 0; i < MANY; i++) {
             char byte = 0;
             assert_int_equal(read(answers[0], &byte, 1), 1);
@@ -137,9 +140,10 @@ static void one_of_many_gets_it(void **state) {
         }
         close(answers[0]);
         close(answers[1]);
-        assert_int_equal(owners, 1);
+        close(stay[1]);
         while (wait(NULL) > 0) {
         }
+        assert_int_equal(owners, 1);
         fx_open(f);
         fx_submit(f, "a");
         fx_close(f);
