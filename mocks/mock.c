@@ -79,16 +79,33 @@ int shear_mock_image_points(const shear_mock *m, int64_t stamp, double *x, doubl
     return n;
 }
 
+/* Whole stamps turned are the second half of a galaxy's copies. */
+static bool is_turned(const shear_mock_spec *s, int64_t stamp) {
+    return s->turn_stamps && stamp % s->rotate >= s->rotate / 2;
+}
+
+/* Whose draws of position (or noise) a stamp has. */
+static uint64_t index_of(const shear_mock_spec *s, int64_t stamp, bool shared) {
+    return (uint64_t)(shared                ? stamp / s->rotate
+                      : is_turned(s, stamp) ? stamp - s->rotate / 2
+                                            : stamp);
+}
+
 void shear_mock_centre(const shear_mock *m, int64_t stamp, double *x, double *y) {
     const shear_mock_spec *s = &m->spec;
     *x = s->offset_x;
     *y = s->offset_y;
     if (s->shift) {
         struct random r;
-        int64_t index = s->share_shift ? stamp / s->rotate : stamp;
-        random_begin(&r, s->seed, RANDOM_SHIFT, (uint64_t)index, 0);
+        uint64_t index = index_of(s, stamp, s->share_shift);
+        random_begin(&r, s->seed, RANDOM_SHIFT, index, 0);
         *x += gsl_rng_uniform(&r.rng) - 0.5;
         *y += gsl_rng_uniform(&r.rng) - 0.5;
+    }
+    if (is_turned(s, stamp)) {
+        double drawn_x = *x;
+        *x = -*y;
+        *y = drawn_x;
     }
 }
 
@@ -164,21 +181,22 @@ static void paint_galaxy(const shear_mock *m, struct workspace *ws, int64_t stam
 static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, int pure,
                       double *image) {
     const shear_mock_spec *s = &m->spec;
-    uint64_t index = (uint64_t)(s->share_noise ? stamp / s->rotate : stamp);
-    int n = s->nx * s->ny;
+    uint64_t index = index_of(s, stamp, s->share_noise);
+    const struct noise_place place = {s->nx, s->ny, is_turned(s, stamp)};
     struct random r;
     if (s->noise_ratio > 0.0) {
         random_begin(&r, s->seed, RANDOM_SOURCES + pure, index, 0);
-        noise_sources(&ws->painter, &r, m->info.noise_density, m->info.noise_amplitude);
+        noise_sources(&ws->painter, &r, m->info.noise_density, m->info.noise_amplitude,
+                      place.turned);
     }
     painter_finish(&ws->painter, image);
     if (s->photons > 0.0) {
         random_begin(&r, s->seed, RANDOM_PHOTONS + pure, index, 0);
-        noise_photons(&r, s->photons, s->subtract_background ? s->photons : 0.0, n, image);
+        noise_photons(&r, s->photons, s->subtract_background ? s->photons : 0.0, &place, image);
     }
     if (s->white_sigma > 0.0) {
         random_begin(&r, s->seed, RANDOM_WHITE + pure, index, 0);
-        noise_white(&r, s->white_sigma, n, image);
+        noise_white(&r, s->white_sigma, &place, image);
     }
 }
 

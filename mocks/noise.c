@@ -3,7 +3,14 @@
 
 #include <gsl/gsl_randist.h>
 
-void noise_sources(struct painter *p, struct random *r, double density, double amplitude) {
+int noise_pixel(const struct noise_place *p, int i) {
+    int x = i % p->nx;
+    int y = i / p->nx;
+    return p->turned ? x * p->nx + (p->nx - 1 - y) : i;
+}
+
+void noise_sources(struct painter *p, struct random *r, double density, double amplitude,
+                   bool turned) {
     double lo = -0.5 - p->reach;
     double width = p->nx + 2.0 * p->reach;
     double height = p->ny + 2.0 * p->reach;
@@ -11,19 +18,21 @@ void noise_sources(struct painter *p, struct random *r, double density, double a
     for (unsigned k = 0; k < n; k++) {
         double x = lo + width * gsl_rng_uniform(&r->rng);
         double y = lo + height * gsl_rng_uniform(&r->rng);
-        painter_point(p, amplitude, x, y);
+        painter_point(p, amplitude, turned ? p->nx - 1 - y : x, turned ? x : y);
     }
 }
 
-void noise_photons(struct random *r, double background, double subtract, int n, double *image) {
-    for (int i = 0; i < n; i++) {
+void noise_photons(struct random *r, double background, double subtract,
+                   const struct noise_place *place, double *image) {
+    for (int i = 0; i < place->nx * place->ny; i++) {
+        double *pixel = &image[noise_pixel(place, i)];
         random_item(r, (uint64_t)i);
-        image[i] = gsl_ran_poisson(&r->rng, image[i] + background) - subtract;
+        *pixel = gsl_ran_poisson(&r->rng, *pixel + background) - subtract;
     }
 }
 
-void noise_white(struct random *r, double sigma, int n, double *image) {
-    for (int i = 0; i < n; i++) {
-        image[i] += gsl_ran_gaussian_ziggurat(&r->rng, sigma);
+void noise_white(struct random *r, double sigma, const struct noise_place *place, double *image) {
+    for (int i = 0; i < place->nx * place->ny; i++) {
+        image[noise_pixel(place, i)] += gsl_ran_gaussian_ziggurat(&r->rng, sigma);
     }
 }

@@ -7,16 +7,26 @@
 #include "painter.h"
 #include "random.h"
 
+/* How a noise lies on its stamp: turned by 90 degrees from x towards y, or as it is drawn. */
+struct noise_place {
+    int nx, ny;
+    bool turned; /* square stamps only */
+};
+/* Where number i of an image in C order comes to lie. */
+int noise_pixel(const struct noise_place *p, int i);
+
 /* Paint astronomical noise: Poisson-distributed points, `density` per px^2, each of `amplitude`,
  * convolved with the painter's PSF. They also lie around the image, as far as the PSF reaches: the
  * statistics are the same at its border. */
-void noise_sources(struct painter *p, struct random *r, double density, double amplitude);
+void noise_sources(struct painter *p, struct random *r, double density, double amplitude,
+                   bool turned);
 
-/* Replace each pixel f by a Poisson number of mean f + background, minus `subtract`. Pixel i takes
- * item i of the sequence: its number depends on no other pixel's mean. */
-void noise_photons(struct random *r, double background, double subtract, int n, double *image);
+/* Replace each pixel f by a Poisson number of mean f + background, minus `subtract`. Item i of the
+ * sequence is the pixel's own: its number depends on no other pixel's mean. */
+void noise_photons(struct random *r, double background, double subtract,
+                   const struct noise_place *place, double *image);
 
 /* Add a Gaussian number of standard deviation sigma to each pixel. */
-void noise_white(struct random *r, double sigma, int n, double *image);
+void noise_white(struct random *r, double sigma, const struct noise_place *place, double *image);
 
 #endif

@@ -33,6 +33,9 @@ static const shear_mock_option table[] = {
     SWITCH("share-shift", ON, share_shift,
            "the rotated copies of a galaxy have the same sub-pixel position"),
     SWITCH("share-noise", ON, share_noise, "the rotated copies of a galaxy have the same noise"),
+    SWITCH(
+        "turn-stamps", ON, turn_stamps,
+        "copies at 90 degrees are whole stamps turned, position and noise too, under the same PSF"),
     CHOICE("galaxy", galaxy, galaxy_names, "regular|irregular", "disk and bulge, or random walk"),
     ROW("r-gal", DOUBLE, r_gal_px, 0.01, 512, "PX", "radius R_G at which galaxies are cut"),
     ROW("points", INT, points, 1, 1e6, "N", "points of a regular galaxy"),

@@ -88,6 +88,11 @@ static int check_geometry(const shear_mock_spec *s, shear_error *err) {
         return shear_fail(err, SHEAR_E_SETTING, NULL,
                           "mock option 'rotate': 3 is not one of 1, 2, 4");
     }
+    if (s->turn_stamps && (s->rotate == 1 || s->nx != s->ny)) {
+        return shear_fail(err, SHEAR_E_SETTING, "give rotate 2 or 4, and square stamps",
+                          "mock option 'turn-stamps': rotate is %d and the stamps are %dx%d",
+                          s->rotate, s->nx, s->ny);
+    }
     if (reach > 0.5 * side) {
         return shear_fail(
             err, SHEAR_E_SETTING, "make the stamps larger or the galaxies smaller",

@@ -28,6 +28,7 @@ static const char *const fixed[] = {"galaxy",  "psf",           "shear",       "
 static void defaults(struct request *r) {
     shear_mock_spec *m = &r->mock;
     m->rotate = 4;
+    m->turn_stamps = true;
     m->nx = m->ny = 48;
     m->points = 100;
     m->steps = 100;

@@ -37,6 +37,7 @@ static void test_every_value_reads_back(void **state) {
                                             {"offset", "-1.5,0.25"},
                                             {"share-shift", "yes"},
                                             {"share-noise", "yes"},
+                                            {"turn-stamps", "yes"},
                                             {"galaxy", "irregular"},
                                             {"r-gal", "5.1"},
                                             {"points", "77"},

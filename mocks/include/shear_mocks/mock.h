@@ -53,6 +53,8 @@ typedef struct shear_mock_spec {
     double offset_x, offset_y; /* added to every galaxy's centre */
     bool share_shift;          /* the rotated copies of a galaxy have the same random shift */
     bool share_noise;          /* ... and the same draws of noise */
+    bool turn_stamps; /* the copy at 90 (135) degrees has position and noise of that at 0 (45),
+                         turned with it about the stamp's centre; only the PSF stays */
     /* galaxies */
     int galaxy;                                      /* enum shear_mock_galaxy */
     double r_gal_px;                                 /* R_G */
