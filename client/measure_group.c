@@ -129,7 +129,7 @@ static size_t run_inputs(struct measure_input **order, size_t n, const struct me
 
 static int gathering_init(struct gathering *to, const struct measure_options *o, shear_error *err) {
     int code = shear_field_sums_new(&to->sums, err);
-    if (!code && o->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM) {
+    if (!code && shear_estimator_is_symmetric(o->settings.estimator)) {
         code = shear_symmetry_new(&to->terms, err);
     }
     if (!code && o->jackknife) {
@@ -150,7 +150,7 @@ static int run_all(struct measure_group *g, const struct measure_options *o,
     int code = gathering_init(&to, o, err);
     if (!code) {
         *done = run_inputs(order, g->n, o, &to);
-        code = shear_estimate(to.sums, to.terms, &g->result, err);
+        code = shear_estimate(o->settings.estimator, to.sums, to.terms, &g->result, err);
     }
     if (!code && to.jack && *done > 0) {
         code = shear_jackknife_finish(to.jack, &g->result, err);

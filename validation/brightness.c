@@ -62,7 +62,6 @@ struct desk {
 struct bright_stamps {
     shear_mock *bare, *noisy; /* the latter in noise of sigma 1 */
     shear_plan *plan;
-    double cross;
     size_t pixels;
     int n_desks;
     struct desk *desks;
@@ -102,7 +101,7 @@ static int make_desks(struct bright_stamps *s, int threads, shear_error *err) {
 }
 
 int bright_stamps_new(struct bright_stamps **out, const shear_mock_spec *mock,
-                      const shear_settings *settings, double cross, int threads, shear_error *err) {
+                      const shear_settings *settings, int threads, shear_error *err) {
     shear_mock_spec noisy = *mock;
     noisy.white_sigma = 1.0;
     struct bright_stamps *s = calloc(1, sizeof *s);
@@ -110,7 +109,6 @@ int bright_stamps_new(struct bright_stamps **out, const shear_mock_spec *mock,
     if (!s) {
         return no_memory(err);
     }
-    s->cross = cross;
     s->pixels = (size_t)mock->nx * (size_t)mock->ny;
     int code = shear_mock_new(&s->bare, mock, err);
     code = code ? code : shear_mock_new(&s->noisy, &noisy, err);
@@ -147,7 +145,7 @@ struct batch {
     int64_t first;
     int count, n;
     const struct brightness *cases;
-    shear_row *rows, *crossed; /* [n][count], the latter or NULL */
+    shear_row *rows; /* [n][count] */
 };
 
 /* Galaxies without noise, and unit noise as the difference from those in noise. */
@@ -163,28 +161,14 @@ static int draw(const struct bright_stamps *s, struct desk *d, int64_t first, in
 
 /* The factor flux^2 on all moments. */
 static void scale_row(shear_row *row, double flux) {
-    double *const moments[] = {&row->n1,  &row->n2,  &row->d,   &row->u, &row->v,
-                               &row->m20, &row->m02, &row->m11, &row->m4};
+    double *const moments[] = {&row->n1,      &row->n2,       &row->d,        &row->u,
+                               &row->v,       &row->m20,      &row->m02,      &row->m11,
+                               &row->m4,      &row->cross_n1, &row->cross_n2, &row->cross_d,
+                               &row->cross_u, &row->cross_v};
     for (size_t i = 0; i < sizeof moments / sizeof moments[0]; i++) {
         *moments[i] *= flux * flux;
     }
     row->flux *= flux;
-}
-
-/* Add the cross terms: `c` is the row of galaxy + noise stamp over galaxy - noise stamp, which
- * holds |F + N|^2 - |F - N|^2 = 4 Re(F N*). For a PSF near a Gaussian of scale r the noise that is
- * added has the opposite tilt to the galaxy's own where beta^2 is less by r^2 (1 + a^2) / (2 a^2).
- */
-static void add_cross(const shear_plan_info *plan, double a, const shear_row *c, shear_row *row) {
-    const double beta2 = plan->beta_px * plan->beta_px;
-    const double r2 = plan->r_psf_px * plan->r_psf_px;
-    const double lower = beta2 - r2 * (1.0 + a * a) / (2.0 * a * a);
-    const double part = 0.5 * a;
-    row->n1 += part * c->n1;
-    row->n2 += part * c->n2;
-    row->d += part * (c->m20 + c->m02 - 0.5 * lower * c->m4);
-    row->u += part * c->u * lower / beta2;
-    row->v += part * c->v * lower / beta2;
 }
 
 static int measure_case(const struct bright_stamps *s, struct desk *d, const struct batch *b,
@@ -194,7 +178,6 @@ static int measure_case(const struct bright_stamps *s, struct desk *d, const str
     const shear_stamps stamps = {
         .count = count, .nx = m->nx, .ny = m->ny, .galaxy = d->galaxy, .noise = d->noise};
     const size_t at = (size_t)k * (size_t)b->count + (size_t)from;
-    shear_row cross[TILE];
     double flux[TILE];
     for (int i = 0; i < count; i++) {
         flux[i] = brightness_flux(c, m->seed, (b->first + from + i) / m->rotate);
@@ -203,27 +186,9 @@ static int measure_case(const struct bright_stamps *s, struct desk *d, const str
             d->noise[p] = c->sigma / flux[i] * d->second[p];
         }
     }
-    const bool crossed = b->crossed && c->sigma > 0.0;
-    int code = shear_measure_range(s->plan, d->ws, &stamps, 0, count, b->rows + at, err);
-    if (code == SHEAR_OK && crossed) {
-        for (size_t p = 0; p < (size_t)count * s->pixels; p++) {
-            const double noise = d->noise[p];
-            d->noise[p] = d->galaxy[p] - noise;
-            d->galaxy[p] += noise;
-        }
-        code = shear_measure_range(s->plan, d->ws, &stamps, 0, count, cross, err);
-    }
+    const int code = shear_measure_range(s->plan, d->ws, &stamps, 0, count, b->rows + at, err);
     for (int i = 0; code == SHEAR_OK && i < count; i++) {
-        shear_row *row = &b->rows[at + (size_t)i];
-        if (b->crossed) {
-            shear_row *sum = &b->crossed[at + (size_t)i];
-            *sum = *row;
-            if (crossed) {
-                add_cross(shear_plan_get_info(s->plan), s->cross, &cross[i], sum);
-            }
-            scale_row(sum, flux[i]);
-        }
-        scale_row(row, flux[i]);
+        scale_row(&b->rows[at + (size_t)i], flux[i]);
     }
     return code;
 }
@@ -240,9 +205,8 @@ static int do_tile(const struct bright_stamps *s, struct desk *d, const struct b
 }
 
 int bright_stamps_rows(struct bright_stamps *s, int64_t first, int count, int n,
-                       const struct brightness *cases, shear_row *rows, shear_row *crossed,
-                       shear_error *err) {
-    const struct batch batch = {first, count, n, cases, rows, crossed};
+                       const struct brightness *cases, shear_row *rows, shear_error *err) {
+    const struct batch batch = {first, count, n, cases, rows};
     const int tiles = (count + TILE - 1) / TILE;
     int failed = SHEAR_OK;
     shear_error failure = {0};

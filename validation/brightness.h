@@ -27,17 +27,14 @@ int brightness_sigma(const shear_mock_spec *spec, double snr, double *sigma, she
 
 struct bright_stamps;
 
-/* `mock` without noise; shear and all. `cross` as below. */
+/* `mock` without noise; shear and all. */
 int bright_stamps_new(struct bright_stamps **s, const shear_mock_spec *mock,
-                      const shear_settings *settings, double cross, int threads, shear_error *err);
+                      const shear_settings *settings, int threads, shear_error *err);
 void bright_stamps_free(struct bright_stamps *s);
 const shear_plan_info *bright_stamps_plan(const struct bright_stamps *s);
 
-/* Stamps [first, first+count) in each of n cases: rows [n][count], and `crossed` [n][count] or
- * NULL: the same with the cross terms that keep the noise from tilting the symmetry
- * (docs/method.md, section 6), times `cross`. */
+/* Stamps [first, first+count) in each of n cases: rows [n][count]. */
 int bright_stamps_rows(struct bright_stamps *s, int64_t first, int count, int n,
-                       const struct brightness *cases, shear_row *rows, shear_row *crossed,
-                       shear_error *err);
+                       const struct brightness *cases, shear_row *rows, shear_error *err);
 
 #endif

@@ -42,7 +42,7 @@ static int set_typical(struct fields *fields, shear_error *err) {
     enum { N = 64 };
     shear_row rows[N];
     const struct brightness one = {.range = 1.0};
-    const int code = bright_stamps_rows(fields->stamps[0], 0, N, 1, &one, rows, NULL, err);
+    const int code = bright_stamps_rows(fields->stamps[0], 0, N, 1, &one, rows, err);
     for (int i = 0; i < N; i++) {
         int below = 0;
         for (int k = 0; k < N; k++) {
@@ -55,6 +55,8 @@ static int set_typical(struct fields *fields, shear_error *err) {
 
 int fields_init(struct fields *fields, const struct request *r, shear_error *err) {
     *fields = (struct fields){.r = r, .count = (int)(r->galaxies / r->groups)};
+    shear_settings settings = r->settings;
+    settings.estimator = SHEAR_ESTIMATOR_PDF_SYM_CROSS; /* its rows have all that the others need */
     int code = cases_init(&fields->cases, r, err);
     if (code == SHEAR_OK && fields->count < 100) {
         return shear_fail(err, SHEAR_E_SETTING, "ask for more galaxies or fewer groups",
@@ -65,12 +67,10 @@ int fields_init(struct fields *fields, const struct request *r, shear_error *err
         m.n_stamps = (int64_t)fields->count * r->groups;
         m.g1 = k ? -m.g1 : m.g1;
         m.g2 = k ? -m.g2 : m.g2;
-        code = bright_stamps_new(&fields->stamps[k], &m, &r->settings, request_number(r, "cross"),
-                                 r->threads, err);
+        code = bright_stamps_new(&fields->stamps[k], &m, &settings, r->threads, err);
     }
     const size_t n = (size_t)fields->cases.n * (size_t)fields->count;
     fields->rows = memory_new(n, sizeof *fields->rows, "a field's rows", &code, err);
-    fields->crossed = memory_new(n, sizeof *fields->crossed, "a field's rows", &code, err);
     return code ? code : set_typical(fields, err);
 }
 
@@ -78,12 +78,18 @@ void fields_deinit(struct fields *fields) {
     bright_stamps_free(fields->stamps[0]);
     bright_stamps_free(fields->stamps[1]);
     free(fields->rows);
-    free(fields->crossed);
+}
+
+static shear_row without_cross(const shear_row *row) {
+    shear_row plain = *row;
+    plain.cross_n1 = plain.cross_n2 = plain.cross_d = plain.cross_u = plain.cross_v = 0.0;
+    return plain;
 }
 
 /* One field's shear by one estimator, into out[EFFICIENCY_PER_KIND]. */
-static int estimate(const shear_row *rows, int count, double beta, bool symmetric, double *out,
+static int estimate(const shear_row *rows, int count, double beta, int kind, double *out,
                     shear_error *err) {
+    const bool symmetric = kind != MEAN;
     shear_field_sums *sums = NULL;
     shear_symmetry *terms = NULL;
     shear_result s = {0};
@@ -91,12 +97,13 @@ static int estimate(const shear_row *rows, int count, double beta, bool symmetri
     code = code || !symmetric ? code : shear_symmetry_new(&terms, err);
     for (int i = 0; code == SHEAR_OK && i < count; i++) {
         shear_block_sums block;
+        const shear_row row = kind == CROSSED ? rows[i] : without_cross(&rows[i]);
         shear_block_sums_init(&block);
-        shear_block_sums_add(&block, &rows[i]);
+        shear_block_sums_add(&block, &row);
         shear_field_sums_add(sums, &block);
-        code = symmetric ? shear_symmetry_add(terms, &rows[i], beta, err) : SHEAR_OK;
+        code = symmetric ? shear_symmetry_add(terms, &row, beta, err) : SHEAR_OK;
     }
-    code = code ? code : shear_estimate(sums, terms, &s, err);
+    code = code ? code : shear_estimate(kind, sums, terms, &s, err);
     const double values[EFFICIENCY_PER_KIND] = {s.g1, s.g2, s.g1_err, s.g2_err};
     memcpy(out, values, sizeof values);
     shear_symmetry_free(terms);
@@ -113,10 +120,8 @@ static int estimate_all(const struct fields *fields, int sign, double *values, s
     int code = SHEAR_OK;
     for (int c = 0; code == SHEAR_OK && c < fields->cases.n; c++) {
         const shear_row *rows = fields->rows + (size_t)c * (size_t)fields->count;
-        const shear_row *crossed = fields->crossed + (size_t)c * (size_t)fields->count;
         for (int kind = 0; code == SHEAR_OK && kind < N_KINDS; kind++) {
-            code = estimate(kind == CROSSED ? crossed : rows, fields->count, beta, kind != MEAN,
-                            slot(values, c, kind, sign), err);
+            code = estimate(rows, fields->count, beta, kind, slot(values, c, kind, sign), err);
         }
     }
     return code;
@@ -148,9 +153,9 @@ int fields_work(void *context, int field, double *values, shear_error *err) {
     struct fields *fields = context;
     int code = SHEAR_OK;
     for (int sign = 0; code == SHEAR_OK && sign < 2; sign++) {
-        code = bright_stamps_rows(fields->stamps[sign], (int64_t)field * fields->count,
-                                  fields->count, fields->cases.n, fields->cases.c, fields->rows,
-                                  fields->crossed, err);
+        code =
+            bright_stamps_rows(fields->stamps[sign], (int64_t)field * fields->count, fields->count,
+                               fields->cases.n, fields->cases.c, fields->rows, err);
         code = code ? code : estimate_all(fields, sign, values, err);
         if (code == SHEAR_OK && sign == 0) {
             count_shapes(fields, (int64_t)field * fields->count,

@@ -12,7 +12,7 @@
 #include "information.h"
 #include "statistics.h"
 
-enum { MEAN, SYMMETRY, CROSSED, N_KINDS }; /* estimators; the last is pdf-sym with cross terms */
+enum { MEAN, SYMMETRY, CROSSED, N_KINDS }; /* estimators, numbered as enum shear_estimator */
 
 enum {
     MAX_CASES = 3 * MAX_KNOB_VALUES,
@@ -33,7 +33,7 @@ struct fields {
     struct bright_stamps *stamps[2]; /* at the shear, and at its opposite */
     int count;                       /* galaxies of a field */
     double typical_d;                /* of a galaxy of flux 1 without noise */
-    shear_row *rows, *crossed;       /* [cases.n][count] */
+    shear_row *rows;                 /* [cases.n][count] */
 };
 
 int fields_init(struct fields *fields, const struct request *r, shear_error *err);

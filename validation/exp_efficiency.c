@@ -10,14 +10,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const char *const kind_names[N_KINDS] = {"mean", "pdf-sym", "pdf-sym+cross"};
-
 static const struct knob knobs[] = {
     {"ranges", "1,3,10,30,100", 1, 1e6, true, "largest flux over the smallest"},
     {"slope", "2.5", 0, 10, false, "of the fluxes' power law, dn/dF ~ F^-slope"},
     {"snr", "10", 0.1, 1e6, false, "signal-to-noise of the faintest, where there is noise"},
     {"bias-snr", "5,7,10,20,40", 0.1, 1e6, true, "of equal galaxies, for the bias"},
-    {"cross", "1", 0.1, 10, false, "part of the cross terms in pdf-sym+cross"},
     {0}};
 
 static const char *const fixed[] = {"white",     "photons", "photon-snr", "noise-ratio",
@@ -45,7 +42,7 @@ static void defaults(struct request *r) {
 static void add_columns(struct table *t) {
     table_column(t, "flux_range", TABLE_NUMBER, 0, "", "largest flux over the smallest");
     table_column(t, "snr", TABLE_NUMBER, 0, "", "signal-to-noise of the faintest; nan = no noise");
-    table_column(t, "estimator", TABLE_TEXT, 0, "", "mean, pdf-sym, or pdf-sym with cross terms");
+    table_column(t, "estimator", TABLE_TEXT, 0, "", "mean, pdf-sym, or pdf-sym-cross");
     table_column(t, "error", TABLE_NUMBER, 4, "", "scatter of the fields times sqrt(galaxies)");
     table_column(t, "error_err", TABLE_NUMBER, 4, "", "its 1-sigma error");
     table_column(t, "quoted", TABLE_NUMBER, 4, "", "mean quoted error times sqrt(galaxies)");
@@ -72,7 +69,7 @@ static void add_row(struct table *t, const struct cases *cases, int c, int kind,
                     const struct outcome *o) {
     table_number(t, cases->c[c].range);
     table_number(t, cases->snr[c]);
-    table_text(t, kind_names[kind]);
+    table_text(t, shear_estimator_name(kind));
     table_number(t, o->error.width);
     table_number(t, o->error.width_err);
     table_number(t, o->quoted);
@@ -135,7 +132,7 @@ static int draw(struct curves *curves, const struct summary *s, shear_figure **f
         for (int kind = 0; kind < N_KINDS; kind++) {
             panels[p][kind].hue = hues[kind];
             panels[p][kind].marker = markers[kind];
-            panels[p][kind].label = p == 0 && kind == CROSSED ? NULL : kind_names[kind];
+            panels[p][kind].label = p == 0 && kind == CROSSED ? NULL : shear_estimator_name(kind);
         }
         chart_draw(*figure, &(struct chart){
                                 .cell = shear_grid_cell(&grid, p, 0, 1, 1),

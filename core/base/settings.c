@@ -15,7 +15,7 @@ static const char *const interpolations[] = {"auto",        "none",       "bilin
 static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
-static const char *const estimators[] = {"mean", "pdf-sym", NULL};
+static const char *const estimators[] = {"mean", "pdf-sym", "pdf-sym-cross", NULL};
 
 enum { MAX_OVERSAMPLE = 64 };
 
@@ -52,8 +52,9 @@ static const shear_setting_def table[] = {
      "shot noise of galaxy and noise stamp: none (left), or plateau (their mean power at |k| > 3/4 "
      "of Nyquist is subtracted; without interpolation only)"},
     {"estimator", "ESTIMAT", SHEAR_T_CHOICE, AT(estimator), estimators, 0, 0, false, "", "KIND",
-     "how a field's shear is made of its stamps: mean (the ratio of means) or pdf-sym (the shear "
-     "that makes the distribution of shapes symmetric)"},
+     "how a field's shear is made of its stamps: mean (the ratio of means), pdf-sym (the shear "
+     "that makes the distribution of shapes symmetric) or pdf-sym-cross (the same, unbiased by "
+     "noise)"},
 };
 enum { N_SETTINGS = sizeof table / sizeof table[0] };
 
@@ -301,6 +302,10 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
                           "setting 'shot-noise' is plateau but interpolation is %s",
                           shear_interpolation_name(s->interpolation));
     }
+    if (s->estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS && !s->noise_correction) {
+        return shear_fail(err, SHEAR_E_SETTING, "its cross terms are with the noise stamps",
+                          "setting 'estimator' is pdf-sym-cross but noise-correction is off");
+    }
     return SHEAR_OK;
 }
 
@@ -315,8 +320,12 @@ const char *shear_filter_name(int filter) {
 }
 
 const char *shear_estimator_name(int estimator) {
-    return estimator >= 0 && estimator <= SHEAR_ESTIMATOR_PDF_SYM ? estimators[estimator]
-                                                                  : "unknown";
+    return estimator >= 0 && estimator <= SHEAR_ESTIMATOR_PDF_SYM_CROSS ? estimators[estimator]
+                                                                        : "unknown";
+}
+
+bool shear_estimator_is_symmetric(int estimator) {
+    return estimator == SHEAR_ESTIMATOR_PDF_SYM || estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS;
 }
 
 bool shear_interpolation_is_log(int interpolation) {

@@ -162,10 +162,13 @@ static int get_estimator(reading *r) {
     if (r->rc == SHEAR_OK) {
         r->rc = sf_key_string(r->f, r->at, "ESTIMAT", &text, r->err);
     }
-    const bool symmetric =
-        text != NULL && strcmp(text, shear_estimator_name(SHEAR_ESTIMATOR_PDF_SYM)) == 0;
+    int estimator = SHEAR_ESTIMATOR_PDF_SYM_CROSS;
+    while (estimator > SHEAR_ESTIMATOR_MEAN &&
+           (text == NULL || strcmp(text, shear_estimator_name(estimator)) != 0)) {
+        estimator--;
+    }
     free(text);
-    return symmetric ? SHEAR_ESTIMATOR_PDF_SYM : SHEAR_ESTIMATOR_MEAN;
+    return estimator;
 }
 
 static void get_result(reading *r, shear_result *out) {

@@ -96,6 +96,20 @@ static int negative_pixel(const shear_plan *plan, const shear_stamps *stamps, in
         where->y + 1, shear_interpolation_name(plan->info.interpolation));
 }
 
+/* What a stamp's own noise stamp adds to the terms of the symmetry (docs/method.md, section 6): `a`
+ * parts of the cross spectrum's terms, with beta^2 lowered so that the noise leans neither way. A
+ * small part costs little precision; a smaller one would cost more again, for `lower` grows. */
+static void fill_cross(shear_row *row, const moments *m, double beta, double r_psf) {
+    static const double a = 0.3;
+    const double beta2 = beta * beta;
+    const double lower = beta2 - r_psf * r_psf * (1.0 + a * a) / (2.0 * a * a);
+    row->cross_n1 = -0.5 * a * (m->m20 - m->m02);
+    row->cross_n2 = -a * m->m11;
+    row->cross_d = a * (m->m20 + m->m02 - 0.5 * lower * m->m4);
+    row->cross_u = a * lower / beta2 * m->u;
+    row->cross_v = a * lower / beta2 * m->v;
+}
+
 /* METHOD steps 5 and 6. */
 static void fill_moments(shear_row *row, const moments *m, double beta) {
     row->m20 = m->m20;
@@ -126,9 +140,11 @@ int last_group(const shear_plan *plan, const transfer *t) {
 }
 
 /* METHOD step 4, of the difference of galaxy and noise: the rows of modes that the transfer lets
- * through, and for a plateau the others, too. */
+ * through, and for a plateau the others, too. `cross`, where its estimator is asked for: of the
+ * cross spectrum. */
 static moments moments_of(const shear_plan *plan, shear_workspace *ws, const transfer *t,
-                          double *filtered_flux) {
+                          moments *cross, double *filtered_flux) {
+    const bool crossed = plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS;
     const bool shot = plan->settings.shot_noise == SHEAR_SHOT_PLATEAU;
     moments m = {0};
     double shot_power = 0.0;
@@ -139,6 +155,9 @@ static moments moments_of(const shear_plan *plan, shear_workspace *ws, const tra
         }
         if (group * FFT_LANES <= t->jy) {
             moments_add(&m, &rows, &plan->transfer_plan, t);
+            if (crossed) {
+                moments_add_cross(cross, &rows, &plan->transfer_plan, t);
+            }
         }
         shot_power += shot ? plateau_part(&plan->plateau, &rows) : 0.0;
     }
@@ -211,9 +230,11 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
         return negative_pixel(plan, stamps, i, &s.failure, err);
     }
     double filtered_flux = 0.0;
-    const moments m = moments_of(plan, ws, s.transfer, &filtered_flux);
+    moments cross = {0};
+    const moments m = moments_of(plan, ws, s.transfer, &cross, &filtered_flux);
     fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
     row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - filtered_flux);
+    fill_cross(row, &cross, plan->info.beta_px, plan->info.r_psf_px);
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;
 }

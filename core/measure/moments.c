@@ -3,6 +3,7 @@
 #include "base/simd.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 double moments_power(const mode_rows *r, int jx, int lane) {
@@ -29,20 +30,25 @@ static SHEAR_INLINE void add_columns(lane_sums *s, size_t l, double right, doubl
     s->s4[l] += x2 * x2 * even;
 }
 
-/* T P of element `here` of up and its mirror image `there` of down. */
-static SHEAR_INLINE double weigh(const mode_rows *r, size_t here, size_t there, double t) {
-    return t * (r->up.re[here] * r->down.re[there] - r->up.im[here] * r->down.im[there]);
+/* T times power or cross spectrum of element `here` of up and its mirror image `there` of down. */
+static SHEAR_INLINE double weigh(const mode_rows *r, size_t here, size_t there, double t,
+                                 bool cross) {
+    const double a = r->up.re[here];
+    const double b = r->up.im[here];
+    const double c = r->down.re[there];
+    const double d = r->down.im[there];
+    return t * (cross ? a * d + b * c : a * c - b * d);
 }
 
 /* t: T at jx = 0, [jx][stride]. */
-SHEAR_SIMD static void sum_rows(const mode_rows *rows, const double *t, size_t stride, int last,
-                                lane_sums *out) {
+static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t stride, int last,
+                                  bool cross, lane_sums *out) {
     const mode_rows r = *rows;
     const size_t end = (size_t)r.nx * FFT_LANES;
     lane_sums s = {0};
 #pragma omp simd
     for (size_t l = 0; l < FFT_LANES; l++) {
-        s.s0[l] = weigh(&r, l, l, t[l]);
+        s.s0[l] = weigh(&r, l, l, t[l], cross);
     }
     for (int jx = 1; jx <= last; jx++) {
         const double *right = t + (ptrdiff_t)stride * jx;
@@ -50,11 +56,21 @@ SHEAR_SIMD static void sum_rows(const mode_rows *rows, const double *t, size_t s
         const size_t at = (size_t)jx * FFT_LANES;
 #pragma omp simd
         for (size_t l = 0; l < FFT_LANES; l++) {
-            add_columns(&s, l, weigh(&r, at + l, end - at + l, right[l]),
-                        weigh(&r, end - at + l, at + l, left[l]), jx);
+            add_columns(&s, l, weigh(&r, at + l, end - at + l, right[l], cross),
+                        weigh(&r, end - at + l, at + l, left[l], cross), jx);
         }
     }
     *out = s;
+}
+
+SHEAR_SIMD static void sum_power(const mode_rows *rows, const double *t, size_t stride, int last,
+                                 lane_sums *out) {
+    sum_rows(rows, t, stride, last, false, out);
+}
+
+SHEAR_SIMD static void sum_cross(const mode_rows *rows, const double *t, size_t stride, int last,
+                                 lane_sums *out) {
+    sum_rows(rows, t, stride, last, true, out);
 }
 
 /* The sums of rows [first, first + FFT_LANES) to moments. */
@@ -86,7 +102,15 @@ static const double *middle_column(const transfer_plan *p, const transfer *t, in
 void moments_add(moments *m, const mode_rows *rows, const transfer_plan *p, const transfer *t) {
     const int first = rows->group * FFT_LANES;
     lane_sums sums;
-    sum_rows(rows, middle_column(p, t, first), p->stride, transfer_reach(t, p, first), &sums);
+    sum_power(rows, middle_column(p, t, first), p->stride, transfer_reach(t, p, first), &sums);
+    add_lanes(m, &sums, p, first);
+}
+
+void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p,
+                       const transfer *t) {
+    const int first = rows->group * FFT_LANES;
+    lane_sums sums;
+    sum_cross(rows, middle_column(p, t, first), p->stride, transfer_reach(t, p, first), &sums);
     add_lanes(m, &sums, p, first);
 }
 

@@ -4,7 +4,8 @@
  *
  * The galaxy g and the noise n are real, z = g + i n is transformed once, and
  *     Re[Z(k) Z(-k)] = |G(k)|^2 - |N(k)|^2
- * is the corrected power at once (label OSN3 mode by mode; all moments are even in k).
+ * is the corrected power at once (label OSN3 mode by mode; all moments are even in k). Its
+ * imaginary part is the cross spectrum 2 Re[G(k) N*(k)].
  */
 #ifndef SHEAR_MOMENTS_H
 #define SHEAR_MOMENTS_H
@@ -26,6 +27,9 @@ typedef struct mode_rows {
 
 /* Add what the rows of one group hold; the groups are 0 .. t->jy / FFT_LANES. */
 void moments_add(moments *m, const mode_rows *rows, const transfer_plan *p, const transfer *t);
+/* The same of the cross spectrum. */
+void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p,
+                       const transfer *t);
 
 /* The moments of a power that is 1 at every mode. */
 moments moments_of_flat(const transfer_plan *p, const transfer *t);

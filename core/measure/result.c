@@ -59,7 +59,7 @@ const char *shear_error_method(const shear_result *r) {
     if (r->jackknife > 0) {
         return "jackknife";
     }
-    return r->estimator == SHEAR_ESTIMATOR_PDF_SYM ? "symmetry" : "delta";
+    return shear_estimator_is_symmetric(r->estimator) ? "symmetry" : "delta";
 }
 
 void shear_field_result(const shear_field_sums *f, shear_result *out) {

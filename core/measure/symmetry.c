@@ -45,13 +45,14 @@ static int make_room(shear_symmetry *s, size_t more, shear_error *err) {
 int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, shear_error *err) {
     double sums[SHEAR_N_TERMS];
     const double beta2 = beta_px * beta_px;
-    const symmetry_terms t = {.n1 = row->n1,
-                              .n2 = row->n2,
-                              .d = row->d,
-                              .u = -0.5 * beta2 * row->u,
-                              .v = -2.0 * beta2 * row->v,
+    const symmetry_terms t = {.n1 = row->n1 + row->cross_n1,
+                              .n2 = row->n2 + row->cross_n2,
+                              .d = row->d + row->cross_d,
+                              .u = -0.5 * beta2 * (row->u + row->cross_u),
+                              .v = -2.0 * beta2 * (row->v + row->cross_v),
                               .weight = row->weight};
-    if (row->flags != 0 || !block_terms(row, sums) || !isfinite(t.u + t.v)) {
+    const bool finite = isfinite(t.n1 + t.n2 + t.d) && isfinite(t.u + t.v);
+    if (row->flags != 0 || !block_terms(row, sums) || !finite) {
         return SHEAR_OK;
     }
     const int code = make_room(s, 1, err);

@@ -375,17 +375,18 @@ int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, s
     return code;
 }
 
-int shear_estimate(const shear_field_sums *sums, const shear_symmetry *terms, shear_result *out,
-                   shear_error *err) {
+int shear_estimate(int estimator, const shear_field_sums *sums, const shear_symmetry *terms,
+                   shear_result *out, shear_error *err) {
     shear_result symmetric;
     shear_field_result(sums, out);
-    if (terms == NULL) {
+    if (!shear_estimator_is_symmetric(estimator)) {
         return SHEAR_OK;
     }
     symmetric = *out;
     const int code = shear_symmetry_solve(terms, 0, &symmetric, err);
     if (code == SHEAR_OK) {
         *out = symmetric;
+        out->estimator = estimator;
     }
     return code;
 }

@@ -147,7 +147,7 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
     if (code == SHEAR_OK) {
         code = shear_field_sums_new(&r->sums, err);
     }
-    if (code == SHEAR_OK && settings->estimator == SHEAR_ESTIMATOR_PDF_SYM) {
+    if (code == SHEAR_OK && shear_estimator_is_symmetric(settings->estimator)) {
         code = shear_symmetry_new(&r->terms, err);
     }
     if (code == SHEAR_OK && jack != NULL) {
@@ -189,7 +189,8 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
         code = shear_work_join_terms(r->work, r->sums, 0, r->terms, &blocks, err);
     }
     if (code == SHEAR_OK) {
-        code = shear_estimate(r->sums, r->terms, &report->result, err);
+        const int estimator = shear_plan_get_settings(r->plan)->estimator;
+        code = shear_estimate(estimator, r->sums, r->terms, &report->result, err);
     }
     if (code == SHEAR_OK && r->catalog != NULL) {
         code = finish_catalog(r->catalog, r->plan, &report->result, input,

@@ -59,7 +59,7 @@ shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads) {
 }
 
 static bool wants_terms(const shear_plan *plan) {
-    return shear_plan_get_settings(plan)->estimator == SHEAR_ESTIMATOR_PDF_SYM;
+    return shear_estimator_is_symmetric(shear_plan_get_settings(plan)->estimator);
 }
 
 int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err) {

@@ -150,7 +150,7 @@ static int read_block(void *self, int slot, int64_t first, int count, const shea
 }
 
 static bool wants_terms(const job *j) {
-    return j->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM;
+    return shear_estimator_is_symmetric(j->settings.estimator);
 }
 
 /* The checkpoint's sums; none where the terms of their stamps are not with them: then the work
@@ -292,7 +292,7 @@ static int complete(job *j, engine_event *event, shear_error *err) {
         code = shear_symmetry_join(f.terms, j->terms_before, 0, err);
     }
     if (code == SHEAR_OK) {
-        code = shear_estimate(f.sums, f.terms, &event->result, err);
+        code = shear_estimate(j->settings.estimator, f.sums, f.terms, &event->result, err);
     }
     if (code == SHEAR_OK) {
         code = so_far_write(&f, event, err);

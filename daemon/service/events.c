@@ -24,7 +24,7 @@ static void tell_name(service *s, after *a, int code, const shear_error *err) {
 static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
     shear_symmetry *terms = NULL;
     shear_error err = {0};
-    if (j->settings.estimator != SHEAR_ESTIMATOR_PDF_SYM) {
+    if (!shear_estimator_is_symmetric(j->settings.estimator)) {
         return NULL;
     }
     int code = shear_symmetry_new(&terms, &err);

@@ -181,12 +181,12 @@ void present_field_free(shear_msg_field_row *out);
 void present_summary(service *s, const store_field *f, shear_msg_summary *out);
 void publish_job(service *s, const store_job *job);
 
-/* solutions.c: results of fields with estimator = pdf-sym */
+/* solutions.c: results of fields whose estimator is a symmetric one */
 int solutions_new(solutions **all, shear_error *err);
 void solutions_free(solutions *all);
 /* The result of what was counted, whose sums are given: solved, or remembered. */
-int solutions_get(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
-                  shear_error *err);
+int solutions_get(service *s, const store_field *f, int estimator, const shear_field_sums *sums,
+                  shear_result *out, shear_error *err);
 
 /* news.c */
 void news_field_changed(service *s, const char *name, const char *digest); /* NULL: no name yet */

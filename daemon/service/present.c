@@ -149,8 +149,8 @@ int present_begun(service *s, const char *name, store_field_page *page, shear_er
  * running jobs would have to be solved anew with every question. */
 static int result_of(service *s, const store_field *f, const shear_settings *settings,
                      const shear_field_sums *sums, shear_result *out, shear_error *err) {
-    if (settings->estimator == SHEAR_ESTIMATOR_PDF_SYM) {
-        return solutions_get(s, f, sums, out, err);
+    if (shear_estimator_is_symmetric(settings->estimator)) {
+        return solutions_get(s, f, settings->estimator, sums, out, err);
     }
     shear_field_result(sums, out);
     return SHEAR_OK;
@@ -167,7 +167,7 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
     int code = running != NULL ? shear_settings_apply(&settings, f->settings, err)
                                : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     if (code == SHEAR_OK) {
-        code = sums_now(s, f, settings.estimator == SHEAR_ESTIMATOR_MEAN, &sums, running,
+        code = sums_now(s, f, !shear_estimator_is_symmetric(settings.estimator), &sums, running,
                         SHEAR_MSG_LIST_MAX, &n, err);
     }
     if (code == SHEAR_OK) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Results of fields with estimator = pdf-sym. They are made of the terms of all their stamps, so
- * they are solved when somebody asks, and kept until another job is counted: of the fields that
- * were asked for last. An entry takes less than 1 KiB; solving takes 76 bytes a stamp for its time.
+/* Results of fields whose estimator is a symmetric one. They are made of the terms of all their
+ * stamps, so they are solved when somebody asks, and kept until another job is counted: of the
+ * fields that were asked for last. An entry takes less than 1 KiB; solving takes 76 bytes a stamp
+ * for its time.
  */
 #include "service/inner.h"
 
@@ -87,29 +88,29 @@ static void keep(service *s, const store_field *f, const shear_result *result) {
     one->asked = ++all->askings;
 }
 
-static int solve(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
-                 shear_error *err) {
+static int solve(service *s, const store_field *f, int estimator, const shear_field_sums *sums,
+                 shear_result *out, shear_error *err) {
     shear_symmetry *terms = NULL;
     int code = shear_symmetry_new(&terms, err);
     if (code == SHEAR_OK && f->jobs > 0) {
         code = store_field_terms(s->store, f->name, f->settings_digest, terms, err);
     }
     if (code == SHEAR_OK) {
-        code = shear_estimate(sums, terms, out, err);
+        code = shear_estimate(estimator, sums, terms, out, err);
     }
     shear_symmetry_free(terms);
     return code;
 }
 
-int solutions_get(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
-                  shear_error *err) {
+int solutions_get(service *s, const store_field *f, int estimator, const shear_field_sums *sums,
+                  shear_result *out, shear_error *err) {
     solution *one = find(s->solutions, f);
     if (one != NULL && one->jobs == f->jobs && one->failed_commits == s->failed_commits) {
         *out = one->result;
         one->asked = ++s->solutions->askings;
         return SHEAR_OK;
     }
-    const int code = solve(s, f, sums, out, err);
+    const int code = solve(s, f, estimator, sums, out, err);
     if (code == SHEAR_OK && f->jobs > 0) {
         keep(s, f, out);
     }

@@ -206,6 +206,13 @@ class Files(ToolTest):
                 result = self.measure_one("--threads", threads, *symmetric, *order)
                 self.assertEqual(numbers(one), numbers(result))
         self.assertIn("estimator  pdf-sym", shearctl("measure", path, *symmetric).out)
+        crossed = self.measure_one(path, "--estimator", "pdf-sym-cross")
+        self.assertEqual((crossed["estimator"], crossed["error_method"]), ("pdf-sym-cross", "symmetry"))
+        for g in ("g1", "g2"):
+            self.assertNotEqual(one[g], crossed[g])
+            self.assertLess(abs(one[g] - crossed[g]), one[g + "_err"] + crossed[g + "_err"])
+        self.assertFails(shearctl("measure", path, "--estimator", "pdf-sym-cross", "--no-noise-correction"), USAGE,
+                         "noise-correction")
         self.assertFails(shearctl("measure", path, *symmetric, "--jackknife", 2), USAGE,
                          "--estimator mean")
 

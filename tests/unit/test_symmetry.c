@@ -329,12 +329,88 @@ static void test_refusals(void **state) {
     shear_symmetry_free(NULL);
 }
 
+/* The cross terms are those of |F + N|^2 - |F - N|^2 = 4 Re(F N*), F and N the stamps of the pair,
+ * for interpolations that are linear. */
+static void check_cross(const char *method, int nx, int ny, const char *shot_noise) {
+    static const double a = 0.3;
+    pair p, sum;
+    shear_plan_info info;
+    pair_init(&p, nx, ny, 21, 21, 1);
+    pair_init(&sum, nx, ny, 21, 21, 1);
+    pair_draw(&p, 1.4, 5);
+    pair_draw(&sum, 1.4, 5);
+    pair *const both[] = {&p, &sum};
+    for (int i = 0; i < 2; i++) {
+        pair_set(both[i], "interpolation", method);
+        pair_set(both[i], "core", "5");
+    }
+    pair_set(&p, "estimator", "pdf-sym-cross");
+    pair_set(&p, "shot-noise", shot_noise);
+    for (int i = 0; i < nx * ny; i++) {
+        sum.galaxy[i] += p.noise[i];
+        sum.noise[i] = p.galaxy[i] - p.noise[i];
+    }
+    const shear_row row = pair_measure_info(&p, &info);
+    const shear_row c = pair_measure(&sum);
+    const double lower =
+        info.beta_px * info.beta_px - info.r_psf_px * info.r_psf_px * (1.0 + a * a) / (2.0 * a * a);
+    const double flatter = lower / (info.beta_px * info.beta_px);
+    const double scale = fabs(row.d) + fabs(row.m4);
+    assert_true(fabs(row.cross_n1) > 1e-3 * fabs(row.n1));
+    assert_near(row.cross_n1, 0.5 * a * c.n1, 1e-12, scale, "N1");
+    assert_near(row.cross_n2, 0.5 * a * c.n2, 1e-12, scale, "N2");
+    assert_near(row.cross_d, 0.5 * a * (c.m20 + c.m02 - 0.5 * lower * c.m4), 1e-12, scale, "D");
+    assert_near(row.cross_u, 0.5 * a * flatter * c.u, 1e-12, scale, "U");
+    assert_near(row.cross_v, 0.5 * a * flatter * c.v, 1e-12, scale, "V");
+    pair_set(&p, "estimator", "pdf-sym");
+    shear_row plain = pair_measure(&p);
+    assert_true(plain.cross_n1 == 0.0 && plain.cross_d == 0.0 && plain.cross_v == 0.0);
+    assert_true(plain.n1 == row.n1 && plain.d == row.d && plain.v == row.v);
+    pair_deinit(&p);
+    pair_deinit(&sum);
+}
+
+static void test_cross_terms(void **state) {
+    (void)state;
+    check_cross("none", 32, 32, "none");
+    check_cross("none", 17, 24, "plateau");
+    check_cross("spline", 20, 16, "none");
+}
+
+/* They enter the symmetry, and nothing else. */
+static void test_cross_is_added(void **state) {
+    (void)state;
+    enum { N = 64 };
+    shear_row rows[N];
+    shear_row sums[N];
+    draw_rows(rows, N, 1.0, 3);
+    for (int i = 0; i < N; i++) {
+        rows[i].cross_n1 = 0.1 * rows[(i + 1) % N].n1;
+        rows[i].cross_n2 = 0.1 * rows[(i + 1) % N].n2;
+        rows[i].cross_d = 0.1 * rows[(i + 2) % N].d;
+        rows[i].cross_u = 0.1 * rows[(i + 3) % N].u;
+        rows[i].cross_v = 0.1 * rows[(i + 3) % N].v;
+        sums[i] = rows[i];
+        sums[i].n1 += rows[i].cross_n1;
+        sums[i].n2 += rows[i].cross_n2;
+        sums[i].d += rows[i].cross_d;
+        sums[i].u += rows[i].cross_u;
+        sums[i].v += rows[i].cross_v;
+        sums[i].cross_n1 = sums[i].cross_n2 = sums[i].cross_d = 0.0;
+        sums[i].cross_u = sums[i].cross_v = 0.0;
+    }
+    const shear_result with = solve_rows(rows, N, 0);
+    const shear_result by_hand = solve_rows(sums, N, 0);
+    assert_true(with.g1 == by_hand.g1 && with.g2 == by_hand.g2 && with.g1_err == by_hand.g1_err);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_response),   cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_bright_one), cmocka_unit_test(test_any_order),
-        cmocka_unit_test(test_weights),    cmocka_unit_test(test_pulls),
-        cmocka_unit_test(test_covariance), cmocka_unit_test(test_few_and_strange),
+        cmocka_unit_test(test_response),       cmocka_unit_test(test_cross_terms),
+        cmocka_unit_test(test_cross_is_added), cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_bright_one),     cmocka_unit_test(test_any_order),
+        cmocka_unit_test(test_weights),        cmocka_unit_test(test_pulls),
+        cmocka_unit_test(test_covariance),     cmocka_unit_test(test_few_and_strange),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -44,8 +44,10 @@ enum shear_shot_noise {
 
 /* How a field's shear is made of its stamps. */
 enum shear_estimator {
-    SHEAR_ESTIMATOR_MEAN = 0, /* the ratio of means (shear/sums.h) */
-    SHEAR_ESTIMATOR_PDF_SYM   /* PDF symmetrization (shear/symmetry.h) */
+    SHEAR_ESTIMATOR_MEAN = 0,     /* the ratio of means (shear/sums.h) */
+    SHEAR_ESTIMATOR_PDF_SYM,      /* PDF symmetrization (shear/symmetry.h) */
+    SHEAR_ESTIMATOR_PDF_SYM_CROSS /* the same with the cross terms that keep noise from biasing it
+                                   */
 };
 
 typedef struct shear_settings {
@@ -99,13 +101,17 @@ char *shear_settings_format(const shear_settings *s, const shear_setting_def *de
 
 /* Members out of their range (where they were not set through shear_settings_set), and
  * contradictions that no single value shows (a core with filter=none, a pedestal without a log
- * method, shot-noise=plateau with an interpolation). SHEAR_OK or SHEAR_E_SETTING. */
+ * method, shot-noise=plateau with an interpolation, cross terms without noise stamps). SHEAR_OK or
+ * SHEAR_E_SETTING. */
 int shear_settings_check(const shear_settings *s, shear_error *err);
 
 /* The name of an enum value, from the table's choices. Never NULL. */
 const char *shear_interpolation_name(int interpolation);
 const char *shear_filter_name(int filter);
 const char *shear_estimator_name(int estimator);
+
+/* Is the estimator one that needs the terms of every stamp (shear/symmetry.h)? */
+bool shear_estimator_is_symmetric(int estimator);
 
 /* True for the three methods that interpolate ln(pixel). */
 bool shear_interpolation_is_log(int interpolation);

@@ -58,12 +58,15 @@ typedef struct shear_row {
     double n1, n2, d;         /* -(M20-M02)/2, -M11, M20+M02-(beta^2/2) M4 */
     double u, v;              /* sum (kx^4-6kx^2ky^2+ky^4) P, sum (kx^3 ky-kx ky^3) P */
     double m20, m02, m11, m4; /* sum kx^2 P, ky^2 P, kx ky P, k^4 P */
-    double flux;              /* sum(galaxy) - sum(noise) */
-    double snr;               /* flux / (rms(noise stamp) * sqrt(2 nx ny)); NaN without noise */
-    double flux_removed;      /* the part of flux that the filter takes away */
-    double border_mean;       /* mean of the one-pixel border, galaxy minus noise */
-    double border_var;        /* variance of that border, galaxy minus noise */
-    double border_var_noise;  /* variance of the noise stamp's border */
+    /* With estimator = pdf-sym-cross, what is added to n1, n2, d, u, v for the symmetry
+     * (docs/method.md, section 6); else 0. */
+    double cross_n1, cross_n2, cross_d, cross_u, cross_v;
+    double flux;             /* sum(galaxy) - sum(noise) */
+    double snr;              /* flux / (rms(noise stamp) * sqrt(2 nx ny)); NaN without noise */
+    double flux_removed;     /* the part of flux that the filter takes away */
+    double border_mean;      /* mean of the one-pixel border, galaxy minus noise */
+    double border_var;       /* variance of that border, galaxy minus noise */
+    double border_var_noise; /* variance of the noise stamp's border */
     double weight;
     uint32_t flags; /* or of enum shear_flag; 0 = in the sums */
 } shear_row;

@@ -46,8 +46,8 @@ typedef struct shear_symmetry shear_symmetry;
 int shear_symmetry_new(shear_symmetry **s, shear_error *err);
 void shear_symmetry_free(shear_symmetry *s);
 
-/* Take a row in, in any order; flagged rows, and rows that no sum could hold, are passed over.
- * beta_px is that of the plan which measured it. */
+/* Take a row in with its cross terms, in any order; flagged rows, and rows that no sum could hold,
+ * are passed over. beta_px is that of the plan which measured it. */
 int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, shear_error *err);
 /* Take the stamps [from, count) of `other` in. All or nothing, as below. */
 int shear_symmetry_join(shear_symmetry *s, const shear_symmetry *other, size_t from,
@@ -63,16 +63,16 @@ void shear_symmetry_bytes(const shear_symmetry *s, size_t from, unsigned char *o
 int shear_symmetry_add_bytes(shear_symmetry *s, const unsigned char *bytes, size_t size,
                              shear_error *err);
 
-/* Overwrite shear, errors, covariance, valid, jackknife (0) and estimator of *out,
+/* Overwrite shear, errors, covariance, valid, jackknife (0) and estimator (pdf-sym) of *out,
  * which shear_field_result has filled in. `bins` on each side, 0 = SHEAR_SYMMETRY_BINS. The
  * covariance is that of the two parabolas' slopes, summed over stamps. There are fewer bins where a
  * bin would have less than 16 stamps. With fewer than 16 stamps, or without a minimum, `valid` is
  * false and the shear NaN. Errors: SHEAR_E_NOMEM; SHEAR_E_SETTING for too many bins. */
 int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, shear_error *err);
 
-/* A field's result by the estimator that is asked for: shear_field_result, and, where `terms` is
- * not NULL, shear_symmetry_solve. On error *out is that of the sums. */
-int shear_estimate(const shear_field_sums *sums, const shear_symmetry *terms, shear_result *out,
-                   shear_error *err);
+/* A field's result by the estimator that is asked for (enum shear_estimator): shear_field_result
+ * and, of `terms` (NULL for the mean), shear_symmetry_solve. On error *out is that of the sums. */
+int shear_estimate(int estimator, const shear_field_sums *sums, const shear_symmetry *terms,
+                   shear_result *out, shear_error *err);
 
 #endif
