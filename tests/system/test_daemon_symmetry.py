@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields with estimator = pdf-sym in the service: to the last bit what shearctl measure says of the
+"""Fields with estimator = pdf-sym or pdf-sym-cross in the service: to the last bit what shearctl measure says of the
 same files, whatever the order in which they come. (Killed in the middle: test_daemon_crash.py.)"""
 import os
 import subprocess
@@ -8,7 +8,6 @@ import unittest
 from daemon import DaemonTest, measured, mock, numbers, until
 from tool import SHEARCTL
 
-SYMMETRIC = ("--estimator", "pdf-sym")
 STAMPS = (48, 176, 90)  # of the parts
 
 
@@ -29,9 +28,9 @@ class Symmetry(DaemonTest):
         self.assertEqual([r["estimator"] for r in rows], [estimator])
         return rows[0]
 
-    def assertSolved(self, parts):
-        expected = measured([self.parts[i] for i in parts], *SYMMETRIC)
-        row = self.row("pdf-sym")
+    def assertSolved(self, parts, estimator="pdf-sym"):
+        expected = measured([self.parts[i] for i in parts], "--estimator", estimator)
+        row = self.row(estimator)
         self.assertEqual(row["error_method"], "symmetry")
         self.assertEqual((row["jobs"], row["unfinished"]), (len(parts), 0))
         self.assertEqual(numbers(row), expected)
@@ -42,7 +41,7 @@ class Symmetry(DaemonTest):
     def test_equals_measure_in_any_order(self):
         for so_far in ((2,), (2, 0), (2, 0, 1)):  # asked for in between: what is kept must go
             job = self.count(so_far[-1], estimator="pdf-sym")
-            own = measured([self.parts[so_far[-1]]], *SYMMETRIC)
+            own = measured([self.parts[so_far[-1]]], "--estimator", "pdf-sym")
             self.assertEqual(numbers(job["result"]), own)
             self.assertSolved(so_far)
         self.assertEqual(self.count(1, estimator="pdf-sym")["outcome"], "duplicate")
@@ -55,8 +54,10 @@ class Symmetry(DaemonTest):
         """The estimator is a setting: a field by each, of the same files."""
         for part in (1, 0):
             self.count(part, estimator="pdf-sym")
+            self.assertEqual(self.count(part, estimator="pdf-sym-cross")["outcome"], "counted")
             self.assertEqual(self.count(part)["outcome"], "counted")
         self.assertSolved((0, 1))
+        self.assertSolved((0, 1), "pdf-sym-cross")
         self.assertEqual(numbers(self.row("mean")), measured(self.parts[:2]))
         shown = subprocess.run([SHEARCTL, "field", "--socket", self.service.socket, "f"],
                                check=True, capture_output=True, encoding="utf-8").stdout
@@ -73,7 +74,7 @@ class Symmetry(DaemonTest):
         row = self.row("pdf-sym")
         if self.service.job(job)["state"] == "running":
             self.assertEqual((row["running"], row["partial"]), ([job], True))
-            self.assertEqual(numbers(row), measured(self.parts[:1], *SYMMETRIC))
+            self.assertEqual(numbers(row), measured(self.parts[:1], "--estimator", "pdf-sym"))
         self.service.go_on()
         self.service.wait_state(job, "done")
         self.parts.append(slow)
