@@ -184,9 +184,21 @@ void publish_job(service *s, const store_job *job);
 /* solutions.c: results of fields whose estimator is a symmetric one */
 int solutions_new(solutions **all, shear_error *err);
 void solutions_free(solutions *all);
-/* The result of what was counted, whose sums are given: solved, or remembered. */
-int solutions_get(service *s, const store_field *f, int estimator, const shear_field_sums *sums,
-                  shear_result *out, shear_error *err);
+/* Are the results of these fields at hand? Where not, the request is taken over, to be run again
+ * when they are solved: return without a reply. */
+bool solutions_ready(service *s, const server_request *r, const store_field_page *page);
+/* The same of one field, for whom it is enough to ask again later. */
+bool solutions_at_hand(service *s, const store_field *f);
+/* Of a field that changes faster than it is solved nobody would ever see a result. So to those that
+ * began to wait when so many solvings had begun, later ones are as good as the newest: to be set
+ * before asking for them, and back to INT64_MAX (newest only) after. */
+int64_t solutions_begun(const service *s);
+void solutions_since(service *s, int64_t begun);
+/* Then, of one of them with a symmetric estimator: the result, and how many jobs are in it. `sums`:
+ * of what was counted. */
+int solutions_get(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
+                  int64_t *jobs, shear_error *err);
+void solutions_forget(service *s, uint64_t connection);
 
 /* news.c */
 void news_field_changed(service *s, const char *name, const char *digest); /* NULL: no name yet */

@@ -40,6 +40,10 @@ void method_field(service *s, const server_request *r) {
     if (code == SHEAR_OK) {
         code = present_begun(s, p->field, &page, &err);
     }
+    if (code == SHEAR_OK && !solutions_ready(s, r, &page)) {
+        store_field_page_deinit(&page);
+        return;
+    }
     shear_msg_field_row *rows = code == SHEAR_OK ? calloc(page.n + 1, sizeof *rows) : NULL;
     store_contribution_page *lists = rows != NULL ? calloc(page.n + 1, sizeof *lists) : NULL;
     size_t n = 0;
@@ -97,6 +101,10 @@ void method_fields(service *s, const server_request *r) {
         filter.after_digest = digest;
     }
     const int code = store_fields(s->store, &filter, (size_t)p->limit, &page, &err);
+    if (code == SHEAR_OK && !solutions_ready(s, r, &page)) {
+        store_field_page_deinit(&page);
+        return;
+    }
     shear_msg_summary *list = code == SHEAR_OK ? calloc(page.n + 1, sizeof *list) : NULL;
     if (list == NULL) {
         method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);

@@ -9,6 +9,7 @@
 struct changed_field {
     changed_field *next;
     char *name, *digest;
+    int64_t since; /* solutions_since */
 };
 
 static void changed_free(changed_field *f) {
@@ -35,7 +36,10 @@ void news_field_changed(service *s, const char *name, const char *digest) {
     if (f == NULL) {
         return;
     }
-    *f = (changed_field){.next = s->news, .name = strdup(name), .digest = strdup(digest)};
+    *f = (changed_field){.next = s->news,
+                         .name = strdup(name),
+                         .digest = strdup(digest),
+                         .since = solutions_begun(s)};
     if (f->name == NULL || f->digest == NULL) {
         changed_free(f);
         return;
@@ -43,28 +47,42 @@ void news_field_changed(service *s, const char *name, const char *digest) {
     s->news = f;
 }
 
-static void publish(service *s, const changed_field *f) {
+/* False where its result is still being solved. */
+static bool publish(service *s, const changed_field *f) {
     store_field_page page = {0};
     shear_error ignored;
+    bool at_hand = true;
     if (store_field_get(s->store, f->name, &page, &ignored) != SHEAR_OK) {
-        return;
+        return true;
     }
+    solutions_since(s, f->since);
     for (size_t i = 0; i < page.n; i++) {
-        if (strcmp(page.fields[i].settings_digest, f->digest) == 0) {
+        if (strcmp(page.fields[i].settings_digest, f->digest) != 0) {
+            continue;
+        }
+        at_hand = solutions_at_hand(s, &page.fields[i]);
+        if (at_hand) {
             shear_notice_params params = {0};
             present_summary(s, &page.fields[i], &params.field_changed.field);
             params.field_changed.field.mixed = page.n > 1;
             server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, f->name, &params);
         }
     }
+    solutions_since(s, INT64_MAX);
     store_field_page_deinit(&page);
+    return at_hand;
 }
 
 void news_publish(service *s) {
-    for (const changed_field *f = s->news; f != NULL; f = f->next) {
-        publish(s, f);
+    for (changed_field **at = &s->news; *at != NULL;) {
+        changed_field *f = *at;
+        if (publish(s, f)) {
+            *at = f->next;
+            changed_free(f);
+        } else {
+            at = &f->next;
+        }
     }
-    news_free(s);
 }
 
 void news_free(service *s) {

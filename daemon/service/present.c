@@ -145,12 +145,15 @@ int present_begun(service *s, const char *name, store_field_page *page, shear_er
     return code;
 }
 
-/* A field's result by its settings' estimator. Of pdf-sym only what was counted is in it: stamps of
- * running jobs would have to be solved anew with every question. */
+/* A field's result by its settings' estimator, and how many jobs are counted in it. Of pdf-sym only
+ * what was counted is in it: stamps of running jobs would have to be solved anew with every
+ * question. */
 static int result_of(service *s, const store_field *f, const shear_settings *settings,
-                     const shear_field_sums *sums, shear_result *out, shear_error *err) {
+                     const shear_field_sums *sums, shear_result *out, int64_t *jobs,
+                     shear_error *err) {
+    *jobs = f->jobs;
     if (shear_estimator_is_symmetric(settings->estimator)) {
-        return solutions_get(s, f, settings->estimator, sums, out, err);
+        return solutions_get(s, f, sums, out, jobs, err);
     }
     shear_field_result(sums, out);
     return SHEAR_OK;
@@ -161,6 +164,7 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
     shear_result result;
     shear_settings settings;
     char *report_text = NULL;
+    int64_t jobs = 0;
     int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
     size_t n = 0;
     shear_settings_init(&settings);
@@ -171,7 +175,7 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
                         SHEAR_MSG_LIST_MAX, &n, err);
     }
     if (code == SHEAR_OK) {
-        code = result_of(s, f, &settings, sums, &result, err);
+        code = result_of(s, f, &settings, sums, &result, &jobs, err);
     }
     if (code == SHEAR_OK) {
         const shear_report report = {.field = f->name, .result = &result, .settings = &settings};
@@ -184,7 +188,7 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
     }
     *out = (shear_msg_field_row){.report = report_text,
                                  .digest = f->settings_digest,
-                                 .jobs = f->jobs,
+                                 .jobs = jobs,
                                  .unfinished = f->unfinished,
                                  .partial = f->unfinished > 0,
                                  .running = running,
@@ -202,11 +206,12 @@ void present_field_free(shear_msg_field_row *out) {
 void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
     shear_field_sums *sums = NULL;
     shear_settings settings;
+    int64_t jobs = f->jobs;
     shear_result r = {.g1 = NAN, .g2 = NAN, .g1_err = NAN, .g2_err = NAN};
     shear_settings_init(&settings);
     if (f->sums != NULL && shear_settings_apply(&settings, f->settings, NULL) == SHEAR_OK &&
         shear_field_sums_parse(&sums, f->sums, NULL) == SHEAR_OK &&
-        result_of(s, f, &settings, sums, &r, NULL) != SHEAR_OK) {
+        result_of(s, f, &settings, sums, &r, &jobs, NULL) != SHEAR_OK) {
         r.g1 = r.g2 = r.g1_err = r.g2_err = NAN;
     }
     shear_field_sums_free(sums);
@@ -218,7 +223,7 @@ void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
                                .g2_err = r.g2_err,
                                .n_stamps = f->n_stamps,
                                .n_used = f->n_used,
-                               .jobs = f->jobs,
+                               .jobs = jobs,
                                .unfinished = f->unfinished,
                                .partial = f->unfinished > 0,
                                .updated_ms = f->updated_ms};

@@ -18,6 +18,7 @@ static void wake(void *context) {
 
 static void on_closed(void *context, uint64_t connection) {
     waits_forget(context, connection);
+    solutions_forget(context, connection);
 }
 
 static int make_directory(const char *path, mode_t mode, shear_error *err) {

@@ -64,6 +64,33 @@ class Symmetry(DaemonTest):
         self.assertIn("estimator  pdf-sym", shown)
         self.assertIn("estimator  mean", shown)
 
+    def test_nobody_waits_for_a_solving_but_who_asked(self):
+        for part in (0, 1):
+            self.count(part, estimator="pdf-sym")
+            self.count(part, estimator="pdf-sym-cross")
+        with self.service.client() as client:
+            asked = [client.ask("field", {"field": "f"}), client.ask("fields"), client.ask("status")]
+            order = [client.receive()["id"] for _ in asked]
+            self.assertEqual(order, [asked[2], *asked[:2]])
+        self.count(2, estimator="pdf-sym")
+        with self.service.client() as client:
+            client.ask("field", {"field": "f"})  # and goes
+        self.assertSolved((0, 1, 2))
+        self.assertSolved((0, 1), "pdf-sym-cross")
+
+    def test_changes_are_told_when_solved(self):
+        with self.service.client() as client:
+            client.call("subscribe", fields=["f"])
+            for so_far in ((0,), (0, 1)):
+                self.count(so_far[-1], estimator="pdf-sym")
+                expected = measured([self.parts[i] for i in so_far], "--estimator", "pdf-sym")
+                told = None
+                while told is None or told["jobs"] < len(so_far):
+                    message = client.receive()
+                    told = message["params"]["field"] if message["method"] == "field_changed" else told
+                self.assertEqual([told[k] for k in ("g1", "g2_err")],
+                                 [expected[k] for k in ("g1", "g2_err")])
+
     def test_only_what_was_counted(self):
         """Stamps of a running job are in the mean at once, in the symmetry when it is done."""
         self.count(0, estimator="pdf-sym")
