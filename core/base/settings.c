@@ -15,6 +15,7 @@ static const char *const interpolations[] = {"auto",        "none",       "bilin
 static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
+static const char *const backgrounds[] = {"keep", "noise-mean", NULL};
 static const char *const estimators[] = {"mean", "pdf-sym", "pdf-sym-cross", NULL};
 
 enum { MAX_OVERSAMPLE = 64 };
@@ -36,6 +37,9 @@ static const shear_setting_def table[] = {
      "radius within which the filter is 1; auto: by the filter's rule"},
     {"width", "WIDTH_PX", SHEAR_T_DOUBLE, AT(width_px), NULL, 1e-3, 2048, true, "px", "PX",
      "scale of the filter's Gaussian fall beyond the core; auto: by the filter's rule"},
+    {"background", "BACKGRND", SHEAR_T_CHOICE, AT(background), backgrounds, 0, 0, false, "", "KIND",
+     "a mean background under the filter: keep, or noise-mean (the noise stamp's mean is taken off "
+     "both stamps before the filter, which would cut an edge into it)"},
     {"zeros", "ZEROS", SHEAR_T_CHOICE, AT(zeros), zeros, 0, 0, false, "", "POLICY",
      "zero pixels under a log method: skip (what touches them becomes zero) or floor (they become "
      "tiny)"},
@@ -92,6 +96,7 @@ void shear_settings_init(shear_settings *s) {
         .filter = SHEAR_FILTER_AUTO,
         .core_px = NAN,
         .width_px = NAN,
+        .background = SHEAR_BACKGROUND_KEEP,
         .zeros = SHEAR_ZEROS_SKIP,
         .pedestal = 0.0,
         .psf_threshold = 1e-8,
@@ -290,6 +295,10 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
     }
     if (!isnan(s->width_px) && s->filter == SHEAR_FILTER_NONE) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'width' contradicts filter=none");
+    }
+    if (s->background != SHEAR_BACKGROUND_KEEP && s->filter == SHEAR_FILTER_NONE) {
+        return shear_fail(err, SHEAR_E_SETTING, "without a filter a constant is not seen: keep it",
+                          "setting 'background' contradicts filter=none");
     }
     if (s->pedestal > 0 && s->interpolation != SHEAR_INTERP_AUTO &&
         !shear_interpolation_is_log(s->interpolation)) {

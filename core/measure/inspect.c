@@ -55,7 +55,9 @@ static void copy_images(const shear_plan *plan, shear_workspace *ws, bool has_no
     }
     for (size_t i = 0; i < points; i++) {
         out->noise_fine[i] = has_noise ? out->noise_fine[i] : NAN;
-        out->galaxy_filtered[i] = out->galaxy_fine[i] * (filter != NULL ? filter->value[i] : 1.0);
+        out->galaxy_filtered[i] = filter != NULL
+                                      ? filter->value[i] * (out->galaxy_fine[i] - ws->level)
+                                      : out->galaxy_fine[i];
     }
 }
 

@@ -14,7 +14,7 @@ enum { BLOCK = FFT_LANES * FFT_LANES };
  * filter, side by side. One loop for all of it: with a side that is a power of two the rows of a
  * strip share so few sets of the first cache that they are gone when they are asked for again. */
 static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter, bool filtered,
-                                   size_t x0, size_t y0, size_t y1, fft_lanes out) {
+                                   double level, size_t x0, size_t y0, size_t y1, fft_lanes out) {
     const size_t step = (size_t)sums->nx;
     const double *galaxy = sums->galaxy + x0;
     const double *noise = sums->noise + x0;
@@ -26,30 +26,32 @@ static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter, 
             const double g = galaxy[y * step + l];
             const double n = noise[y * step + l];
             photometry_pixel(&s, l, g, n);
-            out.re[y * FFT_LANES + l] = filtered ? f * g : g;
-            out.im[y * FFT_LANES + l] = filtered ? f * n : n;
+            out.re[y * FFT_LANES + l] = filtered ? f * (g - level) : g;
+            out.im[y * FFT_LANES + l] = filtered ? f * (n - level) : n;
         }
     }
     *sums = s;
 }
 
-SHEAR_SIMD static void pack_filtered(photometry_sums *sums, const double *filter, size_t x0,
-                                     size_t y0, size_t y1, fft_lanes out) {
-    pack_rows(sums, filter, true, x0, y0, y1, out);
+SHEAR_SIMD static void pack_filtered(photometry_sums *sums, const double *filter, double level,
+                                     size_t x0, size_t y0, size_t y1, fft_lanes out) {
+    pack_rows(sums, filter, true, level, x0, y0, y1, out);
 }
 
 SHEAR_SIMD static void pack_plain(photometry_sums *sums, size_t x0, size_t y0, size_t y1,
                                   fft_lanes out) {
-    pack_rows(sums, NULL, false, x0, y0, y1, out);
+    pack_rows(sums, NULL, false, 0.0, x0, y0, y1, out);
 }
 
-SHEAR_SIMD static void filter_lanes(const double *restrict filter, size_t step, int y0, int y1,
-                                    fft_lanes strip) {
+SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level, size_t step,
+                                    int y0, int y1, fft_lanes strip) {
     for (size_t y = (size_t)y0; y < (size_t)y1; y++) {
 #pragma omp simd
         for (size_t l = 0; l < FFT_LANES; l++) {
-            strip.re[y * FFT_LANES + l] *= filter[y * step + l];
-            strip.im[y * FFT_LANES + l] *= filter[y * step + l];
+            const size_t at = y * FFT_LANES + l;
+            const double f = filter[y * step + l];
+            strip.re[at] = f * (strip.re[at] - level);
+            strip.im[at] = f * (strip.im[at] - level);
         }
     }
 }
@@ -79,7 +81,7 @@ static void pack_strip(shear_workspace *ws, photometry_sums *sums, const filter_
     photometry_sums unused = *sums; /* a strip that overlaps is summed up by itself */
     photometry_sums *s = st->skip > 0 ? &unused : sums;
     if (filter != NULL) {
-        pack_filtered(s, filter->value, (size_t)st->x0, y0, y1, ws->strip);
+        pack_filtered(s, filter->value, ws->level, (size_t)st->x0, y0, y1, ws->strip);
     } else {
         pack_plain(s, (size_t)st->x0, y0, y1, ws->strip);
     }
@@ -97,7 +99,8 @@ static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const
         image_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
     }
     if (filter != NULL) {
-        filter_lanes(filter->value + st->x0, (size_t)g->fine_nx, st->y0, st->y1, ws->strip);
+        filter_lanes(filter->value + st->x0, ws->level, (size_t)g->fine_nx, st->y0, st->y1,
+                     ws->strip);
     }
 }
 
@@ -175,11 +178,13 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
                pack_failure *failure) {
     const shear_geometry *g = &plan->info.geometry;
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
+    const bool levels = filter != NULL && plan->settings.background == SHEAR_BACKGROUND_NOISE_MEAN;
     photometry_sums sums;
     photometry_begin(&sums, galaxy, noise, g->nx, g->ny);
-    if (!as_pixels) {
+    if (!as_pixels || levels) {
         *ph = photometry_of(galaxy, noise, g->nx, g->ny);
     }
+    ws->level = levels ? ph->noise_mean : 0.0;
     if (!load_pair(plan, ws, galaxy, noise, failure)) {
         return false;
     }

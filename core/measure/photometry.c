@@ -64,6 +64,7 @@ photometry photometry_end(const photometry_sums *s) {
                     .galaxy_finite = true,
                     .noise_finite = true,
                     .galaxy_flat = total(s->galaxy_others) == 0.0,
+                    .noise_mean = s->noise_first + mean,
                     .noise_var = total(s->noise_others) > 0.0 ? var : 0.0};
     /* A NaN or an infinity stays in the sums; finite pixels of 1e308 may make one there. */
     if (!isfinite(p.flux) || !isfinite(mean)) {

@@ -14,6 +14,7 @@ typedef struct photometry {
     double flux; /* galaxy - noise */
     bool galaxy_finite, noise_finite;
     bool galaxy_flat; /* all pixels of the galaxy stamp are equal */
+    double noise_mean;
     double noise_var; /* about the mean; 0 where all pixels are equal, whatever rounding makes */
 } photometry;
 

@@ -31,6 +31,7 @@ struct shear_workspace {
     image galaxy, noise;
     fft_lanes strip;              /* [fine_ny + 1][FFT_LANES] galaxy + i noise, some columns */
     fft_lanes lanes[3];           /* [longer side + 1][FFT_LANES] for transforms */
+    double level;                 /* taken off both stamps before the filter; 0: nothing */
     double *modes;                /* the pair, transformed along y: see pack.c */
     size_t lane_size;             /* of its parts */
     filter_map fine, coarse;      /* where the filter differs from stamp to stamp */

@@ -16,7 +16,7 @@ KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", 
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow"]
 SETTINGS = {"interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 1.5,
-            "filter": "auto", "core": "auto", "width": "auto", "zeros": "skip", "pedestal": 0.0,
+            "filter": "auto", "core": "auto", "width": "auto", "background": "keep", "zeros": "skip", "pedestal": 0.0,
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
             "shot-noise": "none", "estimator": "mean"}
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",

@@ -194,12 +194,13 @@ double oracle_filter(int nx, int ny, int s, int x, int y, double core, double wi
     return r <= core ? 1.0 : exp(-0.5 * pow((r - core) / width, 2.0));
 }
 
-static void apply_filter(double *image, const shear_plan_info *info) {
+static void apply_filter(double *image, double level, const shear_plan_info *info) {
     for (int y = 0; y < info->fine_ny && info->filter != SHEAR_FILTER_NONE; y++) {
         for (int x = 0; x < info->fine_nx; x++) {
-            image[y * info->fine_nx + x] *=
-                oracle_filter(info->geometry.nx, info->geometry.ny, info->oversample, x, y,
-                              info->core_px, info->width_px);
+            double *pixel = &image[y * info->fine_nx + x];
+            *pixel = (*pixel - level) * oracle_filter(info->geometry.nx, info->geometry.ny,
+                                                      info->oversample, x, y, info->core_px,
+                                                      info->width_px);
         }
     }
 }
@@ -344,12 +345,13 @@ static void take_plateau_off(const modes *power, const shear_plan_info *info) {
 }
 
 static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_settings *settings,
-                      const double *pixels, const modes *psf, double cut, double sign) {
+                      const double *pixels, double level, const modes *psf, double cut,
+                      double sign) {
     double *fine =
         oracle_interpolate(pixels, info->geometry.nx, info->geometry.ny, info->interpolation,
                            info->oversample, settings->zeros, settings->pedestal);
     modes power = modes_new(psf->mx, psf->my);
-    apply_filter(fine, info);
+    apply_filter(fine, level, info);
     image_power(fine, info->fine_nx, info->fine_ny, info->fine_nx, info->fine_ny, &power);
     if (settings->shot_noise == SHEAR_SHOT_PLATEAU) {
         take_plateau_off(&power, info);
@@ -368,9 +370,15 @@ shear_row oracle_measure(const shear_plan_info *info, const shear_settings *sett
         info->oversample < info->psf_oversample ? info->oversample : info->psf_oversample;
     modes of_psf = modes_new(info->geometry.nx * finest / 2, info->geometry.ny * finest / 2);
     *k_cut = psf_power(info, settings, psf, &of_psf);
-    add_stamp(&row, info, settings, galaxy, &of_psf, *k_cut, 1.0);
+    double level = 0.0;
+    for (int i = 0; settings->background == SHEAR_BACKGROUND_NOISE_MEAN &&
+                    i < info->geometry.nx * info->geometry.ny;
+         i++) {
+        level += noise[i] / (info->geometry.nx * info->geometry.ny);
+    }
+    add_stamp(&row, info, settings, galaxy, level, &of_psf, *k_cut, 1.0);
     if (settings->noise_correction) {
-        add_stamp(&row, info, settings, noise, &of_psf, *k_cut, -1.0);
+        add_stamp(&row, info, settings, noise, level, &of_psf, *k_cut, -1.0);
     }
     row.n1 = -(row.m20 - row.m02) / 2.0;
     row.n2 = -row.m11;

@@ -49,6 +49,8 @@ static void test_every_method(void **state) {
             pair_set(&p, "core", "3.2");
             pair_set(&p, "width", "1.1");
             check(&p);
+            pair_set(&p, "background", "noise-mean");
+            check(&p);
             pair_set(&p, "noise-correction", "no");
             check(&p);
             pair_deinit(&p);
@@ -70,6 +72,8 @@ static void test_no_interpolation(void **state) {
         check(&p);
         pair_set(&p, "filter", "edge");
         pair_set(&p, "width", "0.8");
+        check(&p);
+        pair_set(&p, "background", "noise-mean");
         check(&p);
         pair_deinit(&p);
     }

@@ -25,7 +25,7 @@ static void test_table(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
-    assert_true(n == 14);
+    assert_true(n == 15);
     for (size_t i = 0; i < n; i++) {
         assert_ptr_equal(shear_settings_find(table[i].name), &table[i]);
         assert_in_range(strlen(table[i].keyword), 1, 8);
@@ -227,6 +227,11 @@ static void test_contradictions(void **state) {
     GOOD("core", "5");
     GOOD("core", "0", "width", "2");
     BAD("width", "width", "5", "filter", "none");
+    BAD("background", "background", "noise-mean", "filter", "none");
+    GOOD("background", "noise-mean", "filter", "edge");
+    GOOD("background", "noise-mean");
+    BAD("estimator", "estimator", "pdf-sym-cross", "noise-correction", "no");
+    GOOD("estimator", "pdf-sym", "noise-correction", "no");
     GOOD("width", "5", "filter", "edge");
     GOOD("width", "5", "filter", "paper");
     BAD("pedestal", "pedestal", "1", "interpolation", "none");

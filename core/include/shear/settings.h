@@ -31,6 +31,11 @@ enum shear_filter {
     SHEAR_FILTER_NONE
 };
 
+enum shear_background {
+    SHEAR_BACKGROUND_KEEP = 0,  /* as it is */
+    SHEAR_BACKGROUND_NOISE_MEAN /* galaxy and noise stamp lose the noise stamp's mean */
+};
+
 enum shear_zeros {
     SHEAR_ZEROS_SKIP = 0, /* cells and segments that touch a zero become zero */
     SHEAR_ZEROS_FLOOR /* zeros become a tiny positive number: 1e-12 of the stamp's brightest pixel
@@ -58,6 +63,7 @@ typedef struct shear_settings {
     int filter;             /* enum shear_filter */
     double core_px;         /* R_core; NaN = by the filter's rule */
     double width_px;        /* R_width; NaN = by the filter's rule */
+    int background;         /* enum shear_background: what the filter does not see */
     int zeros;              /* enum shear_zeros */
     double pedestal;        /* added before the log and taken off after the exp; 0 = none */
     double psf_threshold;   /* modes with |W|^2 below this part of its peak hold no information */
