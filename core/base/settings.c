@@ -58,7 +58,7 @@ static const shear_setting_def table[] = {
     {"estimator", "ESTIMAT", SHEAR_T_CHOICE, AT(estimator), estimators, 0, 0, false, "", "KIND",
      "how a field's shear is made of its stamps: mean (the ratio of means), pdf-sym (the shear "
      "that makes the distribution of shapes symmetric) or pdf-sym-cross (the same, unbiased by "
-     "noise)"},
+     "noise; with background = noise-mean)"},
 };
 enum { N_SETTINGS = sizeof table / sizeof table[0] };
 

@@ -216,6 +216,15 @@ class Files(ToolTest):
         self.assertFails(shearctl("measure", path, *symmetric, "--jackknife", 2), USAGE,
                          "--estimator mean")
 
+    def test_symmetry_over_a_background(self):
+        """What galaxy and noise stamp share has no part in their cross terms."""
+        path = self.path("bright.fits")
+        self.assertEqual(shearctl("mock", path, "--size", 48, "--points", 60, "--r-gal", 4, "--stamps", 400,
+                                  "--photons", 500, "--shear", "0.02,-0.03", "--rotate", 1).code, 0)
+        result = self.measure_one(path, "--estimator", "pdf-sym-cross")
+        for k, truth in (("g1", 0.02), ("g2", -0.03)):
+            self.assertLess(abs(result[k] - truth), 5 * result[k + "_err"])
+
     def test_symmetry_needs_16_stamps(self):
         path = Field(n=15).write(self.path("a.fits"))
         self.assertFails(shearctl("measure", path, "--estimator", "pdf-sym"), INPUT, "usable")

@@ -49,10 +49,11 @@ enum shear_shot_noise {
 
 /* How a field's shear is made of its stamps. */
 enum shear_estimator {
-    SHEAR_ESTIMATOR_MEAN = 0,     /* the ratio of means (shear/sums.h) */
-    SHEAR_ESTIMATOR_PDF_SYM,      /* PDF symmetrization (shear/symmetry.h) */
-    SHEAR_ESTIMATOR_PDF_SYM_CROSS /* the same with the cross terms that keep noise from biasing it
-                                   */
+    SHEAR_ESTIMATOR_MEAN = 0, /* the ratio of means (shear/sums.h) */
+    SHEAR_ESTIMATOR_PDF_SYM,  /* PDF symmetrization (shear/symmetry.h) */
+    /* The same with the cross terms that keep noise from biasing it. The background is never kept
+     * with it. */
+    SHEAR_ESTIMATOR_PDF_SYM_CROSS
 };
 
 typedef struct shear_settings {
