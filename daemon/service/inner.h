@@ -184,9 +184,10 @@ void publish_job(service *s, const store_job *job);
 /* solutions.c: results of fields whose estimator is a symmetric one */
 int solutions_new(solutions **all, shear_error *err);
 void solutions_free(solutions *all);
-/* Are the results of these fields at hand? Where not, the request is taken over, to be run again
- * when they are solved: return without a reply. */
-bool solutions_ready(service *s, const server_request *r, const store_field_page *page);
+/* Are the results of these fields at hand (of those with this digest; NULL: all)? Where not, the
+ * request is taken over, to be run again when they are solved: return without a reply. */
+bool solutions_ready(service *s, const server_request *r, const store_field_page *page,
+                     const char *digest);
 /* The same of one field, for whom it is enough to ask again later. */
 bool solutions_at_hand(service *s, const store_field *f);
 /* Of a field that changes faster than it is solved nobody would ever see a result. So to those that

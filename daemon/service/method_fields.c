@@ -40,7 +40,7 @@ void method_field(service *s, const server_request *r) {
     if (code == SHEAR_OK) {
         code = present_begun(s, p->field, &page, &err);
     }
-    if (code == SHEAR_OK && !solutions_ready(s, r, &page)) {
+    if (code == SHEAR_OK && !solutions_ready(s, r, &page, p->digest)) {
         store_field_page_deinit(&page);
         return;
     }
@@ -101,7 +101,7 @@ void method_fields(service *s, const server_request *r) {
         filter.after_digest = digest;
     }
     const int code = store_fields(s->store, &filter, (size_t)p->limit, &page, &err);
-    if (code == SHEAR_OK && !solutions_ready(s, r, &page)) {
+    if (code == SHEAR_OK && !solutions_ready(s, r, &page, NULL)) {
         store_field_page_deinit(&page);
         return;
     }

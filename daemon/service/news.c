@@ -9,7 +9,9 @@
 struct changed_field {
     changed_field *next;
     char *name, *digest;
-    int64_t since; /* solutions_since */
+    int64_t since;     /* solutions_since */
+    bool being_solved; /* it waits for its result */
+    bool again;        /* and has changed meanwhile */
 };
 
 static void changed_free(changed_field *f) {
@@ -18,21 +20,24 @@ static void changed_free(changed_field *f) {
     free(f);
 }
 
-static bool is_noted(const service *s, const char *name, const char *digest) {
-    for (const changed_field *f = s->news; f != NULL; f = f->next) {
-        if (strcmp(f->name, name) == 0 && strcmp(f->digest, digest) == 0) {
-            return true;
-        }
+static changed_field *noted(const service *s, const char *name, const char *digest) {
+    changed_field *f = s->news;
+    while (f != NULL && (strcmp(f->name, name) != 0 || strcmp(f->digest, digest) != 0)) {
+        f = f->next;
     }
-    return false;
+    return f;
 }
 
 void news_field_changed(service *s, const char *name, const char *digest) {
-    if (name == NULL || is_noted(s, name, digest) ||
-        !server_is_watched(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, name)) {
+    changed_field *f = name != NULL ? noted(s, name, digest) : NULL;
+    if (f != NULL) {
+        f->again = f->being_solved;
         return;
     }
-    changed_field *f = calloc(1, sizeof *f);
+    if (name == NULL || !server_is_watched(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, name)) {
+        return;
+    }
+    f = calloc(1, sizeof *f);
     if (f == NULL) {
         return;
     }
@@ -76,11 +81,14 @@ static bool publish(service *s, const changed_field *f) {
 void news_publish(service *s) {
     for (changed_field **at = &s->news; *at != NULL;) {
         changed_field *f = *at;
-        if (publish(s, f)) {
+        f->being_solved = !publish(s, f);
+        if (f->being_solved || f->again) {
+            f->since = f->being_solved ? f->since : solutions_begun(s);
+            f->again = f->again && f->being_solved;
+            at = &f->next;
+        } else {
             *at = f->next;
             changed_free(f);
-        } else {
-            at = &f->next;
         }
     }
 }

@@ -207,7 +207,12 @@ void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
     shear_field_sums *sums = NULL;
     shear_settings settings;
     int64_t jobs = f->jobs;
-    shear_result r = {.g1 = NAN, .g2 = NAN, .g1_err = NAN, .g2_err = NAN};
+    shear_result r = {.n_stamps = f->n_stamps,
+                      .n_used = f->n_used,
+                      .g1 = NAN,
+                      .g2 = NAN,
+                      .g1_err = NAN,
+                      .g2_err = NAN};
     shear_settings_init(&settings);
     if (f->sums != NULL && shear_settings_apply(&settings, f->settings, NULL) == SHEAR_OK &&
         shear_field_sums_parse(&sums, f->sums, NULL) == SHEAR_OK &&
@@ -221,8 +226,8 @@ void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
                                .g1_err = r.g1_err,
                                .g2 = r.g2,
                                .g2_err = r.g2_err,
-                               .n_stamps = f->n_stamps,
-                               .n_used = f->n_used,
+                               .n_stamps = r.n_stamps,
+                               .n_used = r.n_used,
                                .jobs = jobs,
                                .unfinished = f->unfinished,
                                .partial = f->unfinished > 0,

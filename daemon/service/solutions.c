@@ -1,37 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Results of fields whose estimator is a symmetric one. They are made of the terms of all their
  * stamps, so they are solved when somebody asks, one after the other, on a thread of libuv's pool:
- * the loop only reads the terms. Requests wait for theirs; the results of the fields that were
- * asked for last are kept until another job is counted. An entry takes less than 1 KiB; solving
- * takes 76 bytes a stamp for its time. */
+ * the loop only reads the terms. Requests wait for theirs. Results are kept until another job is
+ * counted: those that a waiting request needs, and else of the fields that were asked for last. A
+ * result takes less than 1 KiB; solving takes 76 bytes a stamp for its time. */
 #include "service/methods.h"
 
 #include <math.h>
+#include <search.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* More than the rows of one reply, so that a request finds all that was solved for it. */
-enum { MOST = SHEAR_MSG_FIELDS_PAGE + 24 };
+enum { KEPT = 1024 };
 
+/* What is known of a field. */
 typedef struct solution {
     char *name, *digest;
-    int64_t jobs;           /* that were counted: contributions come, and never go ... */
-    int64_t failed_commits; /* ... unless the commit fails that brought them */
-    int64_t number;         /* of its solving, from 1 */
-    int64_t asked;          /* when, in askings */
-    int code;               /* not SHEAR_OK: why there is no result */
-    shear_error err;
+    int estimator;
+    struct solution *older, *newer; /* by when somebody asked for it last */
+    int64_t asked;                  /* ... in askings */
+    struct solution *next;          /* in the queue */
+    int64_t wanted;                 /* its number there; 0: it does not wait */
+    bool begun;                     /* it is being solved */
+    int64_t number;                 /* of the solving that made what follows, from 1; 0: nothing */
+    int64_t jobs;                   /* that were counted: contributions come, and never go ... */
+    int64_t failed_commits;         /* ... unless the commit fails that brought them */
+    int code;                       /* not SHEAR_OK: why there is no result */
     shear_result result;
 } solution;
-
-/* A field that is to be solved. */
-typedef struct wanted {
-    struct wanted *next;
-    char *name, *digest;
-    int estimator;
-    int64_t number; /* grows along the queue */
-} wanted;
 
 /* A request that waits. */
 typedef struct asked {
@@ -39,27 +36,32 @@ typedef struct asked {
     server_handle to;
     shear_request request;
     int64_t since; /* solvings that had begun when it came: later ones are good enough for it */
-    int64_t until; /* the last field that it wants */
+    int64_t until; /* the last field that it wants: its number in the queue */
+    int64_t first; /* askings before its own: what was asked for since is kept for it */
 } asked;
 
 /* The solving that is under way. */
 typedef struct task {
     uv_work_t work; /* its data: the service */
-    wanted *what;   /* NULL: none is */
+    solution *what; /* NULL: none is */
+    int estimator;
     shear_field_sums *sums;
     shear_symmetry *terms;
-    solution found;
+    int code;
+    shear_result result;
+    int64_t jobs, failed_commits;
 } task;
 
 struct solutions {
-    solution of[MOST];
+    void *tree; /* tsearch: of all, by name and digest */
     size_t n;
+    solution *oldest, *newest;
     int64_t askings;
-    wanted *first, **last;
+    solution *first, **last; /* the queue */
     int64_t n_wanted, n_begun;
     task task;
-    asked *waiting;
-    int64_t since; /* see solutions_since */
+    asked *waiting; /* the newest first */
+    int64_t since;  /* see solutions_since */
 };
 
 int solutions_new(solutions **all, shear_error *err) {
@@ -72,87 +74,84 @@ int solutions_new(solutions **all, shear_error *err) {
     return SHEAR_OK;
 }
 
-static void wanted_free(wanted *w) {
-    if (w != NULL) {
-        free(w->name);
-        free(w->digest);
-        free(w);
-    }
-}
-
-static void asked_free(asked *a) {
-    shear_request_deinit(&a->request);
-    free(a);
-}
-
-static void forget(solution *one) {
-    free(one->name);
-    free(one->digest);
-    *one = (solution){0};
-}
-
-void solutions_free(solutions *all) {
-    for (size_t i = 0; all != NULL && i < all->n; i++) {
-        forget(&all->of[i]);
-    }
-    while (all != NULL && all->first != NULL) {
-        wanted *w = all->first;
-        all->first = w->next;
-        wanted_free(w);
-    }
-    while (all != NULL && all->waiting != NULL) {
-        asked *a = all->waiting;
-        all->waiting = a->next;
-        asked_free(a);
-    }
-    free(all);
-}
-
 /* ---- what is kept ---- */
 
-static solution *find(solutions *all, const char *name, const char *digest) {
-    for (size_t i = 0; i < all->n; i++) {
-        if (strcmp(all->of[i].name, name) == 0 && strcmp(all->of[i].digest, digest) == 0) {
-            return &all->of[i];
-        }
-    }
-    return NULL;
+static int by_names(const void *a, const void *b) {
+    const solution *one = a;
+    const solution *other = b;
+    const int order = strcmp(one->name, other->name);
+    return order != 0 ? order : strcmp(one->digest, other->digest);
 }
 
-/* Room for one more: a new entry, or the one that was asked for longest ago. */
-static solution *room(solutions *all) {
-    if (all->n < MOST) {
-        return &all->of[all->n++];
-    }
-    solution *oldest = &all->of[0];
-    for (size_t i = 1; i < all->n; i++) {
-        oldest = all->of[i].asked < oldest->asked ? &all->of[i] : oldest;
-    }
-    forget(oldest);
-    return oldest;
+static solution *find(const solutions *all, const store_field *f) {
+    const solution like = {.name = f->name, .digest = f->settings_digest};
+    solution **found = tfind(&like, &all->tree, by_names);
+    return found != NULL ? *found : NULL;
 }
 
-/* The names become the entry's. */
-static void keep(solutions *all, const solution *found) {
-    solution *one = find(all, found->name, found->digest);
-    if (one != NULL) {
-        forget(one);
-    } else {
-        one = room(all);
-    }
-    *one = *found;
+static void unlink_age(solutions *all, solution *one) {
+    *(one->older != NULL ? &one->older->newer : &all->oldest) = one->newer;
+    *(one->newer != NULL ? &one->newer->older : &all->newest) = one->older;
+    one->older = one->newer = NULL;
+}
+
+static void link_newest(solutions *all, solution *one) {
+    one->older = all->newest;
+    *(all->newest != NULL ? &all->newest->newer : &all->oldest) = one;
+    all->newest = one;
     one->asked = ++all->askings;
 }
 
-static bool is_current(const service *s, const solution *one, const store_field *f) {
-    return one->code == SHEAR_OK && one->jobs == f->jobs &&
-           one->failed_commits == s->failed_commits;
+static void solution_free(solution *one) {
+    free(one->name);
+    free(one->digest);
+    free(one);
 }
 
-static solution *good_enough(service *s, const store_field *f) {
-    solution *one = find(s->solutions, f->name, f->settings_digest);
-    const bool fresh = one != NULL && one->number > s->solutions->since;
-    return one != NULL && (fresh || is_current(s, one, f)) ? one : NULL;
+/* Forget the oldest that nobody needs. */
+static void shrink(solutions *all) {
+    int64_t needed = INT64_MAX;
+    for (const asked *a = all->waiting; a != NULL; a = a->next) {
+        needed = a->first < needed ? a->first : needed;
+    }
+    while (all->n > KEPT && all->oldest->wanted == 0 && !all->oldest->begun &&
+           all->oldest->asked <= needed) {
+        solution *one = all->oldest;
+        unlink_age(all, one);
+        tdelete(one, &all->tree, by_names);
+        all->n--;
+        solution_free(one);
+    }
+}
+
+/* The record of a field that somebody asks for; NULL: out of memory. */
+static solution *ask_for(solutions *all, const store_field *f) {
+    solution *one = find(all, f);
+    if (one != NULL) {
+        unlink_age(all, one);
+        link_newest(all, one);
+        return one;
+    }
+    one = calloc(1, sizeof *one);
+    if (one == NULL) {
+        return NULL;
+    }
+    one->name = strdup(f->name);
+    one->digest = strdup(f->settings_digest);
+    if (one->name == NULL || one->digest == NULL || tsearch(one, &all->tree, by_names) == NULL) {
+        solution_free(one);
+        return NULL;
+    }
+    all->n++;
+    link_newest(all, one);
+    return one;
+}
+
+/* Has it a result that the request at hand may have? */
+static bool is_good(const service *s, const solution *one, const store_field *f) {
+    const bool current = one->number > 0 && one->code == SHEAR_OK && one->jobs == f->jobs &&
+                         one->failed_commits == s->failed_commits;
+    return current || one->number > s->solutions->since;
 }
 
 int64_t solutions_begun(const service *s) {
@@ -168,51 +167,30 @@ void solutions_since(service *s, int64_t begun) {
 /* On a thread of the pool, which alone touches the task meanwhile. */
 static void solve(uv_work_t *work) {
     task *t = (task *)((char *)work - offsetof(task, work));
-    solution *found = &t->found;
-    if (found->code == SHEAR_OK) {
-        found->code =
-            shear_estimate(t->what->estimator, t->sums, t->terms, &found->result, &found->err);
+    shear_error ignored;
+    if (t->code == SHEAR_OK) {
+        t->code = shear_estimate(t->estimator, t->sums, t->terms, &t->result, &ignored);
     }
 }
 
 /* What the store has of the field now. */
 static int take_up(service *s, task *t, shear_error *err) {
     store_field_page page = {0};
-    const wanted *w = t->what;
-    int code = store_field_get(s->store, w->name, &page, err);
+    const solution *one = t->what;
+    int code = store_field_get(s->store, one->name, &page, err);
     for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
-        if (strcmp(page.fields[i].settings_digest, w->digest) == 0) {
-            t->found.jobs = page.fields[i].jobs;
+        if (strcmp(page.fields[i].settings_digest, one->digest) == 0) {
+            t->jobs = page.fields[i].jobs;
             code = shear_field_sums_parse(&t->sums, page.fields[i].sums, err);
         }
     }
     store_field_page_deinit(&page);
     if (code == SHEAR_OK && t->sums == NULL) {
-        code = shear_fail(err, STORE_NOT_FOUND, NULL, "field '%s' is gone", w->name);
+        return shear_fail(err, STORE_NOT_FOUND, NULL, "field '%s' is gone", one->name);
     }
-    if (code == SHEAR_OK) {
-        code = shear_symmetry_new(&t->terms, err);
-    }
-    return code == SHEAR_OK ? store_field_terms(s->store, w->name, w->digest, t->terms, err) : code;
-}
-
-static void solved(uv_work_t *work, int status);
-
-/* The next field of the queue to the pool. */
-static void begin_next(service *s) {
-    solutions *all = s->solutions;
-    task *t = &all->task;
-    if (t->what != NULL || all->first == NULL || s->closing) {
-        return;
-    }
-    wanted *w = all->first;
-    all->first = w->next;
-    all->last = all->first != NULL ? all->last : &all->first;
-    *t = (task){.work.data = s,
-                .what = w,
-                .found = {.number = ++all->n_begun, .failed_commits = s->failed_commits}};
-    t->found.code = take_up(s, t, &t->found.err);
-    uv_queue_work(&s->loop, &t->work, solve, solved);
+    code = code == SHEAR_OK ? shear_symmetry_new(&t->terms, err) : code;
+    return code == SHEAR_OK ? store_field_terms(s->store, one->name, one->digest, t->terms, err)
+                            : code;
 }
 
 /* The requests that have waited for fields up to `number`, in the order in which they came. */
@@ -223,7 +201,7 @@ static void run_again(service *s, int64_t number) {
         asked *a = *at;
         if (a->until <= number) {
             *at = a->next;
-            a->next = ready; /* the newest came first */
+            a->next = ready;
             ready = a;
         } else {
             at = &a->next;
@@ -236,21 +214,53 @@ static void run_again(service *s, int64_t number) {
         solutions_since(s, a->since);
         methods_request(s, &request);
         solutions_since(s, INT64_MAX);
-        asked_free(a);
+        shear_request_deinit(&a->request);
+        free(a);
     }
+    shrink(all);
+}
+
+static void solved(uv_work_t *work, int status);
+
+/* The next field of the queue to the pool. */
+static void begin_next(service *s) {
+    solutions *all = s->solutions;
+    task *t = &all->task;
+    solution *one = all->first;
+    shear_error err = {0};
+    if (t->what != NULL || one == NULL || s->closing) {
+        return;
+    }
+    all->first = one->next;
+    all->last = all->first != NULL ? all->last : &all->first;
+    one->next = NULL;
+    one->begun = true;
+    all->n_begun++;
+    *t = (task){.work.data = s,
+                .what = one,
+                .estimator = one->estimator,
+                .failed_commits = s->failed_commits};
+    t->code = take_up(s, t, &err);
+    if (t->code != SHEAR_OK) {
+        log_warning("field '%s' cannot be solved: %s", one->name, err.message);
+    }
+    uv_queue_work(&s->loop, &t->work, solve, solved);
 }
 
 static void solved(uv_work_t *work, int status) {
     service *s = work->data;
-    task *t = &s->solutions->task;
-    wanted *w = t->what;
-    const int64_t number = w->number;
+    solutions *all = s->solutions;
+    task *t = &all->task;
+    solution *one = t->what;
+    const int64_t number = one->wanted;
     (void)status; /* never cancelled */
-    t->found.name = w->name;
-    t->found.digest = w->digest;
-    w->name = w->digest = NULL; /* handed over */
-    keep(s->solutions, &t->found);
-    wanted_free(w);
+    one->wanted = 0;
+    one->begun = false;
+    one->number = all->n_begun; /* one at a time */
+    one->jobs = t->jobs;
+    one->failed_commits = t->failed_commits;
+    one->code = t->code;
+    one->result = t->result;
     shear_field_sums_free(t->sums);
     shear_symmetry_free(t->terms);
     t->what = NULL;
@@ -260,7 +270,7 @@ static void solved(uv_work_t *work, int status) {
     }
 }
 
-/* ---- requests ---- */
+/* ---- asking ---- */
 
 static int estimator_of(const store_field *f) {
     shear_settings settings;
@@ -269,38 +279,28 @@ static int estimator_of(const store_field *f) {
                                                                           : SHEAR_ESTIMATOR_MEAN;
 }
 
-/* Number of the field in the queue: where it waits already, or at the end; 0: out of memory. */
-static int64_t enqueue(solutions *all, const store_field *f, int estimator) {
-    for (wanted *w = all->first; w != NULL; w = w->next) {
-        if (strcmp(w->name, f->name) == 0 && strcmp(w->digest, f->settings_digest) == 0) {
-            return w->number;
-        }
-    }
-    wanted *w = calloc(1, sizeof *w);
-    if (w == NULL) {
-        return 0;
-    }
-    *w = (wanted){.name = strdup(f->name),
-                  .digest = strdup(f->settings_digest),
-                  .estimator = estimator,
-                  .number = all->n_wanted + 1};
-    if (w->name == NULL || w->digest == NULL) {
-        wanted_free(w);
-        return 0;
-    }
-    *all->last = w;
-    all->last = &w->next;
-    return ++all->n_wanted;
-}
-
-/* 0: its result is at hand; else its number in the queue; -1: out of memory. */
+/* 0: its result is at hand; else its number in the queue; -1: out of memory. One that is being
+ * solved may have been taken up before its last job was counted: it is queued again after that. */
 static int64_t want(service *s, const store_field *f) {
+    solutions *all = s->solutions;
     const int estimator = estimator_of(f);
-    if (f->jobs == 0 || !shear_estimator_is_symmetric(estimator) || good_enough(s, f) != NULL) {
+    if (f->jobs == 0 || !shear_estimator_is_symmetric(estimator)) {
         return 0;
     }
-    const int64_t number = enqueue(s->solutions, f, estimator);
-    return number > 0 ? number : -1;
+    solution *one = ask_for(all, f);
+    if (one == NULL) {
+        return -1;
+    }
+    if (is_good(s, one, f)) {
+        return 0;
+    }
+    if (one->wanted == 0) {
+        one->estimator = estimator;
+        one->wanted = ++all->n_wanted;
+        *all->last = one;
+        all->last = &one->next;
+    }
+    return one->wanted;
 }
 
 bool solutions_at_hand(service *s, const store_field *f) {
@@ -313,11 +313,15 @@ static void refuse(service *s, server_handle to) {
     method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for solving a field");
 }
 
-bool solutions_ready(service *s, const server_request *r, const store_field_page *page) {
+bool solutions_ready(service *s, const server_request *r, const store_field_page *page,
+                     const char *digest) {
     solutions *all = s->solutions;
+    const int64_t first = all->askings;
     int64_t until = 0;
     for (size_t i = 0; i < page->n; i++) {
-        const int64_t number = want(s, &page->fields[i]);
+        const store_field *f = &page->fields[i];
+        const bool asked_for = digest == NULL || strcmp(digest, f->settings_digest) == 0;
+        const int64_t number = asked_for ? want(s, f) : 0;
         if (number < 0) {
             refuse(s, r->handle);
             return false;
@@ -336,7 +340,8 @@ bool solutions_ready(service *s, const server_request *r, const store_field_page
                  .to = r->handle,
                  .request = *r->request,
                  .since = all->since < all->n_begun ? all->since : all->n_begun,
-                 .until = until};
+                 .until = until,
+                 .first = first};
     *r->request = (shear_request){0}; /* taken over */
     all->waiting = a;
     begin_next(s);
@@ -345,31 +350,61 @@ bool solutions_ready(service *s, const server_request *r, const store_field_page
 
 int solutions_get(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
                   int64_t *jobs, shear_error *err) {
-    solution *one = good_enough(s, f);
-    if (one == NULL) { /* nothing was counted, or nobody waited */
+    const solution *one = find(s->solutions, f);
+    if (one == NULL || !is_good(s, one, f)) { /* nothing was counted, or nobody waited */
         shear_field_result(sums, out);
         out->estimator = estimator_of(f);
         out->valid = false;
         out->g1 = out->g2 = out->g1_err = out->g2_err = out->cov12 = NAN;
         return SHEAR_OK;
     }
-    one->asked = ++s->solutions->askings;
     *jobs = one->jobs;
     *out = one->result;
-    if (one->code != SHEAR_OK && err != NULL) {
-        *err = one->err;
-    }
-    return one->code;
+    return one->code == SHEAR_OK ? SHEAR_OK
+                                 : shear_fail(err, one->code, "ask again; the log tells why",
+                                              "field '%s' could not be solved", f->name);
 }
 
-void solutions_forget(service *s, uint64_t connection) {
-    for (asked **at = &s->solutions->waiting; *at != NULL;) {
+static void drop_waiting(solutions *all, uint64_t connection, bool every) {
+    for (asked **at = &all->waiting; *at != NULL;) {
         asked *a = *at;
-        if (a->to.connection == connection) {
+        if (every || a->to.connection == connection) {
             *at = a->next;
-            asked_free(a);
+            shear_request_deinit(&a->request);
+            free(a);
         } else {
             at = &a->next;
         }
+    }
+}
+
+/* What nobody waits for need not be solved; news ask again by themselves. */
+static void clear_queue(solutions *all) {
+    for (solution *one = all->first; one != NULL;) {
+        solution *next = one->next;
+        one->next = NULL;
+        one->wanted = 0;
+        one = next;
+    }
+    all->first = NULL;
+    all->last = &all->first;
+}
+
+void solutions_forget(service *s, uint64_t connection) {
+    drop_waiting(s->solutions, connection, false);
+    if (s->solutions->waiting == NULL) {
+        clear_queue(s->solutions);
+    }
+}
+
+static void free_node(void *node) {
+    solution_free(node);
+}
+
+void solutions_free(solutions *all) {
+    if (all != NULL) {
+        drop_waiting(all, 0, true);
+        tdestroy(all->tree, free_node);
+        free(all);
     }
 }
