@@ -62,6 +62,17 @@ static double pedestal_above(double lowest) {
     return ceil(x / unit) * unit;
 }
 
+/* A background that the filter would cut an edge into: its mean is beyond doubt, and no small part
+ * of what a pixel scatters. */
+static bool has_background(const shear_verdict *v) {
+    static const double sigma = 4.0;
+    static const double part = 0.1;
+    return v->plan->filter != SHEAR_FILTER_NONE &&
+           v->settings->background == SHEAR_BACKGROUND_KEEP &&
+           fabs(v->noise_mean) > sigma * v->noise_mean_err &&
+           fabs(v->noise_mean) > part * v->noise_rms;
+}
+
 /* The verdict on a file whose every stamp has been seen; the words go to *words. */
 static void judge(shear_verdict *v, shear_error *words) {
     int64_t n = v->field->n_stamps;
@@ -81,8 +92,11 @@ static void judge(shear_verdict *v, shear_error *words) {
                    "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
     } else {
         v->good = true;
-        shear_fail(words, SHEAR_OK, NULL, "would measure %" PRId64 " of %" PRId64 " stamps",
-                   v->n_measurable, n);
+        shear_fail(words, SHEAR_OK,
+                   has_background(v) ? "the noise stamps have a mean, a background that the filter "
+                                       "would cut an edge into: give --background noise-mean"
+                                     : NULL,
+                   "would measure %" PRId64 " of %" PRId64 " stamps", v->n_measurable, n);
     }
 }
 

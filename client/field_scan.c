@@ -6,6 +6,11 @@
 
 enum { BLOCK_BYTES = 8 << 20, MAX_BLOCK = 256 };
 
+/* Sums over noise stamps, of what a pixel is on average and how it scatters. */
+struct levels {
+    double n, mean, mean2, var;
+};
+
 struct scan {
     const shear_plan *plan;
     const shear_plan_info *info;
@@ -13,16 +18,20 @@ struct scan {
     double pedestal;
     shear_block *block;
     shear_row *rows; /* [block->capacity] */
+    struct levels levels;
     shear_verdict *v;
 };
 
 struct pixels {
     bool finite, constant;
     double lowest; /* of the finite ones */
+    double mean, var;
 };
 
 static struct pixels look_at(const double *pixel, size_t n) {
     struct pixels p = {.finite = true, .constant = true, .lowest = INFINITY};
+    double sum = 0.0;
+    double squares = 0.0;
     for (size_t i = 0; i < n; i++) {
         if (!isfinite(pixel[i])) {
             p.finite = false;
@@ -30,7 +39,12 @@ static struct pixels look_at(const double *pixel, size_t n) {
             p.lowest = pixel[i];
         }
         p.constant = p.constant && pixel[i] == pixel[0];
+        double d = pixel[i] - pixel[0]; /* about zero, a bright sky would swallow its noise */
+        sum += d;
+        squares += d * d;
     }
+    p.mean = pixel[0] + sum / (double)n;
+    p.var = fmax(0.0, squares / (double)n - sum / (double)n * (sum / (double)n));
     return p;
 }
 
@@ -51,6 +65,21 @@ static unsigned catalog_flags(const struct scan *s, const shear_stamps *t, int i
     return flags;
 }
 
+static void levels_add(struct levels *l, const struct pixels *noise) {
+    l->n += 1.0;
+    l->mean += noise->mean;
+    l->mean2 += noise->mean * noise->mean;
+    l->var += noise->var;
+}
+
+static void levels_tell(const struct levels *l, shear_verdict *v) {
+    double mean = l->mean / l->n;
+    double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
+    v->noise_mean = mean; /* 0/0 where there are none */
+    v->noise_mean_err = l->n > 1.0 ? sqrt(scatter2 / (l->n - 1.0)) : NAN;
+    v->noise_rms = sqrt(l->var / l->n);
+}
+
 static void fault_add(shear_fault *f, int64_t index) {
     if (f->count < SHEAR_FAULT_SAMPLES) {
         f->first[f->count] = index;
@@ -69,6 +98,9 @@ static unsigned stamp_flags(struct scan *s, const shear_stamps *t, int i) {
     flags |= noise.finite ? 0u : SHEAR_FLAG_NOISE_NOT_FINITE;
     flags |= galaxy.finite && galaxy.constant ? SHEAR_FLAG_EMPTY : 0u;
     s->v->lowest_pixel = fmin(s->v->lowest_pixel, lowest);
+    if (!flags) {
+        levels_add(&s->levels, &noise);
+    }
     if (!flags && s->is_log && lowest + s->pedestal < 0.0) {
         fault_add(&s->v->negative, t->first + i);
     }
@@ -150,6 +182,7 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
     code = s.rows ? scan_all(&s, field, progress, err)
                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     v->scanned = !code;
+    levels_tell(&s.levels, v);
     free(s.rows);
     shear_block_free(s.block);
     return code;

@@ -7,9 +7,9 @@
 #include "progress.h"
 #include "sheard/report.h"
 
-/* Fill in scanned, n_measurable, flags, negative and lowest_pixel of *v for the file that `plan`
- * was made for. Where stamps bring their own PSFs, only measuring tells whether these serve: then
- * the stamps are measured. Memory is bounded by a block of stamps. */
+/* Fill in scanned, n_measurable, flags, negative, lowest_pixel and the noise's members of *v for
+ * the file that `plan` was made for. Where stamps bring their own PSFs, only measuring tells
+ * whether these serve: then the stamps are measured. Memory is bounded by a block of stamps. */
 int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
                shear_verdict *v, shear_error *err);
 

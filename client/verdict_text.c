@@ -95,6 +95,16 @@ static void print_fault(const char *name, const char *help, const shear_fault *f
     fputs(f->count > SHEAR_FAULT_SAMPLES ? ", ...\n" : "\n", out);
 }
 
+static void print_noise(const shear_verdict *v, FILE *out) {
+    if (isfinite(v->noise_mean)) {
+        fprintf(out, "  %-10s mean %.4g", "noise", v->noise_mean);
+        if (isfinite(v->noise_mean_err)) {
+            fprintf(out, " +- %.2g", v->noise_mean_err);
+        }
+        fprintf(out, " a pixel, rms %.4g about each stamp's own\n", v->noise_rms);
+    }
+}
+
 void verdict_text_print(const shear_verdict *v, FILE *out) {
     char clean[1024];
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
@@ -108,6 +118,7 @@ void verdict_text_print(const shear_verdict *v, FILE *out) {
         print_fault(shear_flag_name(bit), shear_flag_help(bit), &v->flags[bit], out);
     }
     if (v->scanned) {
+        print_noise(v, out);
         print_fault("negative", "pixels below zero, of which there is no logarithm", &v->negative,
                     out);
     }

@@ -61,6 +61,15 @@ static json_t *field_object(const shear_field_info *f) {
     return json_text_whole(o, failed);
 }
 
+static json_t *noise_object(const shear_verdict *v) {
+    json_t *o = json_object();
+    bool failed = !o;
+    json_text_set(o, "mean", json_text_number(v->noise_mean), &failed);
+    json_text_set(o, "mean_err", json_text_number(v->noise_mean_err), &failed);
+    json_text_set(o, "rms", json_text_number(v->noise_rms), &failed);
+    return json_text_whole(o, failed);
+}
+
 int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
     json_t *o = json_object();
     bool failed = !o;
@@ -77,6 +86,7 @@ int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
     json_text_set(o, "negative", v->scanned ? fault(&v->negative) : json_null(), &failed);
     json_text_set(o, "lowest_pixel", v->scanned ? json_text_number(v->lowest_pixel) : json_null(),
                   &failed);
+    json_text_set(o, "noise", v->scanned ? noise_object(v) : json_null(), &failed);
     json_text_set(o, "version", json_text_string(shear_version()), &failed);
     return json_text_finish(text, o, failed, err);
 }

@@ -8,7 +8,7 @@ from fitsfile import Field
 from tool import DONE, INPUT, PARTLY, ToolTest, shearctl
 
 KEYS = ["path", "good", "verdict", "advice", "field", "settings", "resolved", "n_measurable",
-        "flags", "negative", "lowest_pixel", "version"]
+        "flags", "negative", "lowest_pixel", "noise", "version"]
 
 
 class Validate(ToolTest):
@@ -110,6 +110,26 @@ class Validate(ToolTest):
         self.assertEqual((verdict["negative"]["count"], verdict["n_measurable"]), (0, 3))
         self.assertEqual(verdict["lowest_pixel"], -5.0)
         self.assertEqual(self.measure_one(path, *args)["n_used"], 3)
+
+    def test_background(self):
+        field = Field(n=6, sigma=2.0)
+        path = field.write(self.path("a.fits"))
+        verdict = self.validate(path, "--core", 10)
+        noise = verdict["noise"]
+        self.assertLess(abs(noise["mean"]), 5 * noise["mean_err"])
+        self.assertLess(abs(noise["mean_err"] * math.sqrt(6 * 48 * 48) / 2 - 1), 0.9)
+        self.assertLess(abs(noise["rms"] / 2 - 1), 0.05)
+        self.assertEqual(verdict["advice"], "")
+        for stamps in (field.galaxy, field.noise):
+            stamps[:] = [[p + 50.0 for p in stamp] for stamp in stamps]
+        path = field.write(self.path("b.fits"))
+        bright = self.validate(path, "--core", 10)
+        self.assertLess(abs(bright["noise"]["mean"] - noise["mean"] - 50), 1e-3)
+        self.assertLess(abs(bright["noise"]["rms"] - noise["rms"]), 1e-3)
+        self.assertTrue(bright["good"])
+        self.assertIn("--background noise-mean", bright["advice"])
+        for harmless in (("--core", 10, "--background", "noise-mean"), ("--filter", "none")):
+            self.assertEqual(self.validate(path, *harmless)["advice"], "")
 
     def test_good_and_bad_files(self):
         good = Field(n=4).write(self.path("a.fits"))

@@ -72,11 +72,14 @@ typedef struct shear_verdict {
     shear_fault flags[SHEAR_N_FLAGS];
     shear_fault negative; /* stamps with pixels below minus the pedestal, under a log method */
     double lowest_pixel;  /* of all finite pixels, galaxy and noise */
+    /* Noise stamps without a flag: their mean pixel with its error, from their scatter (NaN for
+     * less than 2), and how much pixels scatter about their own stamp's mean. */
+    double noise_mean, noise_mean_err, noise_rms;
 } shear_verdict;
 
 /* Keys: path good verdict advice field{} settings{} resolved{} n_measurable
- * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel version; null for what is not
- * known. SHEAR_E_NOMEM. */
+ * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel noise{mean,mean_err,rms}
+ * version; null for what is not known. SHEAR_E_NOMEM. */
 int shear_verdict_json(char **text, const shear_verdict *verdict, shear_error *err);
 
 #endif
