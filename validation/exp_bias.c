@@ -184,13 +184,13 @@ static int exec(const struct request *r, shear_error *err) {
 const struct experiment exp_bias = {
     .name = "bias",
     .summary = "beyond the paper: m and c from a million galaxies, and shears up to 0.1",
-    .about =
-        "Galaxies in fours (0, 45, 90, 135 degrees; --galaxies counts all stamps), the same at five\n"
-        "shears: m and c by kind of galaxy, PSF, interpolation and noise. The stamps at 90 and 135\n"
-        "degrees are those at 0 and 45 turned, noise and all. Without interpolation R_PSF is 1.5\n"
-        "pixels; Log-Bicubic and Log-Spline have R_PSF = 1 pixel. Then, without noise, shears up to\n"
-        "0.1 for the next order: measured - true = m g + a |g|^2 g. Slow cases (interpolation, large\n"
-        "shears, point sources under W_B) have a tenth of the galaxies.",
+    .about = "Galaxies in fours (0, 45, 90, 135 degrees; --galaxies counts all stamps), the\n"
+             "same at five shears: m and c by kind of galaxy, PSF, interpolation and noise.\n"
+             "The stamps at 90 and 135 degrees are those at 0 and 45 turned, noise and all.\n"
+             "Without interpolation R_PSF is 1.5 pixels; Log-Bicubic and Log-Spline have R_PSF\n"
+             "= 1 pixel. Then, without noise, shears up to 0.1 for the next order: measured -\n"
+             "true = m g + a |g|^2 g. Slow cases (interpolation, large shears, point sources\n"
+             "under W_B) have a tenth of the galaxies.",
     .knobs = knobs,
     .fixed = fixed,
     .defaults = defaults,
