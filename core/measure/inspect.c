@@ -8,9 +8,9 @@
 static bool allocate(shear_inspection *out) {
     const size_t points = (size_t)out->fine_nx * (size_t)out->fine_ny;
     const size_t modes = (size_t)out->spec_nx * (size_t)out->spec_ny;
-    out->galaxy_fine = malloc(points * sizeof(double));
-    out->noise_fine = malloc(points * sizeof(double));
-    out->galaxy_filtered = malloc(points * sizeof(double));
+    out->galaxy_fine = calloc(points, sizeof(double));
+    out->noise_fine = calloc(points, sizeof(double));
+    out->galaxy_filtered = calloc(points, sizeof(double));
     out->power = calloc(modes, sizeof(double));
     out->target_power = calloc(modes, sizeof(double));
     out->transfer = calloc(modes, sizeof(double));

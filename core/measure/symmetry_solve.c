@@ -67,7 +67,8 @@ static int solver_init(solver *v, const shear_symmetry *s, int bins, shear_error
     if (v->x == NULL || v->b == NULL || v->scratch == NULL || v->weight == NULL ||
         v->counts == NULL || v->bin_doubles == NULL) {
         solver_deinit(v);
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory to symmetrize %zu stamps", n);
+        shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory to symmetrize %zu stamps", n);
+        return SHEAR_E_NOMEM;
     }
     for (size_t k = 0; k < 2; k++) {
         v->at[k] = (fold_counts){.difference = v->counts + 2 * k * nb,
@@ -238,10 +239,13 @@ static bool set_slope(solver *v, axis *a, const fold *f) {
 static bool find_side(solver *v, const axis *a, const fold *f, double sign, double step,
                       double *g) {
     double variance;
-    for (*g = a->g + sign * step; fabs(*g) < 2.0 * widest; step *= 2.0, *g += sign * step) {
+    *g = a->g + sign * step;
+    while (fabs(*g) < 2.0 * widest) {
         if (sign * score_at(v, a, f, *g, &variance) < 0.0) {
             return true;
         }
+        step *= 2.0;
+        *g += sign * step;
     }
     return false;
 }

@@ -168,8 +168,11 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
     int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
     size_t n = 0;
     shear_settings_init(&settings);
-    int code = running != NULL ? shear_settings_apply(&settings, f->settings, err)
-                               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    if (running == NULL) {
+        shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+        return SHEAR_E_NOMEM;
+    }
+    int code = shear_settings_apply(&settings, f->settings, err);
     if (code == SHEAR_OK) {
         code = sums_now(s, f, !shear_estimator_is_symmetric(settings.estimator), &sums, running,
                         SHEAR_MSG_LIST_MAX, &n, err);
