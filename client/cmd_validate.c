@@ -67,8 +67,7 @@ static double pedestal_above(double lowest) {
 static bool has_background(const shear_verdict *v) {
     static const double sigma = 4.0;
     static const double part = 0.1;
-    return v->plan->filter != SHEAR_FILTER_NONE &&
-           v->settings->background == SHEAR_BACKGROUND_KEEP &&
+    return v->plan->filter != SHEAR_FILTER_NONE && shear_settings_keep_background(v->settings) &&
            fabs(v->noise_mean) > sigma * v->noise_mean_err &&
            fabs(v->noise_mean) > part * v->noise_rms;
 }

@@ -6,9 +6,10 @@
 
 enum { BLOCK_BYTES = 8 << 20, MAX_BLOCK = 256 };
 
-/* Sums over noise stamps, of what a pixel is on average and how it scatters. */
+/* Sums over noise stamps: their mean pixels and the squares of these, both about the first one's
+ * (about zero, a bright sky would swallow what they scatter), and the variances of their pixels. */
 struct levels {
-    double n, mean, mean2, var;
+    double n, first, mean, mean2, var;
 };
 
 struct scan {
@@ -39,7 +40,7 @@ static struct pixels look_at(const double *pixel, size_t n) {
             p.lowest = pixel[i];
         }
         p.constant = p.constant && pixel[i] == pixel[0];
-        double d = pixel[i] - pixel[0]; /* about zero, a bright sky would swallow its noise */
+        double d = pixel[i] - pixel[0]; /* likewise */
         sum += d;
         squares += d * d;
     }
@@ -66,16 +67,18 @@ static unsigned catalog_flags(const struct scan *s, const shear_stamps *t, int i
 }
 
 static void levels_add(struct levels *l, const struct pixels *noise) {
+    l->first = l->n > 0.0 ? l->first : noise->mean;
+    double d = noise->mean - l->first;
     l->n += 1.0;
-    l->mean += noise->mean;
-    l->mean2 += noise->mean * noise->mean;
+    l->mean += d;
+    l->mean2 += d * d;
     l->var += noise->var;
 }
 
 static void levels_tell(const struct levels *l, shear_verdict *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
-    v->noise_mean = mean; /* 0/0 where there are none */
+    v->noise_mean = l->first + mean; /* 0/0 where there are none */
     v->noise_mean_err = l->n > 1.0 ? sqrt(scatter2 / (l->n - 1.0)) : NAN;
     v->noise_rms = sqrt(l->var / l->n);
 }

@@ -3,7 +3,8 @@
 
 #include <gsl/gsl_randist.h>
 
-int noise_pixel(const struct noise_place *p, int i) {
+/* Where number i of an image in C order comes to lie. */
+static int noise_pixel(const struct noise_place *p, int i) {
     int x = i % p->nx;
     int y = i / p->nx;
     return p->turned ? x * p->nx + (p->nx - 1 - y) : i;

@@ -12,8 +12,6 @@ struct noise_place {
     int nx, ny;
     bool turned; /* square stamps only */
 };
-/* Where number i of an image in C order comes to lie. */
-int noise_pixel(const struct noise_place *p, int i);
 
 /* Paint astronomical noise: Poisson-distributed points, `density` per px^2, each of `amplitude`,
  * convolved with the painter's PSF. They also lie around the image, as far as the PSF reaches: the

@@ -12,7 +12,13 @@
 #include "information.h"
 #include "statistics.h"
 
-enum { MEAN, SYMMETRY, CROSSED, N_KINDS }; /* estimators, numbered as enum shear_estimator */
+/* Estimators. */
+enum {
+    MEAN = SHEAR_ESTIMATOR_MEAN,
+    SYMMETRY = SHEAR_ESTIMATOR_PDF_SYM,
+    CROSSED = SHEAR_ESTIMATOR_PDF_SYM_CROSS,
+    N_KINDS
+};
 
 enum {
     MAX_CASES = 3 * MAX_KNOB_VALUES,

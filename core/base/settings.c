@@ -337,6 +337,10 @@ bool shear_estimator_is_symmetric(int estimator) {
     return estimator == SHEAR_ESTIMATOR_PDF_SYM || estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS;
 }
 
+bool shear_settings_keep_background(const shear_settings *s) {
+    return s->background == SHEAR_BACKGROUND_KEEP && s->estimator != SHEAR_ESTIMATOR_PDF_SYM_CROSS;
+}
+
 bool shear_interpolation_is_log(int interpolation) {
     return interpolation >= SHEAR_INTERP_LOG_BILINEAR && interpolation <= SHEAR_INTERP_LOG_SPLINE;
 }

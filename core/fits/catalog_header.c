@@ -162,13 +162,13 @@ static int get_estimator(reading *r) {
     if (r->rc == SHEAR_OK) {
         r->rc = sf_key_string(r->f, r->at, "ESTIMAT", &text, r->err);
     }
-    int estimator = SHEAR_ESTIMATOR_PDF_SYM_CROSS;
-    while (estimator > SHEAR_ESTIMATOR_MEAN &&
-           (text == NULL || strcmp(text, shear_estimator_name(estimator)) != 0)) {
-        estimator--;
+    shear_settings settings;
+    shear_settings_init(&settings);
+    if (text != NULL) {
+        (void)shear_settings_set(&settings, "estimator", text, NULL);
     }
     free(text);
-    return estimator;
+    return settings.estimator;
 }
 
 static void get_result(reading *r, shear_result *out) {

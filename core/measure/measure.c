@@ -235,7 +235,9 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     const moments m = moments_of(plan, ws, s.transfer, &cross, &filtered_flux);
     fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
     row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - filtered_flux);
-    fill_cross(row, &cross, plan->info.beta_px, plan->info.r_psf_px);
+    if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
+        fill_cross(row, &cross, plan->info.beta_px, plan->info.r_psf_px);
+    }
     fill_moments(row, &m, plan->info.beta_px);
     return SHEAR_OK;
 }

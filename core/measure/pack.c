@@ -173,19 +173,12 @@ static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double 
            image_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y);
 }
 
-/* The cross spectrum of two backgrounds would not average out: pdf-sym-cross never keeps them. */
-static bool takes_level_off(const shear_plan *plan, const filter_map *filter) {
-    const shear_settings *s = &plan->settings;
-    return filter != NULL && (s->background == SHEAR_BACKGROUND_NOISE_MEAN ||
-                              s->estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS);
-}
-
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                const double *galaxy, const double *noise, int last, photometry *ph,
                pack_failure *failure) {
     const shear_geometry *g = &plan->info.geometry;
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
-    const bool levels = takes_level_off(plan, filter);
+    const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
     photometry_sums sums;
     photometry_begin(&sums, galaxy, noise, g->nx, g->ny);
     if (!as_pixels || levels) {

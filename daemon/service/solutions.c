@@ -365,17 +365,21 @@ int solutions_get(service *s, const store_field *f, const shear_field_sums *sums
                                               "field '%s' could not be solved", f->name);
 }
 
-static void drop_waiting(solutions *all, uint64_t connection, bool every) {
+/* Whether there were any. */
+static bool drop_waiting(solutions *all, uint64_t connection, bool every) {
+    bool dropped = false;
     for (asked **at = &all->waiting; *at != NULL;) {
         asked *a = *at;
         if (every || a->to.connection == connection) {
             *at = a->next;
             shear_request_deinit(&a->request);
             free(a);
+            dropped = true;
         } else {
             at = &a->next;
         }
     }
+    return dropped;
 }
 
 /* What nobody waits for need not be solved; news ask again by themselves. */
@@ -391,8 +395,7 @@ static void clear_queue(solutions *all) {
 }
 
 void solutions_forget(service *s, uint64_t connection) {
-    drop_waiting(s->solutions, connection, false);
-    if (s->solutions->waiting == NULL) {
+    if (drop_waiting(s->solutions, connection, false) && s->solutions->waiting == NULL) {
         clear_queue(s->solutions);
     }
 }
@@ -403,7 +406,7 @@ static void free_node(void *node) {
 
 void solutions_free(solutions *all) {
     if (all != NULL) {
-        drop_waiting(all, 0, true);
+        (void)drop_waiting(all, 0, true);
         tdestroy(all->tree, free_node);
         free(all);
     }

@@ -3,12 +3,14 @@
 same files, whatever the order in which they come. (Killed in the middle: test_daemon_crash.py.)"""
 import os
 import subprocess
+import time
 import unittest
 
 from daemon import DaemonTest, measured, mock, numbers, until
 from tool import SHEARCTL
 
 STAMPS = (48, 176, 90)  # of the parts
+FIELDS = 1400           # more than are kept, less than two pages
 
 
 class Symmetry(DaemonTest):
@@ -90,6 +92,46 @@ class Symmetry(DaemonTest):
                     told = message["params"]["field"] if message["method"] == "field_changed" else told
                 self.assertEqual([told[k] for k in ("g1", "g2_err")],
                                  [expected[k] for k in ("g1", "g2_err")])
+
+    def test_the_last_change_is_told(self):
+        """Also where it comes while the one before is being solved: between two ticks of the service,
+        which are a second apart."""
+        with self.service.client() as client:
+            client.call("subscribe", fields=["f"])
+            jobs, end = 0, None
+            while end is None or time.monotonic() < end:
+                job = self.service.submit(self.parts[0], field="f", force=True,
+                                          settings={"estimator": "pdf-sym"})["id"]
+                self.service.wait_state(job, "done")
+                jobs, end = jobs + 1, end or time.monotonic() + 1
+            told = 0
+            while told < jobs:
+                message = client.receive()
+                if message["method"] == "field_changed":
+                    field = message["params"]["field"]
+                    told = field["jobs"]
+                    self.assertEqual(field["n_stamps"], told * STAMPS[0])
+
+    def test_pages_of_many_fields(self):
+        """Requests for more fields than are kept when nobody waits do not keep each other waiting."""
+        small = mock(os.path.join(self.service.data, "small.fits"), 16, 16, 5, "--rotate", 1)
+        with self.service.client() as client:
+            asked = []
+            for i in range(FIELDS):
+                asked.append(client.ask("submit", {"path": small, "field": f"f{i % 2}-{i}",
+                                                   "settings": {"estimator": "pdf-sym"}}))
+                if len(asked) == 32:
+                    client.answer(asked.pop(0))
+            for number in asked:
+                client.answer(number)
+            self.service.wait_idle()
+            asked = []
+            for i in range(20):
+                asked.append(client.ask("fields", {"limit": 1000, "prefix": f"f{i % 2}-"}))
+                if len(asked) == 8:
+                    self.assertEqual(len(client.answer(asked.pop(0))["fields"]), FIELDS // 2)
+            for number in asked:
+                self.assertEqual(len(client.answer(number)["fields"]), FIELDS // 2)
 
     def test_only_what_was_counted(self):
         """Stamps of a running job are in the mean at once, in the symmetry when it is done."""

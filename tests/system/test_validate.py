@@ -128,7 +128,8 @@ class Validate(ToolTest):
         self.assertLess(abs(bright["noise"]["rms"] - noise["rms"]), 1e-3)
         self.assertTrue(bright["good"])
         self.assertIn("--background noise-mean", bright["advice"])
-        for harmless in (("--core", 10, "--background", "noise-mean"), ("--filter", "none")):
+        for harmless in (("--core", 10, "--background", "noise-mean"), ("--filter", "none"),
+                         ("--core", 10, "--estimator", "pdf-sym-cross")):
             self.assertEqual(self.validate(path, *harmless)["advice"], "")
 
     def test_good_and_bad_files(self):

@@ -5,9 +5,12 @@
 #include "store_fixture.h"
 #include "test.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -106,6 +109,26 @@ static void has_one_owner(void **state) {
     fx_submit(f, "a"); /* the owner did not notice */
     fx_close(f);
     fx_open(f);
+}
+
+/* The lock beside the database is enough to keep others out, and without it there is no owner. */
+static void has_a_lock_beside_it(void **state) {
+    fixture *f = *state;
+    char name[sizeof f->path + sizeof ".lock"];
+    snprintf(name, sizeof name, "%s.lock", f->path);
+    store *s = NULL;
+    shear_error err = {0};
+    const int fd = open(name, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    assert_true(fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0);
+    FX_CODE(STORE_LOCKED, store_open(&s, f->path, NULL, 1, &err));
+    assert_true(access(f->path, F_OK) != 0); /* it was not even made */
+    close(fd);
+    fx_open(f);
+    const int other = open(name, O_RDWR | O_CLOEXEC);
+    assert_true(other >= 0 && flock(other, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK);
+    fx_close(f);
+    assert_int_equal(flock(other, LOCK_EX | LOCK_NB), 0);
+    close(other);
 }
 
 /* Services that all start at once where no database is yet: one gets it, and it is good. */
@@ -419,6 +442,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(makes_a_private_database, setup, teardown),
         cmocka_unit_test_setup_teardown(is_durable, setup, teardown),
         cmocka_unit_test_setup_teardown(has_one_owner, setup, teardown),
+        cmocka_unit_test_setup_teardown(has_a_lock_beside_it, setup, teardown),
         cmocka_unit_test_setup_teardown(one_of_many_gets_it, setup, teardown),
         cmocka_unit_test_setup_teardown(waits_for_the_owner_to_leave, setup, teardown),
         cmocka_unit_test_setup_teardown(refuses_a_newer_one, setup, teardown),

@@ -120,6 +120,10 @@ const char *shear_estimator_name(int estimator);
 /* Is the estimator one that needs the terms of every stamp (shear/symmetry.h)? */
 bool shear_estimator_is_symmetric(int estimator);
 
+/* Does the filter see a background that both stamps have? Not with background = noise-mean, nor
+ * with pdf-sym-cross, whose cross terms would not average out over one. */
+bool shear_settings_keep_background(const shear_settings *s);
+
 /* True for the three methods that interpolate ln(pixel). */
 bool shear_interpolation_is_log(int interpolation);
 

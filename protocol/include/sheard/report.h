@@ -72,8 +72,9 @@ typedef struct shear_verdict {
     shear_fault flags[SHEAR_N_FLAGS];
     shear_fault negative; /* stamps with pixels below minus the pedestal, under a log method */
     double lowest_pixel;  /* of all finite pixels, galaxy and noise */
-    /* Noise stamps without a flag: their mean pixel with its error, from their scatter (NaN for
-     * less than 2), and how much pixels scatter about their own stamp's mean. */
+    /* Noise stamps of pairs that neither pixels nor catalogue flag: their mean pixel with its
+     * error, from their scatter (NaN for less than 2), and how much pixels scatter about their own
+     * stamp's mean. */
     double noise_mean, noise_mean_err, noise_rms;
 } shear_verdict;
 
