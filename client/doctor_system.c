@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the service needs of the kernel: its readers' sandbox, and paths that stay beneath a root.
- */
+/* What the service needs of the kernel for its readers' sandbox. */
 #include "doctor.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/landlock.h>
-#include <linux/openat2.h>
 #include <string.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -38,22 +36,7 @@ static void check_landlock(struct doctor *d) {
     }
 }
 
-static void check_openat2(struct doctor *d) {
-    const struct open_how how = {.flags = O_PATH | O_CLOEXEC,
-                                 .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-    const long fd = syscall(SYS_openat2, AT_FDCWD, ".", &how, sizeof how);
-    const bool missing = fd < 0 && errno == ENOSYS;
-    doctor_say(d, "openat2", missing ? SHEAR_FINDING_FAIL : SHEAR_FINDING_OK,
-               missing ? "use Linux 5.6 or newer" : NULL,
-               missing ? "paths cannot be kept beneath the data roots: no file will be opened"
-                       : "paths can be kept beneath the data roots");
-    if (fd >= 0) {
-        close((int)fd);
-    }
-}
-
 void doctor_check_system(struct doctor *d) {
     check_seccomp(d);
     check_landlock(d);
-    check_openat2(d);
 }

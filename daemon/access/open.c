@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening a file that a client has named. */
-#include "permission.h"
+#include "beneath.h"
 #include "roots.h"
 #include "walk.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <linux/openat2.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/syscall.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 const char *access_code_name(int code) {
@@ -51,95 +49,24 @@ static int fail_plainly(const request *r, int error, shear_error *err) {
                           "let the service's user read it and search its directories",
                           "%.300s: the service may not read it", r->path);
     case ENAMETOOLONG:
-        return shear_fail(err, ACCESS_E_PATH, NULL, "%.300s: a name in it is too long", r->path);
+        return shear_fail(err, ACCESS_E_PATH, NULL,
+                          "%.300s: it or a name in it is too long, or too deep", r->path);
     default:
-        return shear_fail(err, error == ENOMEM ? SHEAR_E_NOMEM : SHEAR_E_IO,
-                          error == ENOSYS ? "Linux 5.6 or later is needed" : NULL,
+        return shear_fail(err, error == ENOMEM ? SHEAR_E_NOMEM : SHEAR_E_IO, NULL,
                           "%.300s: cannot be opened: %s", r->path, strerror(error));
     }
 }
 
-/* The first `length` bytes beneath the root, by O_PATH; or -errno. */
-static int resolve(const request *r, size_t length, uint64_t flags) {
-    char part[PATH_MAX];
-    struct open_how how = {.flags = O_PATH | O_CLOEXEC | flags,
-                           .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-    snprintf(part, sizeof part, "%.*s", (int)length, r->beneath);
-    /* EAGAIN: something on the way was renamed meanwhile. */
-    for (int i = 0;; i++) {
-        const long fd = syscall(SYS_openat2, r->root->fd, part, &how, sizeof how);
-        if (fd >= 0) {
-            return (int)fd;
-        }
-        if (errno != EAGAIN || i == 32) {
-            return errno == EACCES ? -EPERM : -errno;
-        }
-    }
-}
-
-/* What a link's text begins with; '\0' where it is no link. */
-static char link_start(const request *r, size_t length) {
-    char start = '\0';
-    const int fd = resolve(r, length, O_NOFOLLOW);
-    if (fd >= 0) {
-        if (readlinkat(fd, "", &start, 1) != 1) {
-            start = '\0';
-        }
-        close(fd);
-    }
-    return start;
-}
-
-/* `error` came of the first `length` bytes. Everybody may make links to where only others may look:
- * what became of one must not tell what is there. */
-static int fail_at(const request *r, size_t length, int error, shear_error *err) {
-    char start = '\0';
-    if (r->peer->uid != 0) {
-        start = link_start(r, length);
-    }
-    if (start == '/') {
-        return fail_plainly(r, EXDEV, err);
-    }
-    if (start != '\0') {
+/* `link` as of beneath_open. Everybody may make links to where only others may look: what became of
+ * one must not tell what is there. */
+static int fail_at(const request *r, char link, int error, shear_error *err) {
+    if (link != '\0' && link != '/' && r->peer->uid != 0) {
         return shear_fail(err, ACCESS_E_DENIED, "give the file itself, beneath a data root",
                           "%.300s: a link on the way leads to nothing that you and the service "
                           "may read, or out of the data root",
                           r->path);
     }
     return fail_plainly(r, error, err);
-}
-
-static int check_directory(const request *r, size_t length) {
-    struct stat st;
-    const int fd = resolve(r, length, 0);
-    if (fd < 0) {
-        return -fd;
-    }
-    int error = walk_check(fd, r->peer, NULL);
-    if (error == 0) {
-        error = fstat(fd, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
-    }
-    close(fd);
-    return error;
-}
-
-/* Every directory that the client names must be one that it may search, from the first on; so it
- * learns nothing of what lies in those that it may not. */
-static int check_directories(const request *r, shear_error *err) {
-    const char *beneath = r->beneath;
-    const int error = walk_check(r->root->fd, r->peer, NULL);
-    if (error != 0) {
-        return fail_plainly(r, error, err);
-    }
-    for (size_t i = 1; beneath[i] != '\0'; i++) {
-        if (beneath[i] == '/' && beneath[i - 1] != '/') {
-            const int wrong = check_directory(r, i);
-            if (wrong != 0) {
-                return fail_at(r, i, wrong, err);
-            }
-        }
-    }
-    return SHEAR_OK;
 }
 
 /* The file behind an O_PATH descriptor, for reading: itself, whatever its name is by now. */
@@ -155,18 +82,20 @@ static int reopen(const request *r, int handle, int *fd, shear_error *err) {
     return *fd >= 0 ? SHEAR_OK : fail_plainly(r, errno == EACCES ? EPERM : errno, err);
 }
 
+/* Every directory that the client names must be one that it may search, from / on; so it learns
+ * nothing of what lies in those that it may not. */
 static int open_beneath(const request *r, int *fd, char **canonical, shear_error *err) {
-    const size_t length = strlen(r->beneath);
-    int code = check_directories(r, err);
-    if (code != SHEAR_OK) {
-        return code;
+    char link = '\0';
+    int error = walk_check(r->root->fd, r->peer, NULL);
+    if (error != 0) {
+        return fail_plainly(r, error, err);
     }
-    const int handle = resolve(r, length, 0);
+    const int handle = beneath_open(r->root->fd, r->beneath, r->peer, &link);
     if (handle < 0) {
-        return fail_at(r, length, -handle, err);
+        return fail_at(r, link, -handle, err);
     }
-    const int error = walk_check(handle, r->peer, canonical);
-    code = error != 0 ? fail_at(r, length, error, err) : reopen(r, handle, fd, err);
+    error = walk_check(handle, r->peer, canonical);
+    const int code = error != 0 ? fail_at(r, link, error, err) : reopen(r, handle, fd, err);
     close(handle);
     if (code != SHEAR_OK) {
         free(*canonical);

@@ -656,7 +656,7 @@ class Doctor(ServiceTest):
         self.serve(status=status())
         os.chmod(self.socket, 0o660)
         answer, found = self.findings()
-        for name in ("socket", "permissions", "release", "service", "openat2"):
+        for name in ("socket", "permissions", "release", "service", "seccomp"):
             self.assertEqual(found[name]["level"], "ok", found[name])
             self.assertEqual(found[name]["remedy"], "")
         self.assertIn(answer.code, (DONE, OTHER))

@@ -123,7 +123,7 @@ class Hardened(Analyzed):
 
 @needs("systemd-analyze")
 class SystemCalls(unittest.TestCase):
-    NEEDED = """seccomp prctl memfd_create openat2 prlimit64 inotify_init1 inotify_add_watch epoll_wait clone3 wait4
+    NEEDED = """seccomp prctl memfd_create prlimit64 inotify_init1 inotify_add_watch epoll_wait clone3 wait4
                 pidfd_open fsync fdatasync renameat2 linkat ftruncate accept4 sendmsg recvmsg socketpair fcntl flock
                 signalfd4 timerfd_create eventfd2 fallocate statfs getdents64 setpriority mmap mprotect kill""".split()
     FORBIDDEN = """ptrace process_vm_readv mount umount2 bpf perf_event_open kexec_load init_module reboot swapon

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "beneath.h"
+
+#include "permission.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* LINKS_MAX is the kernel's; the others keep a path from taking the daemon's descriptors and time.
+ */
+enum { LINKS_MAX = 40, DEPTH_MAX = 100, STEPS_MAX = 4096 };
+
+typedef struct way {
+    const access_peer *peer;
+    int at[DEPTH_MAX + 1]; /* the directories from the root (not ours) to where we are: ".." goes
+                              back to the one that we came from, wherever it is by now */
+    int depth;
+    int links, steps;
+    char text[2 * PATH_MAX];
+    const char *rest; /* in text: what is left to go, of links' texts and then of the path */
+    size_t own;       /* bytes at its end that are of the path itself */
+    char link;
+} way;
+
+/* The next name into `name`, and whether anything follows it, which makes it a directory's. False:
+ * none is left. */
+static bool take_name(way *w, char *name, size_t size, bool *followed) {
+    w->rest += strspn(w->rest, "/");
+    if (w->rest[0] != '\0' && strlen(w->rest) <= w->own) {
+        w->link = '\0';
+    }
+    const size_t n = strcspn(w->rest, "/");
+    snprintf(name, size, "%.*s", (int)n, w->rest);
+    w->rest += n;
+    *followed = w->rest[0] != '\0';
+    return n > 0;
+}
+
+/* Put the link's text before what is left. 0 or -errno. */
+static int follow(way *w, int link) {
+    char text[PATH_MAX];
+    const size_t left = strlen(w->rest);
+    const ssize_t got = readlinkat(link, "", text, sizeof text);
+    if (got <= 0) {
+        return got < 0 ? -errno : -ENOENT;
+    }
+    const size_t n = (size_t)got;
+    if (w->link == '\0') {
+        w->link = text[0];
+        w->own = left;
+    }
+    if (text[0] == '/') {
+        return -EXDEV;
+    }
+    if (++w->links > LINKS_MAX) {
+        return -ELOOP;
+    }
+    if (n == sizeof text || n + left >= sizeof w->text) {
+        return -ENAMETOOLONG;
+    }
+    memmove(w->text + n, w->rest, left + 1);
+    memcpy(w->text, text, n);
+    w->rest = w->text;
+    return 0;
+}
+
+/* A link comes as itself. What must be a directory is opened as one, for that mounts it where it is
+ * to be mounted when it is first used. */
+static int open_name(const way *w, const char *name, bool directory) {
+    enum { FLAGS = O_PATH | O_NOFOLLOW | O_CLOEXEC };
+    struct stat st;
+    const int error = permission_check(w->at[w->depth], w->peer, PERMIT_SEARCH, &st);
+    if (error != 0) {
+        return -error;
+    }
+    int fd = directory ? openat(w->at[w->depth], name, FLAGS | O_DIRECTORY) : -1;
+    if (!directory || (fd < 0 && errno == ENOTDIR)) {
+        fd = openat(w->at[w->depth], name, FLAGS);
+    }
+    return fd >= 0 ? fd : errno == EACCES ? -EPERM : -errno;
+}
+
+/* Where the name leads: down, or along a link's text; *found is the last name's descriptor. 0 or
+ * -errno. */
+static int enter(way *w, const char *name, bool followed, int *found) {
+    struct stat st;
+    const int fd = open_name(w, name, followed);
+    int error = fd < 0 ? fd : 0;
+    if (error == 0 && fstat(fd, &st) != 0) {
+        error = -errno;
+    }
+    if (error == 0 && S_ISLNK(st.st_mode)) {
+        error = follow(w, fd);
+    } else if (error == 0 && !followed) {
+        *found = fd;
+        return 0;
+    } else if (error == 0) {
+        error = !S_ISDIR(st.st_mode) ? -ENOTDIR : w->depth == DEPTH_MAX ? -ENAMETOOLONG : 0;
+        if (error == 0) {
+            w->at[++w->depth] = fd;
+            return 0;
+        }
+    }
+    if (fd >= 0) {
+        close(fd);
+    }
+    return error;
+}
+
+static int step(way *w, const char *name, bool followed, int *found) {
+    if (++w->steps > STEPS_MAX) {
+        return -ELOOP;
+    }
+    if (strcmp(name, ".") == 0) {
+        return 0;
+    }
+    if (strcmp(name, "..") != 0) {
+        return enter(w, name, followed, found);
+    }
+    if (w->depth == 0) {
+        return -EXDEV;
+    }
+    close(w->at[w->depth--]);
+    return 0;
+}
+
+int beneath_open(int root, const char *path, const access_peer *peer, char *link) {
+    char name[PATH_MAX];
+    bool followed = false;
+    int found = -1;
+    int error = 0;
+    way w = {.peer = peer, .at = {root}, .own = strlen(path)};
+    w.rest = w.text;
+    *link = '\0';
+    if (w.own >= PATH_MAX) {
+        return -ENAMETOOLONG;
+    }
+    memcpy(w.text, path, w.own + 1);
+    while (error == 0 && found < 0 && take_name(&w, name, sizeof name, &followed)) {
+        error = step(&w, name, followed, &found);
+    }
+    if (error == 0 && found < 0) { /* a directory that we are in */
+        found = fcntl(w.at[w.depth], F_DUPFD_CLOEXEC, 0);
+        error = found < 0 ? -errno : 0;
+    }
+    while (w.depth > 0) {
+        close(w.at[w.depth--]);
+    }
+    *link = w.link;
+    return error == 0 ? found : error;
+}
