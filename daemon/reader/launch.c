@@ -45,9 +45,9 @@ static void fill_arguments(arguments *a, const shear_input *input, const reader_
 
 /* Duplicates above the fixed numbers first, so that no dup2 in the child overwrites one that is
  * still needed. All others of the daemon's are close-on-exec. Returns 0 or errno. */
-static int add_descriptors(posix_spawn_file_actions_t *actions, const int given[N_FDS],
+static int add_descriptors(posix_spawn_file_actions_t *actions, int said, const int given[N_FDS],
                            int from[N_FDS]) {
-    int rc = 0;
+    int rc = posix_spawn_file_actions_adddup2(actions, said, STDERR_FILENO);
     for (int i = 0; i < N_FDS && rc == 0; i++) {
         if (given[i] < 0) {
             continue;
@@ -74,10 +74,10 @@ static void fill_attributes(posix_spawnattr_t *attributes) {
                                              POSIX_SPAWN_SETPGROUP);
 }
 
-int launch_reader(pid_t *pid, const shear_input *input, const int *fds, int child_socket,
-                  int memory_fd, const reader_limits *limits) {
+int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_ends ends,
+                  const reader_limits *limits) {
     char *const environment[] = {NULL};
-    int given[N_FDS] = {child_socket, memory_fd, -1, -1, -1, -1};
+    int given[N_FDS] = {ends.socket, ends.memory, -1, -1, -1, -1};
     int from[N_FDS] = {-1, -1, -1, -1, -1, -1};
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -89,7 +89,7 @@ int launch_reader(pid_t *pid, const shear_input *input, const int *fds, int chil
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
     fill_attributes(&attributes);
-    int rc = add_descriptors(&actions, given, from);
+    int rc = add_descriptors(&actions, ends.said, given, from);
     if (rc == 0) {
         rc = posix_spawn(pid, limits->program, &actions, &attributes, a.argv, environment);
     }

@@ -7,9 +7,15 @@
 
 #include <sys/types.h>
 
-/* Start sheard-reader on these files (see reader_start), its end of the socket pair and the shared
- * memory; all of them stay the caller's. Returns 0 or errno. */
-int launch_reader(pid_t *pid, const shear_input *input, const int *fds, int child_socket,
-                  int memory_fd, const reader_limits *limits);
+/* What the child gets of the daemon's; all of it stays the caller's. */
+typedef struct launch_ends {
+    int socket; /* its end of the pair */
+    int memory; /* shared */
+    int said;   /* its standard error (reader/last_words.h) */
+} launch_ends;
+
+/* Start sheard-reader on these files (see reader_start). Returns 0 or errno. */
+int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_ends ends,
+                  const reader_limits *limits);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/reader.h"
 
+#include "reader/last_words.h"
 #include "reader/launch.h"
 #include "reader/wire.h"
 
@@ -22,6 +23,7 @@ struct reader {
     pid_t pid; /* 0 once reaped */
     int socket;
     int memory_fd;
+    int said; /* what it writes to its standard error: reader/last_words.h */
     int timeout_ms;
     const atomic_bool *stop;
     int64_t shared_bytes;
@@ -45,9 +47,9 @@ static void describe_end(int status, char *out, size_t size) {
     }
 }
 
-/* Reap the child. A child whose socket is closed may still be dying: it has a second before it is
- * killed. */
-static void reap(reader *r, bool kill_now, char *end, size_t size) {
+/* Reap the child; returns its exit code, -1 where it has none. A child whose socket is closed may
+ * still be dying: it has a second before it is killed. */
+static int reap(reader *r, bool kill_now, char *end, size_t size) {
     int status = 0;
     const struct timespec pause = {.tv_nsec = 5000000};
     pid_t got = 0;
@@ -67,28 +69,44 @@ static void reap(reader *r, bool kill_now, char *end, size_t size) {
     } else {
         snprintf(end, size, "nothing is known of its end");
     }
+    return got > 0 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/* Exit codes of the dynamic linker, and of a shell, for a program that never came to its first
+ * line. */
+static bool never_started(int exit_code) {
+    return exit_code == 126 || exit_code == 127;
+}
+
+/* What happened, for people, into why[]. Returns the code that it is to have. */
+static int find_reason(reader *r, int code, char *why, size_t size) {
+    char end[160] = "it is gone";
+    char said[240] = "";
+    const int exit_code = r->pid > 0 ? reap(r, code != READER_E_DIED, end, sizeof end) : -1;
+    last_words_read(r->said, said, sizeof said);
+    snprintf(why, size, "%s%s%s",
+             code == READER_E_HUNG       ? "no answer in time, it was stopped"
+             : code == READER_E_STOPPED  ? "no answer yet when it was to stop"
+             : code == READER_E_PROTOCOL ? "its answer made no sense, it was stopped"
+                                         : end,
+             said[0] != '\0' ? "; it said: " : "", said);
+    return code == READER_E_DIED && never_started(exit_code) ? SHEAR_E_IO : code;
 }
 
 /* The child is of no more use: reap it, and remember why for this call and all later ones. */
 static int give_up(reader *r, int code, const char *what, shear_error *err) {
-    char end[160] = "it is gone";
-    if (r->pid > 0) {
-        reap(r, code != READER_E_DIED, end, sizeof end);
-    }
-    shear_fail(&r->failure, code,
-               "the file is damaged in a way that CFITSIO does not survive, or the limits in "
-               "section [reader] are too small "
-               "for it",
-               "the reader failed to %s: %s", what,
-               code == READER_E_HUNG       ? "no answer in time, it was stopped"
-               : code == READER_E_STOPPED  ? "no answer yet when it was to stop"
-               : code == READER_E_PROTOCOL ? "its answer made no sense, it was stopped"
-                                           : end);
-    r->failed = code;
+    char why[420];
+    r->failed = find_reason(r, code, why, sizeof why);
+    shear_fail(&r->failure, r->failed,
+               r->failed == SHEAR_E_IO
+                   ? "install sheard again, with the libraries that it needs"
+                   : "the file is damaged in a way that CFITSIO does not survive, or the limits in "
+                     "section [reader] are too small for it",
+               "the reader failed to %s: %s", what, why);
     if (err != NULL) {
         *err = r->failure;
     }
-    return code;
+    return r->failed;
 }
 
 /* ---- questions and answers ---- */
@@ -143,6 +161,16 @@ static int failed_answer(const reader_reply *reply, shear_error *err) {
     return code;
 }
 
+/* A child that has ended may have told why before: that comes after the error that its end is. It
+ * is not waited for. */
+static ssize_t receive(const reader *r, reader_reply *reply) {
+    ssize_t got = recv(r->socket, reply, sizeof *reply, MSG_DONTWAIT);
+    if (got < 0 && (errno == ECONNRESET || errno == EPIPE)) {
+        got = recv(r->socket, reply, sizeof *reply, MSG_DONTWAIT);
+    }
+    return got;
+}
+
 /* Send a request and receive its reply: what the child itself says is in reply->code, its own
  * failure is returned. */
 static int ask(reader *r, const reader_request *request, const char *what, reader_reply *reply,
@@ -153,14 +181,13 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
         }
         return r->failed;
     }
-    if (send(r->socket, request, sizeof *request, MSG_NOSIGNAL) != (ssize_t)sizeof *request) {
-        return give_up(r, READER_E_DIED, what, err);
+    if (send(r->socket, request, sizeof *request, MSG_NOSIGNAL) == (ssize_t)sizeof *request) {
+        const int waited = wait_for_answer(r);
+        if (waited != SHEAR_OK) {
+            return give_up(r, waited, what, err);
+        }
     }
-    const int waited = wait_for_answer(r);
-    if (waited != SHEAR_OK) {
-        return give_up(r, waited, what, err);
-    }
-    const ssize_t got = recv(r->socket, reply, sizeof *reply, 0);
+    const ssize_t got = receive(r, reply);
     if (got <= 0) {
         return give_up(r, READER_E_DIED, what, err);
     }
@@ -198,27 +225,38 @@ static bool info_is_sane(shear_field_info *info) {
            in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_BY_ID) && hdus_are_sane(info);
 }
 
+static void close_one(int fd) {
+    if (fd >= 0) {
+        close(fd);
+    }
+}
+
 int reader_start(reader **out, const shear_input *input, const int *fds,
                  const reader_limits *limits, shear_error *err) {
     int pair[2] = {-1, -1};
+    int said[2] = {-1, -1};
     reader *r = calloc(1, sizeof *r);
     *out = NULL;
     if (r == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a reader");
     }
     *r = (reader){.socket = -1,
+                  .said = -1,
                   .timeout_ms = limits->timeout_ms,
                   .stop = limits->stop,
                   .shared_bytes = limits->shared_bytes};
     r->memory_fd = memfd_create("sheard-stamps", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     int rc = r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0
                  ? errno
-                 : 0;
+                 : last_words_pipe(said);
     r->socket = pair[0];
-    rc = rc == 0 ? launch_reader(&r->pid, input, fds, pair[1], r->memory_fd, limits) : rc;
-    if (pair[1] >= 0) {
-        close(pair[1]);
+    r->said = said[0];
+    if (rc == 0) {
+        const launch_ends ends = {pair[1], r->memory_fd, said[1]};
+        rc = launch_reader(&r->pid, input, fds, ends, limits);
     }
+    close_one(pair[1]);
+    close_one(said[1]);
     if (rc != 0) {
         reader_stop(r);
         return shear_fail(err, SHEAR_E_IO, "is sheard-reader installed beside sheard?",
@@ -244,18 +282,15 @@ void reader_stop(reader *r) {
     if (r == NULL) {
         return;
     }
-    if (r->socket >= 0) {
-        close(r->socket);
-    }
+    close_one(r->socket);
+    close_one(r->said);
     if (r->pid > 0) {
         reap(r, true, ignored, sizeof ignored);
     }
     if (r->memory != NULL) {
         munmap(r->memory, r->memory_bytes);
     }
-    if (r->memory_fd >= 0) {
-        close(r->memory_fd);
-    }
+    close_one(r->memory_fd);
     free(r->blocks);
     free(r);
 }

@@ -36,8 +36,12 @@ static const bool limits_memory = true;
 #endif
 
 static int fail_errno(shear_error *err, const char *what) {
-    return shear_fail(err, SHEAR_E_IO, "the kernel must offer seccomp; see sheard(8), SECURITY",
-                      "the reader's sandbox: %s: %s", what, strerror(errno));
+    return shear_fail(
+        err, SHEAR_E_IO,
+        errno == EPERM ? "what runs the service forbids it (a system-call filter, a limit of its "
+                         "own); see sheard(8), SECURITY"
+                       : "the kernel must offer seccomp; see sheard(8), SECURITY",
+        "the reader's sandbox: %s: %s", what, strerror(errno));
 }
 
 static int limit(int resource, int64_t value, const char *what, shear_error *err) {

@@ -254,7 +254,7 @@ static void *move_about(void *argument) {
 /* A directory that is carried out of the root while we are in it does not take us along. */
 static void carried_out(void **state) {
     const fixture *f = *state;
-    enum { TRIES = 1500 };
+    enum { TRIES = 800 };
     mover m = {.f = f};
     pthread_t thread;
     struct stat secret;
