@@ -46,12 +46,34 @@ struct text_table *job_table_new(void) {
     return text_table_new(columns, sizeof columns / sizeof *columns);
 }
 
+bool job_is_before_measuring(const shear_msg_job *job) {
+    const int phase = job->progress.phase;
+    return job->state == SHEAR_JOB_RUNNING && phase > SHEAR_PHASE_NONE &&
+           phase < SHEAR_PHASE_MEASURING;
+}
+
+const char *job_phase_text(const shear_msg_progress *p, char *buf, size_t size) {
+    const char *name = shear_job_phase_name(p->phase);
+    if (p->phase == SHEAR_PHASE_WAITING_MEMORY) {
+        snprintf(buf, size, "waiting for memory");
+    } else if (p->bytes_total > 0 && p->bytes_done >= 0) {
+        snprintf(buf, size, "%s, %d%% of %.1f MB", name,
+                 (int)(100.0 * bar_part((double)p->bytes_done, (double)p->bytes_total)),
+                 1e-6 * (double)p->bytes_total);
+    } else {
+        snprintf(buf, size, "%s", name);
+    }
+    return buf;
+}
+
 /* "42%"; "duplicate" and the code of a failure say more than 100 % and 0 %. */
 static void add_part(struct text_table *t, const shear_msg_job *job) {
     if (job->outcome == SHEAR_OUTCOME_DUPLICATE) {
         text_table_cell(t, STYLE_DIM, "duplicate");
     } else if (job->state == SHEAR_JOB_FAILED || job->state == SHEAR_JOB_WAITING) {
         text_table_cell(t, NULL, "%s", or_dash(job->code));
+    } else if (job_is_before_measuring(job)) {
+        text_table_cell(t, STYLE_DIM, "%s", shear_job_phase_name(job->progress.phase));
     } else if (job->progress.total >= 0 && job->state != SHEAR_JOB_QUEUED) {
         text_table_cell(
             t, NULL, "%d%%",
@@ -158,7 +180,10 @@ static void print_times(const shear_msg_job *job, bool utc, FILE *out) {
 static void print_progress(const shear_msg_job *job, FILE *out) {
     char bar[48];
     char figures[96];
-    if (job->state == SHEAR_JOB_RUNNING && job->progress.total >= 0) {
+    if (job_is_before_measuring(job)) {
+        shear_text_line(out, "progress", "%s",
+                        job_phase_text(&job->progress, figures, sizeof figures));
+    } else if (job->state == SHEAR_JOB_RUNNING && job->progress.total >= 0) {
         const double part = bar_part((double)job->progress.done, (double)job->progress.total);
         shear_text_line(
             out, "progress", "%s%s", bar_text(part, 32, bar, sizeof bar),

@@ -22,6 +22,10 @@ void job_text_print(const shear_msg_shown *shown, bool utc, FILE *out);
 /* "/data/a.fits", or "/data/gal.fits[2] + ..." of separate images. Returns buf. */
 char *job_source_text(const shear_msg_source *source, char *buf, size_t size);
 
+/* A running job that is not yet measured: what it is at is its phase, "hashing, 42% of 3.1 MB". */
+bool job_is_before_measuring(const shear_msg_job *job);
+const char *job_phase_text(const shear_msg_progress *progress, char *buf, size_t size);
+
 /* Why a job is not done, with its advice, on standard error; nothing for one that is. */
 void job_complain(const shear_msg_job *job);
 

@@ -110,6 +110,11 @@ static int print_active(const shear_msg_job_page *page, FILE *out, bool colours,
         char figures[96];
         text_table_cell(t, NULL, "%" PRId64, job->id);
         text_table_cell(t, NULL, "%s", job->field ? job->field : "-");
+        if (job_is_before_measuring(job)) {
+            text_table_cell(t, STYLE_DIM, "%s",
+                            job_phase_text(&job->progress, figures, sizeof figures));
+            continue;
+        }
         text_table_cell(
             t, NULL, "%s%s", bar_text(part, BAR_WIDTH, bar, sizeof bar),
             bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));

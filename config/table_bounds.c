@@ -69,7 +69,8 @@ const sheard_setting config_bound_rows[] = {
      .initial = "12h",
      .min = SECOND,
      .max = 30 * DAY,
-     .help = "Processor time for the whole of one file, in whole seconds (rounded up)."},
+     .help = "Processor time for the whole of one file, from its hash to its last block, in whole "
+             "seconds (rounded up)."},
     {.section = "reader",
      .key = "wall_time",
      .type = SHEARD_T_DURATION,
@@ -77,8 +78,8 @@ const sheard_setting config_bound_rows[] = {
      .initial = "10min",
      .min = 100,
      .max = DAY,
-     .help = "Time for one answer: opening the file, or one block of stamps. Network file systems "
-             "that hang "
+     .help = "Time for one answer: opening (and unpacking) the file, the next 256M at most for its "
+             "hash, or one block of stamps. Network file systems that hang "
              "for longer fail the job, which is then retried."},
     {.section = "reader",
      .key = "shared_memory",
@@ -97,7 +98,8 @@ const sheard_setting config_bound_rows[] = {
      .initial = "256G",
      .min = MiB,
      .max = 1024 * TiB,
-     .help = "Larger files are refused."},
+     .help = "Larger files are refused by their size alone, unread: when they are submitted or "
+             "dropped, and when their turn comes."},
 
     {.section = "plans",
      .key = "max_count",

@@ -7,6 +7,9 @@ static const msg_member progress_members[] = {
     MSG_INT_(shear_msg_progress, total, "total", 0, INT64_MAX, -1, MSG_NULLABLE),
     MSG_REAL_(shear_msg_progress, rate, 0, INT64_MAX),
     MSG_REAL_(shear_msg_progress, eta_s, 0, INT64_MAX),
+    MSG_NAME_(shear_msg_progress, phase, "phase", msg_phases, 0),
+    MSG_INT_(shear_msg_progress, bytes_done, "bytes_done", 0, INT64_MAX, -1, MSG_NULLABLE),
+    MSG_INT_(shear_msg_progress, bytes_total, "bytes_total", 0, INT64_MAX, -1, MSG_NULLABLE),
 };
 const msg_table msg_progress = {MSG_TABLE_(shear_msg_progress, progress_members), .check = NULL};
 

@@ -6,6 +6,8 @@ const char *const msg_states[] = {"queued", "running",   "waiting", "done",
                                   "failed", "cancelled", NULL};
 const char *const msg_classes[] = {"", "transient", "data", "bug", NULL};
 const char *const msg_outcomes[] = {"", "counted", "duplicate", NULL};
+const char *const msg_phases[] = {"",          "opening",   "hashing",   "waiting_memory",
+                                  "preparing", "measuring", "finishing", NULL};
 const char *const msg_origins[] = {"spool", "socket", NULL};
 const char *const msg_endings[] = {"",         "done",        "failed", "cancelled",
                                    "released", "interrupted", NULL};
@@ -22,6 +24,10 @@ const char *shear_job_class_name(int job_class) {
 
 const char *shear_job_outcome_name(int outcome) {
     return msg_name(msg_outcomes, outcome);
+}
+
+const char *shear_job_phase_name(int phase) {
+    return msg_name(msg_phases, phase);
 }
 
 const char *shear_job_origin_name(int origin) {

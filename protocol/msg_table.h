@@ -131,6 +131,7 @@ typedef struct msg_table {
 #define MSG_TABLE_(T, list) .size = sizeof(T), .members = (list), .n = sizeof(list) / sizeof *(list)
 
 /* The tables, and the lists of names. */
+extern const char *const msg_phases[];
 extern const char *const msg_states[], *const msg_classes[], *const msg_outcomes[],
                                                                  *const msg_origins[],
                                                                      *const msg_endings[],

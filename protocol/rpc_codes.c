@@ -87,6 +87,8 @@ static const shear_rpc_code_info table[SHEAR_N_RPC_CODES] = {
     [SHEAR_RPC_KEY_REUSED] = {"key_reused", -32035, false, NONE, "use a new key for a new request"},
     [SHEAR_RPC_BAD_CONFIG] = {"bad_config", -32036, false, NONE,
                               "correct the file; the old configuration is still in force"},
+    [SHEAR_RPC_FILE_TOO_LARGE] = {"file_too_large", -32037, false, DATA,
+                                  "split the file, or have [reader] max_file_bytes raised"},
 
     [SHEAR_RPC_IO] = {"io", -32050, true, TRANSIENT, "look at the disk that the message names"},
     [SHEAR_RPC_BAD_FILE] = {"bad_file", -32051, false, DATA,
@@ -107,6 +109,9 @@ static const shear_rpc_code_info table[SHEAR_N_RPC_CODES] = {
     [SHEAR_RPC_READER_TIMEOUT] = {"reader_timeout", -32061, false, BUG,
                                   "the file is damaged or its disk too slow; shearctl validate may "
                                   "tell more"},
+    [SHEAR_RPC_MEMORY_BUDGET] = {"memory_budget", -32063, false, DATA,
+                                 "cut smaller stamps, oversample less, or have [limits] memory "
+                                 "raised"},
     [SHEAR_RPC_READER_MEMORY] = {"reader_memory", -32062, false, BUG,
                                  "the file is damaged, or raise the reader's limit of memory"},
     [SHEAR_RPC_INTERNAL] = {"internal", -32603, false, BUG, "please report this bug"},

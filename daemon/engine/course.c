@@ -30,6 +30,7 @@ static bool wait_for_go(engine *e, job *j) {
 static void be_measured(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
     j->phase = JOB_MEASURING;
+    atomic_store(&j->stage, ENGINE_MEASURING);
     if (j->stop_asked) {
         shear_work_stop(j->work);
     }
@@ -38,6 +39,7 @@ static void be_measured(engine *e, job *j) {
         pthread_cond_wait(&e->moved, &e->lock);
     }
     j->phase = JOB_FINISHING;
+    atomic_store(&j->stage, ENGINE_FINISHING);
     pthread_mutex_unlock(&e->lock);
 }
 

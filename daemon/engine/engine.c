@@ -211,14 +211,20 @@ void engine_stop_job(engine *e, int64_t id) {
     pthread_mutex_unlock(&e->lock);
 }
 
-bool engine_progress(engine *e, int64_t id, int64_t *done, int64_t *total) {
+bool engine_get_progress(engine *e, int64_t id, engine_progress *progress) {
     pthread_mutex_lock(&e->lock);
     job *j = find(e, id);
-    const bool known = j != NULL && j->phase == JOB_MEASURING;
+    const bool known = j != NULL;
     if (known) {
+        *progress = (engine_progress){.stage = atomic_load(&j->stage),
+                                      .hashed = atomic_load(&j->hashed),
+                                      .bytes = j->bytes,
+                                      .total = -1};
+    }
+    if (known && j->phase == JOB_MEASURING) {
         const shear_work_status status = shear_work_get_status(j->work);
-        *done = status.stamps_done;
-        *total = status.stamps_total;
+        progress->done = status.stamps_done;
+        progress->total = status.stamps_total;
     }
     pthread_mutex_unlock(&e->lock);
     return known;
@@ -256,6 +262,12 @@ engine_load engine_get_load(engine *e) {
     pthread_mutex_unlock(&e->lock);
     load.plans = plans_get_statistics(e->plans);
     return load;
+}
+
+void engine_limit_readers(engine *e, const reader_limits *limits) {
+    e->options.limits = *limits;
+    e->options.limits.program = e->program;
+    e->options.limits.scratch = e->scratch;
 }
 
 void engine_limit_plans(engine *e, int64_t count, int64_t bytes) {

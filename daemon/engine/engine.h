@@ -4,8 +4,8 @@
  * A job goes through the engine like this:
  *
  *     the owner calls     what happens                                     events
- *     engine_add          a thread of the job's own hashes the file,       OPENED, or FAILED
- *                         starts a reader and has a plan made
+ *     engine_add          a thread of the job's own starts a reader,       OPENED, or FAILED
+ *                         has it hash the file, and has a plan made
  *     engine_go           the workers take turns at its blocks             RESUMED, CHECKPOINT
  *     or engine_stop_job  its own thread finishes it                       DONE, FAILED, STOPPED
  *
@@ -111,8 +111,22 @@ void engine_stop_job(engine *e, int64_t job);
 /* The next event; false where there is none. */
 bool engine_next_event(engine *e, engine_event *event);
 
+/* What a job is at. */
+enum engine_stage {
+    ENGINE_OPENING,   /* its reader starts, and opens (and unpacks) the files */
+    ENGINE_HASHING,   /* the reader reads them whole, for their hash */
+    ENGINE_PREPARING, /* its plan is made; then it waits for the owner's word */
+    ENGINE_MEASURING,
+    ENGINE_FINISHING
+};
+
+typedef struct engine_progress {
+    int stage;             /* enum engine_stage */
+    int64_t hashed, bytes; /* of the files: so far, and in all */
+    int64_t done, total;   /* stamps; total -1 where it is not MEASURING */
+} engine_progress;
 /* How far a job is; false where the engine does not know it. */
-bool engine_progress(engine *e, int64_t job, int64_t *done, int64_t *total);
+bool engine_get_progress(engine *e, int64_t job, engine_progress *progress);
 /* Add the sums of the job so far to `sums`, for a field's running average; false as above, or where
  * it has not begun. */
 bool engine_partial(engine *e, int64_t job, shear_field_sums *sums);
@@ -126,6 +140,8 @@ typedef struct engine_load {
 } engine_load;
 engine_load engine_get_load(engine *e);
 
+/* Other limits for the readers of jobs that are added from now on; the paths stay. */
+void engine_limit_readers(engine *e, const reader_limits *limits);
 /* Other bounds for the kept plans, from now on. */
 void engine_limit_plans(engine *e, int64_t count, int64_t bytes);
 

@@ -46,6 +46,23 @@ void job_files_close(job_files *f) {
     }
 }
 
+static bool is_same_file(const job_files *f, int a, int b) {
+    return f->fds[a] >= 0 && f->taken[a].st_dev == f->taken[b].st_dev &&
+           f->taken[a].st_ino == f->taken[b].st_ino;
+}
+
+int64_t job_files_bytes(const job_files *f) {
+    int64_t bytes = 0;
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        bool counted = f->fds[i] < 0;
+        for (int before = 0; before < i; before++) {
+            counted = counted || is_same_file(f, before, i);
+        }
+        bytes += counted ? 0 : f->taken[i].st_size;
+    }
+    return bytes;
+}
+
 static bool same_time(const struct timespec *a, const struct timespec *b) {
     return a->tv_sec == b->tv_sec && a->tv_nsec == b->tv_nsec;
 }

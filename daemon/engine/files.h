@@ -20,6 +20,9 @@ typedef struct job_files {
 bool job_files_take(job_files *f, const shear_input *input, const int *fds);
 void job_files_close(job_files *f);
 
+/* Bytes of all of them, each file once. */
+int64_t job_files_bytes(const job_files *f);
+
 /* ENGINE_E_CHANGED where one of the files is not what it was when it was taken: its size or the
  * time of its last change (of content, mode, names). Seen on the descriptors that are read from, so
  * that a name that leads elsewhere by now does not matter. */

@@ -25,6 +25,7 @@ job *job_new(const engine_job *spec, engine *e) {
                    .limits = options->limits,
                    .workers = options->workers,
                    .files = files,
+                   .bytes = job_files_bytes(&files),
                    .started_s = engine_now_s()};
         pthread_mutex_init(&j->saving, NULL);
         j->limits.stop = &j->stopping;
@@ -81,9 +82,11 @@ static int open_file(job *j, engine_event *event, shear_error *err) {
     int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
     if (code == SHEAR_OK) {
         event->info = *reader_get_info(j->reader);
-        code = shear_input_checksum(&j->files.input, j->files.fds, &event->info, j->checksum, err);
+        atomic_store(&j->stage, ENGINE_HASHING);
+        code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
         memcpy(event->checksum, j->checksum, sizeof event->checksum);
     }
+    atomic_store(&j->stage, ENGINE_PREPARING);
     if (code == SHEAR_OK) {
         j->size = shear_turn_size_for(&event->info, j->workers);
         code = reader_map(j->reader, j->workers, j->size.stamps, err);
@@ -109,6 +112,7 @@ static int kind_of(const job *j, shear_error *err) {
 
 void job_prepare(job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
+    atomic_store(&j->stage, ENGINE_OPENING);
     if (open_file(j, event, &event->error) != SHEAR_OK) {
         event->kind = kind_of(j, &event->error);
     }

@@ -29,6 +29,9 @@ typedef struct job {
     int phase; /* enum job_phase */
     bool go, stop_asked;
     atomic_bool stopping; /* stop_asked, for the reader, which does not know the lock */
+    atomic_int stage;     /* enum engine_stage, for who looks on */
+    atomic_llong hashed;  /* bytes of the files */
+    int64_t bytes;        /* of the files, in all */
     int64_t served;       /* stamps measured, for fairness */
     int holders;          /* workers inside this job's turns */
     int reading;          /* of those, the ones that read, or are about to */

@@ -12,16 +12,24 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 typedef struct child {
     shear_input input;
     int fds[SHEAR_N_PARTS]; /* -1: none */
     shear_field *field;
+    shear_hashing *hashing;
     char *memory; /* PSF area, then slots */
     size_t memory_bytes;
     reader_request map; /* the sizes that the daemon chose */
 } child;
+
+static int64_t now_ms(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
 
 static int do_open(child *c, reader_reply *reply, shear_error *err) {
     if (c->field != NULL) {
@@ -56,6 +64,29 @@ static int do_stamps(child *c, const reader_request *r, reader_reply *reply, she
     return code;
 }
 
+/* The content's hash, for so long or so far: what asks may want to stop, and to show how far it is.
+ */
+static int do_hash(child *c, reader_reply *reply, shear_error *err) {
+    enum { STEP = 1 << 20, STEPS = 256, SLICE_MS = 250 };
+    const int64_t end_ms = now_ms() + SLICE_MS;
+    bool done = false;
+    int code = c->hashing != NULL ? SHEAR_OK
+                                  : shear_hashing_new(&c->hashing, &c->input, c->fds,
+                                                      shear_field_get_info(c->field), err);
+    for (int i = 0; code == SHEAR_OK && !done && i < STEPS && (i == 0 || now_ms() < end_ms); i++) {
+        code = shear_hashing_step(c->hashing, STEP, &done, err);
+    }
+    if (code == SHEAR_OK) {
+        reply->hashed = shear_hashing_bytes(c->hashing);
+    }
+    if (done) {
+        shear_hashing_text(c->hashing, reply->checksum);
+        shear_hashing_free(c->hashing);
+        c->hashing = NULL;
+    }
+    return code;
+}
+
 static int answer(child *c, const reader_request *r, reader_reply *reply) {
     shear_error *err = &reply->error;
     switch (r->op) {
@@ -67,6 +98,8 @@ static int answer(child *c, const reader_request *r, reader_reply *reply) {
         return shear_field_read_psf(c->field, r->first, (double *)(void *)c->memory, err);
     case READER_STAMPS:
         return do_stamps(c, r, reply, err);
+    case READER_HASH:
+        return do_hash(c, reply, err);
     default:
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader knows no request %u", r->op);
     }

@@ -61,7 +61,14 @@ static int reap(reader *r, bool kill_now, char *end, size_t size) {
     }
     if (got == 0) {
         kill(r->pid, SIGKILL);
-        got = waitpid(r->pid, &status, 0);
+    }
+    /* Not for ever: what sleeps in a dead file server cannot be killed, and must hold up nobody. It
+     * is left to the system. */
+    for (int i = 0; i < 200 && got == 0; i++) {
+        got = waitpid(r->pid, &status, WNOHANG);
+        if (got == 0) {
+            nanosleep(&pause, NULL);
+        }
     }
     r->pid = 0;
     if (got > 0) {
@@ -123,7 +130,7 @@ static bool is_stopping(const reader *r) {
 
 /* SHEAR_OK when there is something to receive; or READER_E_HUNG, READER_E_STOPPED. */
 static int wait_for_answer(const reader *r) {
-    enum { LOOK_MS = 200, GRACE_MS = 1000 };
+    enum { LOOK_MS = 100, GRACE_MS = 700 };
     struct pollfd p = {.fd = r->socket, .events = POLLIN};
     int64_t end_ms = now_ms() + r->timeout_ms;
     bool stopping = false;
@@ -297,6 +304,38 @@ void reader_stop(reader *r) {
 
 const shear_field_info *reader_get_info(const reader *r) {
     return &r->info;
+}
+
+static bool is_checksum(const char text[SHEAR_CHECKSUM_SIZE]) {
+    return strnlen(text, SHEAR_CHECKSUM_SIZE) == SHEAR_CHECKSUM_SIZE - 1 &&
+           strspn(text, "0123456789abcdef") == SHEAR_CHECKSUM_SIZE - 1;
+}
+
+int reader_checksum(reader *r, char out[SHEAR_CHECKSUM_SIZE], atomic_llong *hashed,
+                    shear_error *err) {
+    static const char what[] = "read the whole file";
+    const reader_request request = {.version = READER_WIRE_VERSION, .op = READER_HASH};
+    reader_reply reply = {.hashed = 0};
+    for (int64_t before = 0;; before = reply.hashed) {
+        const int code = ask(r, &request, what, &reply, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        const bool done = reply.checksum[0] != '\0';
+        if (done ? !is_checksum(reply.checksum) : reply.hashed <= before) {
+            return give_up(r, READER_E_PROTOCOL, what, err);
+        }
+        if (hashed != NULL) {
+            atomic_store(hashed, reply.hashed);
+        }
+        if (done) {
+            memcpy(out, reply.checksum, SHEAR_CHECKSUM_SIZE);
+            return SHEAR_OK;
+        }
+        if (is_stopping(r)) {
+            return give_up(r, READER_E_STOPPED, what, err);
+        }
+    }
 }
 
 /* Size the memory, and seal the size: a child that shrank it would crash the daemon. */

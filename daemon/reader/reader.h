@@ -22,7 +22,7 @@ enum reader_code {
     READER_E_HUNG = 101,     /* no answer in time */
     READER_E_PROTOCOL = 102, /* an answer that makes no sense */
     READER_E_MEMORY = 103,   /* the file needs more memory than its reader may have */
-    READER_E_STOPPED = 104   /* no answer yet when the caller was to stop */
+    READER_E_STOPPED = 104   /* not done yet when the caller was to stop */
 };
 
 typedef struct reader_limits {
@@ -33,8 +33,8 @@ typedef struct reader_limits {
     int64_t unpacked_bytes; /* largest unpacked .gz */
     int64_t shared_bytes;   /* largest shared memory */
     int timeout_ms;         /* of one answer */
-    /* Where this becomes true (in any thread), an answer is waited for one more second at most.
-     * May be NULL. */
+    /* Where this becomes true (in any thread), the call under way returns within a second. May be
+     * NULL. */
     const atomic_bool *stop;
 } reader_limits;
 
@@ -49,6 +49,12 @@ int reader_start(reader **r, const shear_input *input, const int *fds, const rea
 void reader_stop(reader *r);
 
 const shear_field_info *reader_get_info(const reader *r);
+
+/* The content's hash (shear_input_checksum), which the child reads; in slices, so that it may take
+ * as long as it has to, and be stopped. *hashed, where not NULL: bytes so far, for others to watch.
+ */
+int reader_checksum(reader *r, char out[SHEAR_CHECKSUM_SIZE], atomic_llong *hashed,
+                    shear_error *err);
 
 /* Share memory for `slots` blocks of at most `capacity` pairs. Once, before the calls below. */
 int reader_map(reader *r, int slots, int capacity, shear_error *err);

@@ -25,13 +25,14 @@ enum {
     READER_ARGS_PARTS = READER_ARG_FIRST_NAME + 3 * SHEAR_N_PARTS
 };
 
-enum { READER_WIRE_VERSION = 1 };
+enum { READER_WIRE_VERSION = 2 };
 
 enum reader_op {
     READER_OPEN = 1, /* -> info */
     READER_MAP,      /* slots, capacity, slot_bytes: the shared memory has been sized for them */
     READER_PSF,      /* image `first` into the PSF area */
-    READER_STAMPS    /* pairs [first, first+count) into slot */
+    READER_STAMPS,   /* pairs [first, first+count) into slot */
+    READER_HASH      /* some more of the content -> hashed; the checksum when all is */
 };
 
 typedef struct reader_request {
@@ -45,10 +46,12 @@ typedef struct reader_request {
 typedef struct reader_reply {
     uint32_t version;
     uint32_t op;
-    int32_t code;          /* enum shear_code */
-    int32_t n_psf;         /* READER_STAMPS: images in the slot */
-    shear_error error;     /* where code is not 0 */
-    shear_field_info info; /* READER_OPEN */
+    int32_t code;                       /* enum shear_code */
+    int32_t n_psf;                      /* READER_STAMPS: images in the slot */
+    int64_t hashed;                     /* READER_HASH: bytes so far */
+    char checksum[SHEAR_CHECKSUM_SIZE]; /* READER_HASH: of all; "": there is more to read */
+    shear_error error;                  /* where code is not 0 */
+    shear_field_info info;              /* READER_OPEN */
 } reader_reply;
 
 #endif

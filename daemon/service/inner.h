@@ -174,6 +174,8 @@ int rpc_from_access(shear_rpc_error *error, int code, const shear_error *err);
 /* present.c: records of the store as messages. Texts are borrowed from the record. */
 void present_job(service *s, const store_job *job, shear_msg_job *out);
 void present_job_free(shear_msg_job *out);
+/* What a job that runs now is at; false, and nothing is changed, where it does not. */
+bool present_running(service *s, int64_t id, int64_t started_ms, shear_msg_progress *p);
 /* Add the rows of a field that have no contribution yet, but running jobs. */
 int present_begun(service *s, const char *name, store_field_page *page, shear_error *err);
 int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err);
@@ -242,5 +244,6 @@ int reload_access(const sheard_config *c, access_list **admins, access_list **su
                   access_roots **roots, shear_error *err);
 server_limits reload_server_limits(const sheard_config *c);
 spool_tuning reload_spool_tuning(const sheard_config *c);
+reader_limits reload_reader_limits(const sheard_config *c); /* but its paths */
 
 #endif

@@ -9,16 +9,49 @@
 #include <stdlib.h>
 #include <string.h>
 
+static int phase_of(const engine_progress *at) {
+    switch (at->stage) {
+    case ENGINE_OPENING:
+        return SHEAR_PHASE_OPENING;
+    case ENGINE_HASHING:
+        return SHEAR_PHASE_HASHING;
+    case ENGINE_PREPARING:
+        return SHEAR_PHASE_PREPARING;
+    case ENGINE_MEASURING:
+        return SHEAR_PHASE_MEASURING;
+    default:
+        return SHEAR_PHASE_FINISHING;
+    }
+}
+
+bool present_running(service *s, int64_t id, int64_t started_ms, shear_msg_progress *p) {
+    engine_progress at;
+    if (!engine_get_progress(s->engine, id, &at)) {
+        return false;
+    }
+    p->phase = phase_of(&at);
+    if (at.stage == ENGINE_HASHING) {
+        p->bytes_done = at.hashed;
+        p->bytes_total = at.bytes;
+    }
+    if (at.total >= 0) {
+        const double seconds = 1e-3 * (double)(wall_ms() - started_ms);
+        p->done = at.done;
+        p->total = at.total;
+        p->rate = seconds > 0.0 ? (double)p->done / seconds : NAN;
+        p->eta_s = p->rate > 0.0 ? (double)(p->total - p->done) / p->rate : NAN;
+    }
+    return true;
+}
+
 static void present_progress(service *s, const store_job *job, shear_msg_progress *p) {
-    *p = (shear_msg_progress){.total = job->n_stamps, .rate = NAN, .eta_s = NAN};
+    *p = (shear_msg_progress){
+        .total = job->n_stamps, .rate = NAN, .eta_s = NAN, .bytes_done = -1, .bytes_total = -1};
     if (job->state == STORE_DONE) {
         p->done = job->n_stamps;
         p->rate = job->elapsed_us > 0 ? 1e6 * (double)job->n_stamps / (double)job->elapsed_us : NAN;
-    } else if (job->state == STORE_RUNNING &&
-               engine_progress(s->engine, job->id, &p->done, &p->total)) {
-        const double seconds = 1e-3 * (double)(wall_ms() - job->started_ms);
-        p->rate = seconds > 0.0 ? (double)p->done / seconds : NAN;
-        p->eta_s = p->rate > 0.0 ? (double)(p->total - p->done) / p->rate : NAN;
+    } else if (job->state == STORE_RUNNING) {
+        present_running(s, job->id, job->started_ms, p);
     }
 }
 

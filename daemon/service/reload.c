@@ -27,6 +27,14 @@ server_limits reload_server_limits(const sheard_config *c) {
     return limits;
 }
 
+reader_limits reload_reader_limits(const sheard_config *c) {
+    return (reader_limits){.memory_bytes = c->reader.memory_bytes,
+                           .cpu_seconds = (c->reader.cpu_time_ms + 999) / 1000,
+                           .unpacked_bytes = c->reader.max_file_bytes,
+                           .shared_bytes = c->reader.shared_memory_bytes,
+                           .timeout_ms = (int)c->reader.wall_time_ms};
+}
+
 spool_tuning reload_spool_tuning(const sheard_config *c) {
     return (spool_tuning){
         .settle_ms = c->spool.settle_time_ms,
@@ -41,6 +49,8 @@ static void apply(service *s) {
     const server_limits limits = reload_server_limits(c);
     server_set_limits(s->server, &limits);
     server_set_defaults(s->server, &c->measure);
+    const reader_limits readers = reload_reader_limits(c);
+    engine_limit_readers(s->engine, &readers);
     engine_limit_plans(s->engine, c->plans.max_count, c->plans.max_bytes);
     log_set_level(c->daemon.log_level);
     if (s->spool != NULL) {

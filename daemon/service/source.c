@@ -3,7 +3,20 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+int source_check_size(const service *s, int fd, const char *name, shear_error *err) {
+    const int64_t most = s->config.reader.max_file_bytes;
+    struct stat st;
+    if (fd < 0 || fstat(fd, &st) != 0 || st.st_size <= most) {
+        return SHEAR_OK;
+    }
+    return shear_fail(err, SOURCE_E_TOO_LARGE,
+                      "split the file, or have [reader] max_file_bytes raised",
+                      "%.300s: has %lld bytes, and [reader] max_file_bytes allows %lld", name,
+                      (long long)st.st_size, (long long)most);
+}
 
 static int open_part(const service *s, const access_peer *peer, const shear_msg_image *wanted,
                      source_files *files, int i, shear_error *err) {
@@ -15,7 +28,7 @@ static int open_part(const service *s, const access_peer *peer, const shear_msg_
     const int code =
         access_open(s->roots, peer, wanted->path, &files->fds[i], &files->paths[i], err);
     *named[i] = (shear_msg_image){files->paths[i], wanted->hdu, wanted->extname};
-    return code;
+    return code == SHEAR_OK ? source_check_size(s, files->fds[i], files->paths[i], err) : code;
 }
 
 int source_files_open(const service *s, const access_peer *peer, const shear_msg_source *source,
@@ -28,7 +41,7 @@ int source_files_open(const service *s, const access_peer *peer, const shear_msg
     if (source->path != NULL) {
         code = access_open(s->roots, peer, source->path, &files->fds[0], &files->paths[0], err);
         files->named.path = files->paths[0];
-        return code;
+        return code == SHEAR_OK ? source_check_size(s, files->fds[0], files->paths[0], err) : code;
     }
     for (int i = 0; i < SHEAR_N_PARTS && code == SHEAR_OK; i++) {
         *part = i;
@@ -85,9 +98,14 @@ static int open_spooled(service *s, const char *spooled, source_opened *o, shear
         o->job_class = STORE_TRANSIENT;
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a name");
     }
-    const int code = spool_open_file(s->spool, spooled, &o->files.fds[0], err);
+    int code = spool_open_file(s->spool, spooled, &o->files.fds[0], err);
+    if (code == SHEAR_OK) {
+        code = source_check_size(s, o->files.fds[0], o->files.paths[0], err);
+    }
     if (code == SPOOL_GONE) {
         o->name = shear_rpc_code_get(SHEAR_RPC_FILE_VANISHED)->name;
+    } else if (code == SOURCE_E_TOO_LARGE) {
+        o->name = shear_rpc_code_get(SHEAR_RPC_FILE_TOO_LARGE)->name;
     }
     o->job_class = code == SPOOL_GONE || code == SHEAR_E_IO ? STORE_TRANSIENT : STORE_DATA;
     return code;

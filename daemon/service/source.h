@@ -11,8 +11,16 @@ typedef struct source_files {
     shear_msg_source named;     /* the source by those paths; its other texts are borrowed */
 } source_files;
 
-/* Open a client's files beneath the data roots, by the peer's rights. Errors of access_open; *part
- * is then which one failed (-1: the field file). Deinit it either way. */
+enum source_code {
+    SOURCE_E_TOO_LARGE = 140 /* a file is larger than [reader] max_file_bytes */
+};
+
+/* SHEAR_OK or SOURCE_E_TOO_LARGE, by the size alone: not a byte is read. fd < 0: none. */
+int source_check_size(const service *s, int fd, const char *name, shear_error *err);
+
+/* Open a client's files beneath the data roots, by the peer's rights, and look at their sizes.
+ * Errors of access_open and SOURCE_E_TOO_LARGE; *part is then which one failed (-1: the field
+ * file). Deinit it either way. */
 int source_files_open(const service *s, const access_peer *peer, const shear_msg_source *source,
                       source_files *files, int *part, shear_error *err);
 /* Closes what is open. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files of the watch folder: taken as jobs with their key, ended when their jobs are. */
 #include "service/inner.h"
+#include "service/source.h"
 
 #include <errno.h>
 #include <search.h>
@@ -194,6 +195,18 @@ static void submit_job_file(service *s, const spool_file *file, submission *sub)
     free(text);
 }
 
+/* A file that cannot be opened becomes a job, which tells why. */
+static bool is_too_large(service *s, const spool_file *file, shear_error *err) {
+    int fd = -1;
+    shear_error ignored;
+    if (spool_open_file(s->spool, file->active_name, &fd, &ignored) != SHEAR_OK) {
+        return false;
+    }
+    const int code = source_check_size(s, fd, file->name, err);
+    close(fd);
+    return code != SHEAR_OK;
+}
+
 static void found(void *context, const spool_file *file) {
     service *s = context;
     char path[4400];
@@ -208,6 +221,12 @@ static void found(void *context, const spool_file *file) {
         } else {
             spool_refuse(s->spool, file->active_name, &err);
         }
+        return;
+    }
+    if (!file->again && is_too_large(s, file, &err)) {
+        shear_rpc_error error;
+        rpc_from_access(&error, err.code, &err);
+        reject(s, file, &error);
         return;
     }
     sub.peer.uid = file->owner;

@@ -78,16 +78,13 @@ static int open_engine(service *s, shear_error *err) {
     if (code != SHEAR_OK) {
         return code;
     }
+    reader_limits limits = reload_reader_limits(c);
+    limits.program = program;
+    limits.scratch = scratch;
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     const engine_options options = {.workers = c->daemon.workers > 0 ? (int)c->daemon.workers
                                                                      : (int)(cores > 0 ? cores : 1),
-                                    .limits = {.program = program,
-                                               .scratch = scratch,
-                                               .memory_bytes = c->reader.memory_bytes,
-                                               .cpu_seconds = (c->reader.cpu_time_ms + 999) / 1000,
-                                               .unpacked_bytes = c->reader.max_file_bytes,
-                                               .shared_bytes = c->reader.shared_memory_bytes,
-                                               .timeout_ms = (int)c->reader.wall_time_ms},
+                                    .limits = limits,
                                     .checkpoint_ms = CHECKPOINT_MS,
                                     .plans_count = c->plans.max_count,
                                     .plans_bytes = c->plans.max_bytes,

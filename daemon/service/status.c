@@ -3,6 +3,7 @@
 #include "service/inner.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -234,13 +235,13 @@ void status_tick(service *s) {
     s->stamps_at[s->ticks % RATE_SLOTS] = engine_get_load(s->engine).stamps_total;
     s->jobs_at[s->ticks % RATE_SLOTS] = s->jobs_ended;
     for (const active_job *j = s->active; j != NULL; j = j->next) {
-        shear_notice_params params = {.job_progress = {.id = j->id}};
-        shear_msg_progress *p = &params.job_progress.progress;
+        shear_notice_params params = {
+            .job_progress = {
+                .id = j->id,
+                .progress = {
+                    .total = -1, .rate = NAN, .eta_s = NAN, .bytes_done = -1, .bytes_total = -1}}};
         if (server_is_watched(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field) &&
-            engine_progress(s->engine, j->id, &p->done, &p->total)) {
-            const double seconds = 1e-3 * (double)(wall_ms() - j->started_ms);
-            p->rate = seconds > 0.0 ? (double)p->done / seconds : 0.0;
-            p->eta_s = p->rate > 0.0 ? (double)(p->total - p->done) / p->rate : 0.0;
+            present_running(s, j->id, j->started_ms, &params.job_progress.progress)) {
             server_publish(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field, &params);
         }
     }

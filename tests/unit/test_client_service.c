@@ -178,7 +178,8 @@ static void news_of_jobs(void **state) {
     follow_note_progress(e, 2, 77, &half); /* not ours */
     assert_int_equal(e[1].state, SHEAR_JOB_RUNNING);
     assert_int_equal(e[1].progress.done, 5);
-    const shear_msg_job done = {.id = 2, .state = SHEAR_JOB_DONE, .progress = {10, 10, 1.0, 0.0}};
+    const shear_msg_job done = {
+        .id = 2, .state = SHEAR_JOB_DONE, .progress = {.done = 10, .total = 10, .rate = 1.0}};
     follow_note_job(e, 2, &done);
     follow_note_progress(e, 2, 2, &half); /* late news */
     assert_int_equal(e[1].state, SHEAR_JOB_DONE);

@@ -316,6 +316,60 @@ static void checksums(void **state) {
     free(bytes);
 }
 
+/* In steps of any size the sum is that of the whole, and each step reads about as much as it may.
+ */
+static void checksums_in_steps(void **state) {
+    (void)state;
+    enum { SIZE = (1 << 20) + 1 };
+    static const int64_t steps[] = {1, 1 << 17, (1 << 17) + 1, 1 << 20, SIZE, INT64_MAX};
+    char whole[SHEAR_CHECKSUM_SIZE];
+    char sum[SHEAR_CHECKSUM_SIZE];
+    const char *path = fixture_path("steps");
+    char *bytes = malloc(SIZE);
+    memset(bytes, 'a', SIZE);
+    shear_bytes_checksum(bytes, SIZE, whole);
+    fixture_save(path, bytes, SIZE);
+    const shear_input input = shear_input_of_file(path);
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        shear_hashing *h = NULL;
+        int n = 0;
+        assert_int_equal(shear_hashing_new(&h, &input, NULL, NULL, NULL), SHEAR_OK);
+        for (bool done = false; !done; n++) {
+            const int64_t before = shear_hashing_bytes(h);
+            assert_int_equal(shear_hashing_step(h, steps[i], &done, NULL), SHEAR_OK);
+            assert_true(shear_hashing_bytes(h) > before || done);
+            assert_true(steps[i] >= SIZE ||
+                        shear_hashing_bytes(h) - before <= steps[i] + (1 << 17));
+        }
+        assert_true(n >= 2 || steps[i] >= SIZE);
+        assert_int_equal(shear_hashing_bytes(h), SIZE);
+        shear_hashing_text(h, sum);
+        assert_string_equal(sum, whole);
+        shear_hashing_free(h);
+    }
+    free(bytes);
+}
+
+/* A file that is written as fast as it is read would be read for ever. */
+static void checksum_of_what_grows(void **state) {
+    (void)state;
+    shear_hashing *h = NULL;
+    shear_error err = {0};
+    bool done = false;
+    const char *path = fixture_path("grows");
+    fixture_save(path, "some", 4);
+    const shear_input input = shear_input_of_file(path);
+    const int fd = open(path, O_WRONLY | O_APPEND);
+    assert_int_equal(shear_hashing_new(&h, &input, NULL, NULL, &err), SHEAR_OK);
+    assert_int_equal(shear_hashing_step(h, 1, &done, &err), SHEAR_OK);
+    assert_false(done);
+    assert_int_equal(write(fd, "more", 4), 4);
+    assert_int_equal(shear_hashing_step(h, 1, &done, &err), SHEAR_E_IO);
+    assert_non_null(strstr(err.message, "grows"));
+    shear_hashing_free(h);
+    close(fd);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_no_file),
@@ -327,6 +381,8 @@ int main(void) {
         cmocka_unit_test(many_threads),
         cmocka_unit_test(permissions),
         cmocka_unit_test(checksums),
+        cmocka_unit_test(checksums_in_steps),
+        cmocka_unit_test(checksum_of_what_grows),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

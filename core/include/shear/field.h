@@ -117,6 +117,16 @@ int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], s
  * above. */
 int shear_input_checksum(const shear_input *input, const int *fds, const shear_field_info *info,
                          char out[SHEAR_CHECKSUM_SIZE], shear_error *err);
+/* The same in steps, for a caller who wants to look up between them: at most about `bytes` more in
+ * each, until *done; then the text. `input` and `fds` are borrowed and must live as long. A file
+ * that grows while it is read is SHEAR_E_IO. */
+typedef struct shear_hashing shear_hashing;
+int shear_hashing_new(shear_hashing **h, const shear_input *input, const int *fds,
+                      const shear_field_info *info, shear_error *err);
+void shear_hashing_free(shear_hashing *h); /* NULL is accepted */
+int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error *err);
+int64_t shear_hashing_bytes(const shear_hashing *h); /* read so far */
+void shear_hashing_text(const shear_hashing *h, char out[SHEAR_CHECKSUM_SIZE]);
 /* Content hash of bytes in memory. */
 void shear_bytes_checksum(const void *bytes, size_t n, char out[SHEAR_CHECKSUM_SIZE]);
 

@@ -55,6 +55,17 @@ enum shear_job_class {
     SHEAR_CLASS_DATA = 2,
     SHEAR_CLASS_BUG = 3
 };
+/* What a running job is at. */
+enum shear_job_phase {
+    SHEAR_PHASE_NONE,
+    SHEAR_PHASE_OPENING,
+    SHEAR_PHASE_HASHING,
+    SHEAR_PHASE_WAITING_MEMORY,
+    SHEAR_PHASE_PREPARING,
+    SHEAR_PHASE_MEASURING,
+    SHEAR_PHASE_FINISHING
+};
+
 enum shear_job_outcome {
     SHEAR_OUTCOME_NONE = 0,
     SHEAR_OUTCOME_COUNTED = 1,
@@ -76,6 +87,7 @@ enum shear_shutdown_mode { SHEAR_SHUTDOWN_DRAIN = 0, SHEAR_SHUTDOWN_NOW };
 const char *shear_job_state_name(int state);
 const char *shear_job_class_name(int job_class);
 const char *shear_job_outcome_name(int outcome);
+const char *shear_job_phase_name(int phase);
 const char *shear_job_origin_name(int origin);
 const char *shear_job_ending_name(int ending);
 const char *shear_server_state_name(int state);
@@ -185,6 +197,8 @@ typedef struct shear_msg_progress {
     int64_t done, total; /* stamps; total -1: not known yet */
     double rate;         /* stamps per second */
     double eta_s;
+    int phase;                       /* enum shear_job_phase, of a running job */
+    int64_t bytes_done, bytes_total; /* of its files, while they are hashed; else -1 */
 } shear_msg_progress;
 
 typedef struct shear_msg_job {

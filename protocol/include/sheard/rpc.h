@@ -59,6 +59,7 @@ enum shear_rpc_code {
     SHEAR_RPC_WRONG_STATE,
     SHEAR_RPC_KEY_REUSED,
     SHEAR_RPC_BAD_CONFIG,
+    SHEAR_RPC_FILE_TOO_LARGE,
     /* why a job failed: also libshear's own names (shear_code_name) */
     SHEAR_RPC_IO,
     SHEAR_RPC_BAD_FILE,
@@ -72,6 +73,7 @@ enum shear_rpc_code {
     SHEAR_RPC_READER_CRASHED,
     SHEAR_RPC_READER_TIMEOUT,
     SHEAR_RPC_READER_MEMORY,
+    SHEAR_RPC_MEMORY_BUDGET,
     SHEAR_RPC_INTERNAL,
     /* seen by clients only */
     SHEAR_RPC_BAD_REPLY,
