@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 
 enum { EXIT_USAGE = 2, EXIT_CONFIG = 3 };
+enum { LAST_LINES_MS = 500 }; /* what the log's reader has for the last lines */
 enum { OPT_CONFIG = 256, OPT_SET, OPT_CHECK, OPT_PRINT, OPT_VERSION, OPT_HELP };
 
 static const struct option own[] = {
@@ -85,10 +86,13 @@ static int serve(sheard_config *config, const command_line *line) {
         if (err.advice[0] != '\0') {
             log_error("advice: %s", err.advice);
         }
+        log_drain(LAST_LINES_MS);
         return 1;
     }
     const int code = service_run(s);
     service_close(s);
+    log_flush();
+    log_drain(LAST_LINES_MS);
     return code;
 }
 

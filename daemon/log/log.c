@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "log/log.h"
 
+#include "log/outlet.h"
 #include "log/repeats.h"
 
 #include <errno.h>
@@ -16,12 +17,14 @@
 
 enum { MESSAGE_SIZE = 2048, LINE_SIZE = 4 * MESSAGE_SIZE + 64 };
 
-/* `lock` is held while `messages` is looked at and while a line is written, so that a count stands
- * behind the lines that it is about. `options` and `journal` change only in log_open. */
+/* `lock` is held while `messages` is looked at and while a line is handed over, so that a count
+ * stands behind the lines that it is about. `options` and `journal` change only in log_open. */
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static repeats messages;
 static log_options options = {.fd = STDERR_FILENO, .burst = 5, .interval_ms = 30000};
 static bool journal;
+static log_losses losses;
+static int64_t untold; /* of losses.lines: no line says so yet */
 static atomic_int level_on = LOG_LEVEL_INFO;
 
 void log_options_init(log_options *o) {
@@ -55,6 +58,9 @@ void log_open(const log_options *o) {
     options = *o;
     journal = o->style == LOG_JOURNAL || (o->style == LOG_AUTO && is_journal(o->fd));
     messages = (repeats){0};
+    losses = (log_losses){0};
+    untold = 0;
+    outlet_open(o->fd);
     pthread_mutex_unlock(&lock);
     log_set_level(o->level);
 }
@@ -132,24 +138,35 @@ static size_t begin_line(char *line, size_t size, int level, int64_t ms) {
     return (size_t)snprintf(line, size, "%s.%03dZ %s: ", date, (int)(ms % 1000), names[level]);
 }
 
-/* A line that the system takes only a part of is not split among others: the lock is held. */
-static void write_all(const char *bytes, size_t n) {
-    while (n > 0) {
-        const ssize_t written = write(options.fd, bytes, n);
-        if (written < 0 && errno != EINTR) {
-            return;
-        }
-        bytes += written > 0 ? written : 0;
-        n -= written > 0 ? (size_t)written : 0;
-    }
-}
-
-static void write_message(int level, const char *text, int64_t ms) {
+static bool hand_over(int level, const char *text, int64_t ms) {
     char line[LINE_SIZE];
     size_t n = begin_line(line, 64, level, ms);
     n += escape(line + n, text);
     line[n++] = '\n';
-    write_all(line, n);
+    return outlet_put(line, n);
+}
+
+/* What was lost is told where it is missing, once half of the buffer is free: not between any two
+ * lines. */
+static void tell_losses(int64_t ms) {
+    char text[128];
+    if (untold == 0 || outlet_waiting() > OUTLET_BYTES / 2) {
+        return;
+    }
+    snprintf(text, sizeof text, "%lld lines of the log were lost here: nobody read it",
+             (long long)untold);
+    if (hand_over(LOG_LEVEL_WARNING, text, ms)) {
+        untold = 0;
+    }
+}
+
+static void write_message(int level, const char *text, int64_t ms) {
+    tell_losses(ms);
+    if (untold > 0 || !hand_over(level, text, ms)) {
+        losses.since_ms = losses.lines == 0 ? ms : losses.since_ms;
+        losses.lines++;
+        untold++;
+    }
 }
 
 static void write_counts(int64_t interval_ms, int64_t ms) {
@@ -175,7 +192,20 @@ static void log_text(int level, const char *text) {
 void log_flush(void) {
     pthread_mutex_lock(&lock);
     write_counts(0, now_ms());
+    tell_losses(now_ms());
     pthread_mutex_unlock(&lock);
+}
+
+bool log_drain(int timeout_ms) {
+    return outlet_drain(timeout_ms);
+}
+
+log_losses log_get_losses(void) {
+    pthread_mutex_lock(&lock);
+    log_losses got = losses;
+    pthread_mutex_unlock(&lock);
+    got.waiting_bytes = (int64_t)outlet_waiting();
+    return got;
 }
 
 /* errno is the caller's: it may log before it looks. */

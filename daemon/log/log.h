@@ -7,8 +7,10 @@
  * whatever a client named its file. A message that comes again and again is written a few times and
  * then counted; the count follows at last.
  *
- * Any thread may log. A line is one write(2). Errors of writing are not reported: there is nowhere
- * to.
+ * Any thread may log, and none waits for who reads the log (log/outlet.h): what a pipe, a terminal
+ * or the journal's socket does not take is kept, 256 KiB of it; lines beyond are lost and counted,
+ * and a line says how many there were once it is read again. Errors of writing are not reported:
+ * there is nowhere to.
  */
 #ifndef SHEARD_LOG_H
 #define SHEARD_LOG_H
@@ -44,6 +46,16 @@ void log_set_level(int level);
 bool log_is_on(int level);
 /* Write the counts of messages that were left out. Now and then, and at the end. */
 void log_flush(void);
+/* Wait until everything is written. False: it was not in this time; at the end of the process it is
+ * lost. */
+bool log_drain(int timeout_ms);
+
+typedef struct log_losses {
+    int64_t lines;         /* that were lost since log_open */
+    int64_t since_ms;      /* the first of them, milliseconds since 1970; 0: none */
+    int64_t waiting_bytes; /* not yet taken by who reads the log */
+} log_losses;
+log_losses log_get_losses(void);
 
 void log_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));

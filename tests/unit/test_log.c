@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +23,7 @@ static int64_t now(void) {
 /* What has been written since the last call. */
 static const char *written(void) {
     static char text[1 << 16];
+    assert_true(log_drain(60000));
     const ssize_t n = read(ends[0], text, sizeof text - 1);
     text[n > 0 ? n : 0] = '\0';
     return text;
@@ -31,7 +33,8 @@ static int setup(void **state) {
     (void)state;
     log_options o;
     log_options_init(&o);
-    assert_int_equal(pipe2(ends, O_NONBLOCK), 0);
+    assert_int_equal(pipe(ends), 0);
+    assert_int_equal(fcntl(ends[0], F_SETFL, O_NONBLOCK), 0);
     o.fd = ends[1];
     o.style = LOG_JOURNAL;
     o.now_ms = now;
@@ -216,12 +219,88 @@ static void test_threads(void **state) {
     }
 }
 
+/* Nobody reads the pipe: who logs goes on; then all that was kept comes, whole and in order, and a
+ * line where some are missing says how many. */
+static void test_a_pipe_that_nobody_reads(void **state) {
+    (void)state;
+    enum { LINES = 20000, TAIL = 3 };
+    static char text[1 << 20];
+    for (int i = 0; i < LINES; i++) {
+        log_info("line %06d %032d", i, 0);
+    }
+    const log_losses losses = log_get_losses();
+    assert_true(losses.lines > 0 && losses.lines < LINES);
+    assert_true(losses.waiting_bytes > 0);
+    assert_int_equal(losses.since_ms, clock_ms);
+    assert_false(log_drain(10));
+    size_t n = 0;
+    int told = 0;
+    for (int spins = 0; told < 1 || log_get_losses().waiting_bytes > 0; spins++) {
+        const ssize_t got = read(ends[0], text + n, sizeof text - 1 - n);
+        n += got > 0 ? (size_t)got : 0;
+        text[n] = '\0';
+        log_flush();
+        told = strstr(text, "lost here") != NULL;
+        assert_true(spins < 60000);
+        if (got <= 0) {
+            usleep(1000);
+        }
+    }
+    for (int i = 0; i < TAIL; i++) {
+        log_info("line %06d %032d", LINES + i, 0);
+    }
+    assert_true(log_drain(60000));
+    ssize_t got = 0;
+    while ((got = read(ends[0], text + n, sizeof text - 1 - n)) > 0) {
+        n += (size_t)got;
+    }
+    text[n] = '\0';
+    long long next = 0;
+    for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) {
+        long long number = 0;
+        if (sscanf(line, "<6>line %lld", &number) == 1) {
+            assert_int_equal(number, next);
+            assert_int_equal(strlen(line), 3 + 12 + 32);
+            next++;
+        } else {
+            assert_int_equal(sscanf(line, "<4>%lld lines of the log were lost", &number), 1);
+            next += number;
+        }
+    }
+    assert_int_equal(next, LINES + TAIL);
+    assert_int_equal(log_get_losses().lines, losses.lines);
+}
+
+/* Its reader is gone for good. */
+static void test_a_pipe_whose_reader_is_gone(void **state) {
+    (void)state;
+    signal(SIGPIPE, SIG_IGN);
+    close(ends[0]);
+    for (int i = 0; i < 20000; i++) {
+        log_info("line %d of a pipe that leads nowhere", i);
+    }
+    assert_true(log_drain(60000));
+    ends[0] = open("/dev/null", O_RDONLY);
+}
+
+/* Flags of an open file are everybody's who shares it. */
+static void test_flags_stay(void **state) {
+    (void)state;
+    const int before = fcntl(ends[1], F_GETFL);
+    reopen(LOG_JOURNAL);
+    log_info("x");
+    assert_string_equal(written(), "<6>x\n");
+    assert_int_equal(fcntl(ends[1], F_GETFL), before);
+}
+
 static void test_errno_is_kept(void **state) {
     (void)state;
+    log_drain(60000);
     errno = ENOSPC;
     close(ends[1]);
     log_error("nowhere to go");
     assert_int_equal(errno, ENOSPC);
+    log_drain(60000);
     ends[1] = dup(ends[0]);
 }
 
@@ -237,6 +316,9 @@ int main(void) {
         TEST(test_flush_and_a_clock_set_back),
         TEST(test_more_than_there_is_room_for),
         TEST(test_threads),
+        TEST(test_a_pipe_that_nobody_reads),
+        TEST(test_a_pipe_whose_reader_is_gone),
+        TEST(test_flags_stay),
         TEST(test_errno_is_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "log/outlet.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { CHUNK = 4096 };
+
+/* All under `lock`. The writing thread holds it only while it copies. */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static pthread_cond_t filled = PTHREAD_COND_INITIALIZER, emptied = PTHREAD_COND_INITIALIZER;
+static char ring[OUTLET_BYTES];
+static size_t first, count; /* the bytes that wait: ring[(first + i) % OUTLET_BYTES], i < count */
+static int target = STDERR_FILENO;
+static bool through_thread, has_thread;
+
+/* Errors are not reported, there is nowhere to; the bytes are gone. A descriptor that somebody else
+ * has made non-blocking is waited for. */
+static void write_all(int fd, const char *bytes, size_t n) {
+    while (n > 0) {
+        const ssize_t written = write(fd, bytes, n);
+        if (written < 0 && errno == EAGAIN) {
+            poll(&(struct pollfd){.fd = fd, .events = POLLOUT}, 1, -1);
+        } else if (written < 0 && errno != EINTR) {
+            return;
+        }
+        bytes += written > 0 ? written : 0;
+        n -= written > 0 ? (size_t)written : 0;
+    }
+}
+
+static void *serve(void *nothing) {
+    char chunk[CHUNK];
+    pthread_mutex_lock(&lock);
+    for (;;) {
+        while (count == 0) {
+            pthread_cond_wait(&filled, &lock);
+        }
+        const size_t to_end = OUTLET_BYTES - first;
+        const size_t at_most = count < to_end ? count : to_end;
+        const size_t n = at_most < CHUNK ? at_most : CHUNK;
+        const int fd = target;
+        memcpy(chunk, ring + first, n);
+        pthread_mutex_unlock(&lock);
+        write_all(fd, chunk, n);
+        pthread_mutex_lock(&lock);
+        first = (first + n) % OUTLET_BYTES;
+        count -= n;
+        pthread_cond_broadcast(&emptied);
+    }
+    return nothing;
+}
+
+/* Signals are the other threads'. */
+static bool start_thread(void) {
+    pthread_t thread;
+    sigset_t all;
+    sigset_t before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const bool started = pthread_create(&thread, NULL, serve, NULL) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (started) {
+        pthread_detach(thread);
+    }
+    return started;
+}
+
+void outlet_open(int fd) {
+    struct stat st;
+    pthread_mutex_lock(&lock);
+    target = fd;
+    through_thread = fstat(fd, &st) != 0 || !S_ISREG(st.st_mode);
+    if (through_thread && !has_thread) {
+        has_thread = through_thread = start_thread();
+    }
+    pthread_mutex_unlock(&lock);
+}
+
+static void append(const char *bytes, size_t n) {
+    const size_t at = (first + count) % OUTLET_BYTES;
+    const size_t to_end = OUTLET_BYTES - at;
+    const size_t head = n < to_end ? n : to_end;
+    memcpy(ring + at, bytes, head);
+    memcpy(ring, bytes + head, n - head);
+    count += n;
+}
+
+bool outlet_put(const char *bytes, size_t n) {
+    bool taken = true;
+    pthread_mutex_lock(&lock);
+    if (!through_thread) {
+        write_all(target, bytes, n);
+    } else if (n <= OUTLET_BYTES - count) {
+        append(bytes, n);
+        pthread_cond_signal(&filled);
+    } else {
+        taken = false;
+    }
+    pthread_mutex_unlock(&lock);
+    return taken;
+}
+
+bool outlet_drain(int timeout_ms) {
+    struct timespec end;
+    int rc = 0;
+    pthread_mutex_lock(&lock);
+    clock_gettime(CLOCK_MONOTONIC, &end);
+    end.tv_sec += timeout_ms / 1000;
+    end.tv_nsec += (timeout_ms % 1000) * 1000000L;
+    end.tv_sec += end.tv_nsec / 1000000000L;
+    end.tv_nsec %= 1000000000L;
+    while (count > 0 && rc == 0) {
+        rc = pthread_cond_clockwait(&emptied, &lock, CLOCK_MONOTONIC, &end);
+    }
+    const bool empty = count == 0;
+    pthread_mutex_unlock(&lock);
+    return empty;
+}
+
+size_t outlet_waiting(void) {
+    pthread_mutex_lock(&lock);
+    const size_t n = count;
+    pthread_mutex_unlock(&lock);
+    return n;
+}
