@@ -57,8 +57,8 @@ static const char *const contradictions[][2] = {
      "a job runs without an open attempt, or the other way round"},
     {"SELECT job FROM checkpoints JOIN jobs ON id = job WHERE state IN (3, 5)",
      "a checkpoint is left of a job that is over"},
-    {"SELECT id FROM fields f WHERE (jobs, n_stamps, n_used) IS NOT (SELECT count(*),"
-     " sum(n_stamps), sum(n_used) FROM contributions WHERE field = f.id)",
+    {"SELECT id FROM fields f WHERE (jobs, n_stamps, n_used, elapsed_us) IS NOT (SELECT count(*),"
+     " sum(n_stamps), sum(n_used), sum(elapsed_us) FROM contributions WHERE field = f.id)",
      "a field's numbers are not its contributions'"},
     {"SELECT 1 FROM totals WHERE counted <> (SELECT count(*) FROM contributions)"
      " OR submitted <> retired + (SELECT count(*) FROM jobs)"

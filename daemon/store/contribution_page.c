@@ -9,6 +9,7 @@
 void store_contribution_page_deinit(store_contribution_page *page) {
     for (size_t i = 0; i < page->n; i++) {
         free(page->items[i].content);
+        free(page->items[i].account);
     }
     free(page->items);
     *page = (store_contribution_page){0};
@@ -37,6 +38,7 @@ static void read_contribution(query *q, store_contribution *c) {
     c->n_stamps = query_get_int(q);
     c->n_used = query_get_int(q);
     c->counted_ms = query_get_int(q);
+    c->account = query_get_text(q);
 }
 
 static int read_page(query *q, size_t limit, store_contribution_page *page, shear_error *err) {
@@ -74,6 +76,44 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     code = read_page(&q, limit, page, err);
     if (code != SHEAR_OK) {
         store_contribution_page_deinit(page);
+    }
+    return code;
+}
+
+/* The first or last truth of a field's contributions; *none: that one has none. */
+static int end_of_truths(store *s, enum sql which, int64_t field, double g[2], bool *none,
+                         shear_error *err) {
+    bool row = false;
+    bool null = true;
+    query q = query_on(s, which);
+    query_int(&q, field);
+    const int code = query_step(&q, &row, err);
+    *none = true;
+    if (row) {
+        g[0] = query_get_real(&q, &null);
+        g[1] = query_get_real(&q, none);
+        *none = *none || null;
+    }
+    query_end(&q);
+    return code;
+}
+
+int store_field_truth(store *s, const char *name, const char *settings_digest, store_truth *truth,
+                      shear_error *err) {
+    int64_t field = 0;
+    double least[2] = {0.0};
+    double greatest[2] = {0.0};
+    bool none = true;
+    *truth = (store_truth){0};
+    int code = field_find(s, name, settings_digest, &field, err);
+    if (code == SHEAR_OK) {
+        code = end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, least, &none, err);
+    }
+    if (code == SHEAR_OK && !none) {
+        code = end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, greatest, &none, err);
+    }
+    if (code == SHEAR_OK && !none && least[0] == greatest[0] && least[1] == greatest[1]) {
+        *truth = (store_truth){true, least[0], least[1]};
     }
     return code;
 }

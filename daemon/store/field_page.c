@@ -32,6 +32,7 @@ static int read_field(query *q, store_field *f, shear_error *err) {
     f->n_used = query_get_int(q);
     f->unfinished = query_get_int(q);
     f->updated_ms = query_get_int(q);
+    f->elapsed_us = query_get_int(q);
     int code = query_got(q, err);
     if (code == SHEAR_OK) {
         code = sums_unpack(packed, &f->sums, err);

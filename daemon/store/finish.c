@@ -117,7 +117,7 @@ static int join_field(store *s, int64_t field, const char *field_packed, const j
 }
 
 static int add_contribution(store *s, const job_brief *b, int64_t field, const job_sums *j,
-                            int64_t now_ms, shear_error *err) {
+                            const store_work *w, shear_error *err) {
     query q = query_on(s, SQL_CONTRIBUTION_ADD);
     query_int(&q, field);
     query_int(&q, b->id);
@@ -125,22 +125,26 @@ static int add_contribution(store *s, const job_brief *b, int64_t field, const j
     query_text(&q, j->packed);
     query_int(&q, j->n_stamps);
     query_int(&q, j->n_used);
-    query_int(&q, now_ms);
+    query_int(&q, w->now_ms);
+    query_int(&q, w->elapsed_us);
+    query_text(&q, w->account);
+    query_real(&q, w->true_g1, !w->has_truth);
+    query_real(&q, w->true_g2, !w->has_truth);
     return query_run(&q, err);
 }
 
-static int count(store *s, const job_brief *b, const job_sums *j, int64_t now_ms,
+static int count(store *s, const job_brief *b, const job_sums *j, const store_work *w,
                  shear_error *err) {
     int64_t field = 0;
     char *packed = NULL;
     int code = find_field(s, b, &field, &packed, err);
     if (code == SHEAR_OK && field == 0) {
-        code = add_field(s, b, j, now_ms, &field, err);
+        code = add_field(s, b, j, w->now_ms, &field, err);
     } else if (code == SHEAR_OK) {
-        code = join_field(s, field, packed, j, now_ms, err);
+        code = join_field(s, field, packed, j, w->now_ms, err);
     }
     if (code == SHEAR_OK) {
-        code = add_contribution(s, b, field, j, now_ms, err);
+        code = add_contribution(s, b, field, j, w, err);
     }
     if (code == SHEAR_OK && j->terms != NULL) {
         code = terms_count(s, j->terms, j->terms_size, err);
@@ -182,7 +186,7 @@ static int finish_done(store *s, const job_brief *b, const store_work *w, const 
                               b->id);
         }
         m = (identity_match){0, j->n_stamps, j->n_used};
-        code = count(s, b, j, w->now_ms, err);
+        code = count(s, b, j, w, err);
     }
     if (code == SHEAR_OK) {
         code = job_close_attempt(s, b->id, STORE_END_DONE, w->now_ms, NULL, err);
@@ -214,7 +218,10 @@ static int finish(store *s, int64_t id, const store_work *w, const job_sums *j, 
 }
 
 static int check_work(const store_work *w, shear_error *err) {
-    const int code = query_check_text("result", w->result, STORE_RESULT_MAX, true, err);
+    int code = query_check_text("result", w->result, STORE_RESULT_MAX, true, err);
+    if (code == SHEAR_OK) {
+        code = query_check_text("account", w->account, STORE_ACCOUNT_MAX, true, err);
+    }
     return code == SHEAR_OK
                ? query_check_text("catalogue's path", w->catalogue, STORE_PATH_MAX, true, err)
                : code;

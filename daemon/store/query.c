@@ -19,6 +19,14 @@ void query_int(query *q, int64_t value) {
     }
 }
 
+void query_real(query *q, double value, bool null) {
+    if (q->rc == SQLITE_OK) {
+        q->bound++;
+        q->rc = null ? sqlite3_bind_null(q->stmt, q->bound)
+                     : sqlite3_bind_double(q->stmt, q->bound, value);
+    }
+}
+
 void query_text(query *q, const char *text) {
     if (q->rc == SQLITE_OK) { /* a NULL text binds as null */
         q->rc = sqlite3_bind_text(q->stmt, ++q->bound, text, -1, SQLITE_STATIC);
@@ -54,6 +62,12 @@ int query_step(query *q, bool *row, shear_error *err) {
 
 int64_t query_get_int(query *q) {
     return sqlite3_column_int64(q->stmt, q->column++);
+}
+
+double query_get_real(query *q, bool *null) {
+    const int column = q->column++;
+    *null = sqlite3_column_type(q->stmt, column) == SQLITE_NULL;
+    return sqlite3_column_double(q->stmt, column);
 }
 
 const unsigned char *query_get_blob(query *q, size_t *size) {

@@ -25,11 +25,13 @@ typedef struct query {
 
 query query_on(store *s, enum sql which);
 void query_int(query *q, int64_t value);
+void query_real(query *q, double value, bool null);
 void query_text(query *q, const char *text); /* must live until query_end; NULL: null */
 void query_blob(query *q, const unsigned char *bytes, size_t size); /* likewise; never null */
 /* *row: there is one (more). On an error it is false. */
 int query_step(query *q, bool *row, shear_error *err);
 int64_t query_get_int(query *q);
+double query_get_real(query *q, bool *null);
 /* Lives until the next step. */
 const unsigned char *query_get_blob(query *q, size_t *size);
 /* A copy, the caller's; NULL where the column is null, or memory is out (then query_got tells). */

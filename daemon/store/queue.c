@@ -2,6 +2,10 @@
 /* Which job runs next, and how a running one stops without a result. */
 #include "job.h"
 #include "operation.h"
+#include "query.h"
+
+#include <stdio.h>
+#include <stdlib.h>
 
 static int first_queued(store *s, int64_t *id, shear_error *err) {
     bool row = false;
@@ -58,6 +62,45 @@ int store_next_due(store *s, int64_t *due_ms, shear_error *err) {
     const int code = query_step(&q, &row, err);
     *due_ms = row ? query_get_int(&q) : INT64_MAX;
     query_end(&q);
+    return code;
+}
+
+static int set_clock(store *s, const store_clock *c, shear_error *err) {
+    query q = query_on(s, SQL_WAITING_SHIFT);
+    query_int(&q, c->delta_ms);
+    query_int(&q, c->latest_ms);
+    const int code = query_run(&q, err);
+    return code == SHEAR_OK ? query_run_id(s, SQL_FINISHED_CLAMP, c->now_ms, err) : code;
+}
+
+int store_set_clock(store *s, const store_clock *clock, shear_error *err) {
+    const int code = operation_begin(s, err);
+    return code == SHEAR_OK ? operation_end(s, set_clock(s, clock, err), err) : code;
+}
+
+static void copy_text(char *to, size_t size, query *q) {
+    char *text = query_get_text(q);
+    snprintf(to, size, "%s", text != NULL ? text : "");
+    free(text);
+}
+
+int store_waiting_reasons(store *s, store_waiting *reasons, size_t room, size_t *n,
+                          shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_WAITING_REASONS);
+    query_int(&q, (int64_t)room);
+    int code = query_step(&q, &row, err);
+    for (*n = 0; row && *n < room; (*n)++) {
+        store_waiting *w = &reasons[*n];
+        copy_text(w->code, sizeof w->code, &q);
+        w->jobs = query_get_int(&q);
+        w->attempts = query_get_int(&q);
+        w->next_ms = query_get_int(&q);
+        copy_text(w->message, sizeof w->message, &q);
+        code = query_step(&q, &row, err);
+    }
+    query_end(&q);
+    *n = code == SHEAR_OK ? *n : 0;
     return code;
 }
 

@@ -213,7 +213,36 @@ static const char *const version_3[] = {
     ") STRICT",
     NULL};
 
-const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3};
+static const char *const version_4[] = {
+    /* What was counted, for the field's report: `account` is a text of the caller's. Jobs of before
+     * have left their result, as long as they are kept: what can be had from it is taken. */
+    "ALTER TABLE contributions ADD COLUMN account TEXT",
+    "ALTER TABLE contributions ADD COLUMN elapsed_us INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE contributions ADD COLUMN true_g1 REAL", /* null: not known */
+    "ALTER TABLE contributions ADD COLUMN true_g2 REAL",
+    "ALTER TABLE fields ADD COLUMN elapsed_us INTEGER NOT NULL DEFAULT 0",
+    "UPDATE contributions SET (account, elapsed_us, true_g1, true_g2) ="
+    " (SELECT json_extract(result, '$.files[0]'), elapsed_us,"
+    "  json_extract(result, '$.truth.g1'), json_extract(result, '$.truth.g2')"
+    "  FROM jobs WHERE id = contributions.job)"
+    " WHERE EXISTS (SELECT 1 FROM jobs WHERE id = contributions.job AND json_valid(result))",
+    "UPDATE fields SET elapsed_us = (SELECT coalesce(sum(elapsed_us), 0) FROM contributions"
+    "  INDEXED BY contributions_order WHERE field = fields.id)",
+    /* Its ends tell whether all truths of a field are the same. */
+    "CREATE INDEX contributions_truth ON contributions(field, true_g1, true_g2)",
+    "CREATE TRIGGER contribution_added AFTER INSERT ON contributions BEGIN"
+    " UPDATE fields SET elapsed_us = elapsed_us + NEW.elapsed_us WHERE id = NEW.field;"
+    " END",
+    "CREATE TRIGGER contribution_left AFTER DELETE ON contributions BEGIN"
+    " UPDATE fields SET elapsed_us = elapsed_us - OLD.elapsed_us WHERE id = OLD.field;"
+    " END",
+
+    /* Why jobs wait: looked at often, while there may be very many of them. */
+    "CREATE INDEX jobs_waiting_reason ON jobs(code, not_before_ms, attempts, state) WHERE state = "
+    "2",
+    NULL};
+
+const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3, version_4};
 
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err) {

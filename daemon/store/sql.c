@@ -8,7 +8,7 @@
     "SELECT f.name, f.settings, t.text, f.sums, f.jobs, f.n_stamps, f.n_used,"                     \
     " (SELECT count(*) FROM jobs INDEXED BY jobs_pending"                                          \
     "   WHERE field = f.name AND settings = f.settings AND state < 3),"                            \
-    " f.updated_ms FROM fields f CROSS JOIN settings t ON t.digest = f.settings"
+    " f.updated_ms, f.elapsed_us FROM fields f CROSS JOIN settings t ON t.digest = f.settings"
 
 const char *const sql_texts[SQL_N] = {
     [SQL_BEGIN] = "BEGIN IMMEDIATE",
@@ -39,6 +39,17 @@ const char *const sql_texts[SQL_N] = {
                   " started_ms = ?2 WHERE id = ?1",
     [SQL_DUE] = "SELECT not_before_ms FROM jobs INDEXED BY jobs_waiting WHERE state = 2"
                 " ORDER BY not_before_ms LIMIT 1",
+    [SQL_WAITING_SHIFT] = "UPDATE jobs INDEXED BY jobs_waiting"
+                          " SET not_before_ms = max(1, min(not_before_ms + ?1, ?2))"
+                          " WHERE state = 2",
+    [SQL_FINISHED_CLAMP] = "UPDATE jobs SET finished_ms = ?1 WHERE id IN"
+                           " (SELECT id FROM jobs INDEXED BY jobs_finished"
+                           "  WHERE state >= 3 AND finished_ms > ?1)",
+    [SQL_WAITING_REASONS] =
+        "SELECT coalesce(w.code, ''), count(*), max(w.attempts), min(w.not_before_ms),"
+        " (SELECT message FROM jobs INDEXED BY jobs_waiting_reason"
+        "   WHERE state = 2 AND code IS w.code ORDER BY not_before_ms LIMIT 1)"
+        " FROM jobs w INDEXED BY jobs_waiting_reason WHERE w.state = 2 GROUP BY w.code LIMIT ?1",
     [SQL_RUNNING] = "SELECT id FROM jobs INDEXED BY jobs_state WHERE state = 1 LIMIT 1",
     [SQL_REQUEUE] = "UPDATE jobs SET state = 0, interrupted = interrupted + ?2 WHERE id = ?1",
     [SQL_ATTEMPT_OPEN] = "INSERT INTO attempts(job, number, started_ms)"
@@ -90,7 +101,8 @@ const char *const sql_texts[SQL_N] = {
         " updated_ms = max(updated_ms, ?5), jobs = jobs + 1 WHERE id = ?1",
     [SQL_CONTRIBUTION_ADD] =
         "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
-        " counted_ms) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)",
+        " counted_ms, elapsed_us, account, true_g1, true_g2)"
+        " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
 
     [SQL_TERMS_ADD] =
         "INSERT INTO contribution_terms(contribution, part, bytes) VALUES (?1, ?2, ?3)",
@@ -123,7 +135,14 @@ const char *const sql_texts[SQL_N] = {
                           " WHERE field = ?1 AND state < 3",
     [SQL_FIELDS] = FIELD_RECORD " WHERE (f.name, f.settings) > (?1, ?2)"
                                 " ORDER BY f.name, f.settings LIMIT ?3",
-    [SQL_CONTRIBUTIONS] = "SELECT id, job, content, n_stamps, n_used, counted_ms"
+    /* A null, no truth, sorts first. */
+    [SQL_FIELD_LEAST_TRUTH] =
+        "SELECT true_g1, true_g2 FROM contributions INDEXED BY contributions_truth"
+        " WHERE field = ?1 ORDER BY true_g1, true_g2 LIMIT 1",
+    [SQL_FIELD_GREATEST_TRUTH] =
+        "SELECT true_g1, true_g2 FROM contributions INDEXED BY contributions_truth"
+        " WHERE field = ?1 ORDER BY true_g1 DESC, true_g2 DESC LIMIT 1",
+    [SQL_CONTRIBUTIONS] = "SELECT id, job, content, n_stamps, n_used, counted_ms, account"
                           " FROM contributions INDEXED BY contributions_order"
                           " WHERE field = ?1 AND id > ?2 ORDER BY id LIMIT ?3",
     [SQL_COUNTS] = "SELECT state, n FROM counts",

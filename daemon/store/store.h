@@ -66,7 +66,8 @@ enum {
     STORE_GROUPS_MAX = 1 << 20,
     STORE_SETTINGS_MAX = 65536,
     STORE_RESULT_MAX = 262144,
-    STORE_PATH_MAX = 4096, /* catalogue */
+    STORE_ACCOUNT_MAX = 65536, /* of a contribution */
+    STORE_PATH_MAX = 4096,     /* catalogue */
     STORE_CODE_MAX = 64,
     STORE_MESSAGE_MAX = 1024,
     STORE_ADVICE_MAX = 1024,
@@ -236,6 +237,26 @@ int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err);
 /* When the first waiting job wants to run; INT64_MAX: none waits. */
 int store_next_due(store *s, int64_t *due_ms, shear_error *err);
 
+/* Why jobs wait: those with the same code together. */
+typedef struct store_waiting {
+    char code[STORE_CODE_MAX + 1];
+    char message[STORE_MESSAGE_MAX + 1]; /* of the one that is tried next */
+    int64_t jobs;
+    int64_t attempts; /* of the one with the most */
+    int64_t next_ms;  /* when the first is tried again */
+} store_waiting;
+/* At most `room` of them; *n how many. */
+int store_waiting_reasons(store *s, store_waiting *reasons, size_t room, size_t *n,
+                          shear_error *err);
+
+/* The caller's clock was set (or was found to be another one at a start): waiting jobs are moved by
+ * delta_ms, so that they wait as long as they were to, and none beyond latest_ms; what is said to
+ * have finished after now_ms finished now. */
+typedef struct store_clock {
+    int64_t delta_ms, latest_ms, now_ms;
+} store_clock;
+int store_set_clock(store *s, const store_clock *clock, shear_error *err);
+
 typedef struct store_learned {
     const char *field;   /* NULL: leave as it is */
     const char *content; /* checksum; NULL: leave as it is */
@@ -276,6 +297,10 @@ typedef struct store_work {
     const char *catalogue; /* path; may be NULL */
     int64_t elapsed_us;
     int64_t now_ms;
+    const char *account; /* of the file, kept with the contribution when the job is gone; a text of
+                            the caller's; may be NULL */
+    bool has_truth;      /* a mock's: the shear that it was made with */
+    double true_g1, true_g2;
     const unsigned char *terms; /* of all its stamps where estimator = pdf-sym, as bytes; or NULL */
     size_t terms_size;
 } store_work;
@@ -366,6 +391,7 @@ typedef struct store_field {
     int64_t unfinished; /* jobs known to be of this field and these settings: above 0, the result is
                            partial */
     int64_t updated_ms; /* the last contribution */
+    int64_t elapsed_us; /* sum over its contributions */
 } store_field;
 typedef struct store_field_page {
     store_field *fields; /* by name (bytes), then by settings digest */
@@ -395,6 +421,7 @@ typedef struct store_contribution {
     char *content; /* never NULL */
     int64_t n_stamps, n_used;
     int64_t counted_ms;
+    char *account; /* as given to store_finish; NULL: not known */
 } store_contribution;
 typedef struct store_contribution_page {
     store_contribution *items; /* by id */
@@ -407,6 +434,14 @@ void store_contribution_page_deinit(store_contribution_page *page);
  * of the page before, or 0. STORE_NOT_FOUND where there is no such field. */
 int store_contributions(store *s, const char *name, const char *settings_digest, int64_t after,
                         size_t limit, store_contribution_page *page, shear_error *err);
+
+typedef struct store_truth {
+    bool known; /* all contributions have the same one */
+    double g1, g2;
+} store_truth;
+/* In a time that does not depend on how many there are. STORE_NOT_FOUND as above. */
+int store_field_truth(store *s, const char *name, const char *settings_digest, store_truth *truth,
+                      shear_error *err);
 
 /* Add the terms of everything that was counted in a field with these settings, in the order of
  * counting. STORE_NOT_FOUND as above; no terms is no error. */

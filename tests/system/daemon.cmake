@@ -15,7 +15,18 @@ set(counts "")
 if(SHEAR_SANITIZE)
   set(counts ";SHEARD_CRASHES=4;SHEARD_FAULTS=1;SHEARD_MUTANTS=80;SHEARD_CLIENTS=100;SHEARD_MALFORMED=200;SHEARD_JOBS=200")
 endif()
-foreach(name basic crash faults hostile disk access sources symmetry memory reader)
+set(names # one a line: whoever adds one does not get into another's way
+  access
+  basic
+  crash
+  disk
+  faults
+  hostile
+  memory
+  reader
+  sources
+  symmetry)
+foreach(name ${names})
   add_test(NAME system_daemon_${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_daemon_${name}.py)
   set_tests_properties(system_daemon_${name} PROPERTIES

@@ -121,7 +121,16 @@ static int act_checkpoint(store *s, shear_error *err) {
 
 static int finish(store *s, int64_t id, shear_error *err) {
     store_finished end;
-    const store_work work = {sums_2, "{}", "/out/c.csv", 5, 2000, terms, sizeof terms};
+    const store_work work = {.sums = sums_2,
+                             .result = "{}",
+                             .catalogue = "/out/c.csv",
+                             .elapsed_us = 5,
+                             .now_ms = 2000,
+                             .account = "{}",
+                             .has_truth = true,
+                             .true_g1 = 0.1,
+                             .terms = terms,
+                             .terms_size = sizeof terms};
     const int code = store_finish(s, id, &work, &end, err);
     assert_true((end.state == STORE_DONE) == (code == SHEAR_OK));
     return code;

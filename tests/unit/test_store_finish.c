@@ -8,7 +8,11 @@
 static store_finished finish(fixture *f, int64_t id, const char *sums) {
     shear_error err = {0};
     store_finished end;
-    const store_work work = {sums, "{\"g1\":0.01}", "/out/a.csv", 1500, fx_now(f), NULL, 0};
+    const store_work work = {.sums = sums,
+                             .result = "{\"g1\":0.01}",
+                             .catalogue = "/out/a.csv",
+                             .elapsed_us = 1500,
+                             .now_ms = fx_now(f)};
     FX_OK(store_finish(f->s, id, &work, &end, &err));
     return end;
 }

@@ -121,7 +121,7 @@ static void do_finish(pair *p) {
     const int content = job->content > 0 ? job->content : 0;
     const int64_t now = fx_now(&p->f);
     const store_work work = {
-        given ? p->sums[content][job->settings] : NULL, NULL, NULL, 7, now, NULL, 0};
+        .sums = given ? p->sums[content][job->settings] : NULL, .elapsed_us = 7, .now_ms = now};
     FX_CODE(model_finish(p->m, id, given, now, &end[0]),
             store_finish(p->f.s, id, &work, &end[1], &err));
     assert_memory_equal(&end[0], &end[1], sizeof end[0]);

@@ -15,7 +15,8 @@ static const char *const small[] = {"SCAN counts",
                                     "SCAN jobs USING COVERING INDEX jobs_queue",
                                     "SCAN jobs USING INDEX jobs_waiting",
                                     "SCAN jobs USING COVERING INDEX jobs_waiting",
-                                    "SCAN jobs USING COVERING INDEX jobs_pending"};
+                                    "SCAN jobs USING COVERING INDEX jobs_pending",
+                                    "SCAN w USING COVERING INDEX jobs_waiting_reason"};
 
 static bool is_small(const char *step) {
     for (size_t i = 0; i < sizeof small / sizeof small[0]; i++) {
