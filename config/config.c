@@ -5,11 +5,36 @@
 #include "table.h"
 #include "value.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/* "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin, where there is one. */
+static bool find_beneath_prefix(char *path, size_t size) {
+    static const char name[] = "/etc/sheard/sheard.conf";
+    const ssize_t n = readlink("/proc/self/exe", path, size - 1);
+    if (n <= 0) {
+        return false;
+    }
+    path[n] = '\0';
+    for (int level = 0; level < 2; level++) {
+        char *slash = strrchr(path, '/');
+        if (slash == NULL) {
+            return false;
+        }
+        *slash = '\0';
+    }
+    if (strlen(path) + sizeof name > size) {
+        return false;
+    }
+    strcat(path, name);
+    return access(path, F_OK) == 0;
+}
 
 const char *sheard_config_default_path(void) {
-    return SHEARD_CONFIG_FILE;
+    static char beneath[PATH_MAX];
+    return find_beneath_prefix(beneath, sizeof beneath) ? beneath : SHEARD_CONFIG_FILE;
 }
 
 /* Put the value into its member in place of what is there. */

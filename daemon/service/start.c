@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How the service is put together, and taken apart. */
+#include "reader/find.h"
 #include "service/inner.h"
 
 #include <errno.h>
@@ -53,28 +54,13 @@ static int open_store(service *s, shear_error *err) {
     return code;
 }
 
-/* sheard-reader: beside this program, or where it is installed. */
-static void find_reader(char *out, size_t size) {
-    char self[3800] = "";
-    const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-    char *slash = n > 0 ? strrchr(self, '/') : NULL;
-    if (slash != NULL) {
-        *slash = '\0';
-        snprintf(out, size, "%s/sheard-reader", self);
-        if (access(out, X_OK) == 0) {
-            return;
-        }
-    }
-    snprintf(out, size, "%s", SHEARD_READER_PATH);
-}
-
 static int open_engine(service *s, shear_error *err) {
     const sheard_config *c = &s->config;
-    char program[4000];
+    char program[4200];
     char scratch[4200];
-    find_reader(program, sizeof program);
     snprintf(scratch, sizeof scratch, "%s/scratch", c->daemon.state_dir);
-    const int code = make_directory(scratch, 0700, err);
+    int code = reader_find(program, sizeof program, err);
+    code = code == SHEAR_OK ? make_directory(scratch, 0700, err) : code;
     if (code != SHEAR_OK) {
         return code;
     }

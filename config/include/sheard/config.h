@@ -180,7 +180,9 @@ int sheard_problems_error(const sheard_problems *problems, shear_error *err);
 
 /* ---- reading ---- */
 
-/* Where the configuration is looked for when nobody says otherwise; it need not exist there. */
+/* Where the configuration is looked for when nobody says otherwise: etc/sheard/sheard.conf beside
+ * the directory of the running program, where there is one, else /etc/sheard/sheard.conf (the
+ * build's SHEARD_CONFIG_DIR), which need not exist. Not for several threads at once. */
 const char *sheard_config_default_path(void);
 
 /* Defaults + the file (path NULL = the default path) + assignments ("section.key=value", may be

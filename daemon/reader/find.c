@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reader/find.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* READER_FROM_DAEMON: from the installed daemon's directory to the installed reader. */
+static const char *const places[] = {"sheard-reader", READER_FROM_DAEMON};
+enum { N_PLACES = sizeof places / sizeof places[0] };
+
+/* The directory of the running program. */
+static int own_directory(char *out, size_t size, shear_error *err) {
+    const ssize_t n = readlink("/proc/self/exe", out, size);
+    if (n <= 0 || (size_t)n >= size) {
+        return shear_fail(err, SHEAR_E_IO, "mount /proc, which sheard needs",
+                          "/proc/self/exe cannot be read: %s",
+                          strerror(n < 0 ? errno : ENAMETOOLONG));
+    }
+    out[n] = '\0';
+    *strrchr(out, '/') = '\0';
+    return SHEAR_OK;
+}
+
+int reader_find(char *path, size_t size, shear_error *err) {
+    char directory[PATH_MAX];
+    const int code = own_directory(directory, sizeof directory, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    for (int i = 0; i < N_PLACES; i++) {
+        const int n = snprintf(path, size, "%s/%s", directory, places[i]);
+        if (n > 0 && (size_t)n < size && access(path, X_OK) == 0) {
+            return SHEAR_OK;
+        }
+    }
+    return shear_fail(
+        err, SHEAR_E_IO, "install sheard again: no file can be read without this program",
+        "sheard-reader is neither in %s nor at %s/%s", directory, directory, READER_FROM_DAEMON);
+}
