@@ -125,6 +125,7 @@ class Daemon:
         if preload is not None:
             self.env["LD_PRELOAD"] = preload
         self.process, self.starts, self.program = None, 0, SHEARD
+        self.prefix = []  # what runs the program, where something does
         os.makedirs(self.data, exist_ok=True)
         self.write_config()
 
@@ -149,7 +150,7 @@ class Daemon:
         assert not self.alive()
         self.starts += 1
         with open(self.log, "ab") as log:
-            self.process = subprocess.Popen([self.program, "--config", self.config], env=self.env,
+            self.process = subprocess.Popen([*self.prefix, self.program, "--config", self.config], env=self.env,
                                             stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         return self
 

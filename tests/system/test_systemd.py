@@ -11,6 +11,8 @@ import subprocess
 import tempfile
 import unittest
 
+from unit_filter import allowed, entries, text_of
+
 SERVICE = os.environ["SHEARD_SERVICE"]
 SYSTEMD = os.environ["SHEARD_SYSTEMD"]
 SAMPLE = os.environ["SHEARD_SAMPLE"]
@@ -21,23 +23,8 @@ def needs(program):
     return unittest.skipUnless(shutil.which(program), f"{program} is not installed (Debian package systemd)")
 
 
-def text_of(path):
-    with open(path, encoding="utf-8") as file:
-        return file.read()
-
-
 def companion(name):
     return os.path.join(SYSTEMD, name)
-
-
-def entries(text):
-    """{key: [values in order]} of a unit file; sections do not matter, no key of ours is in two."""
-    found = {}
-    for line in text.splitlines():
-        match = re.fullmatch(r"(\w+)=(.*)", line)
-        if match:
-            found.setdefault(match[1], []).append(match[2])
-    return found
 
 
 def seconds(text):
@@ -79,7 +66,7 @@ class Analyzed(unittest.TestCase):
     def complaints(self, service):
         """What systemd-analyze says about our own files; its exit code is 0 for unknown keys."""
         paths = [self.put("sheard.service", runnable(service)),
-                 self.put("sheard.socket", text_of(companion("sheard.socket")))]
+                 *(self.put(name, text_of(companion(name))) for name in ("sheard.socket", "sheard.path"))]
         process = subprocess.run(["systemd-analyze", "verify", "--man=no", *paths], capture_output=True, text=True,
                                  check=False)
         lines = [line for line in process.stderr.splitlines() if "sheard" in line]
@@ -125,37 +112,15 @@ class Hardened(Analyzed):
 class SystemCalls(unittest.TestCase):
     NEEDED = """seccomp prctl memfd_create prlimit64 inotify_init1 inotify_add_watch epoll_wait clone3 wait4
                 pidfd_open fsync fdatasync renameat2 linkat ftruncate accept4 sendmsg recvmsg socketpair fcntl flock
-                signalfd4 timerfd_create eventfd2 fallocate statfs getdents64 setpriority mmap mprotect kill""".split()
+                signalfd4 timerfd_create eventfd2 fallocate statfs getdents64 setpriority lchown mmap mprotect kill""".split()
     FORBIDDEN = """ptrace process_vm_readv mount umount2 bpf perf_event_open kexec_load init_module reboot swapon
                    setuid chroot pivot_root keyctl add_key mlockall userfaultfd clock_settime chown""".split()
 
-    @classmethod
-    def setUpClass(cls):
-        cls.sets = {}
-
-    def members(self, name):
-        if not name.startswith("@"):
-            return {name}
-        if name not in self.sets:
-            text = subprocess.run(["systemd-analyze", "syscall-filter", "--no-pager", name], capture_output=True,
-                                  text=True, check=True).stdout
-            calls = [line.strip() for line in text.splitlines()[1:] if line.strip() and "#" not in line]
-            self.sets[name] = set().union(*(self.members(call) for call in calls))
-        return self.sets[name]
-
-    def allowed(self):
-        """As systemd reads it: the first line makes it a list of what is allowed, '~' takes away, @default is always in."""
-        calls = set(self.members("@default"))
-        for value in entries(text_of(SERVICE))["SystemCallFilter"]:
-            named = set().union(*(self.members(name) for name in value.lstrip("~").split()))
-            calls = calls - named if value.startswith("~") else calls | named
-        return calls
-
     def test_what_the_daemon_and_its_readers_need(self):
-        self.assertEqual(set(self.NEEDED) - self.allowed(), set())
+        self.assertEqual(set(self.NEEDED) - allowed(text_of(SERVICE)), set())
 
     def test_what_nobody_needs(self):
-        self.assertEqual(set(self.FORBIDDEN) & self.allowed(), set())
+        self.assertEqual(set(self.FORBIDDEN) & allowed(text_of(SERVICE)), set())
 
 
 class Agreement(unittest.TestCase):
@@ -203,6 +168,20 @@ class Agreement(unittest.TestCase):
     def test_descriptors(self):
         needed = int(self.defaults["limits.connections"]) + 64 + 6 * int(self.defaults["daemon.max_active_jobs"])
         self.assertGreaterEqual(int(self.service["LimitNOFILE"]), needed)
+
+    def test_dropped_files_start_it(self):
+        watched = entries(text_of(companion("sheard.path")))["DirectoryNotEmpty"]
+        self.assertEqual(watched, [self.defaults["spool.directory"] + "/incoming"])
+
+    def test_all_three_are_started_and_stopped_together(self):
+        self.assertEqual(self.service["Wants"], "sheard.socket sheard.path")
+        self.assertEqual(self.service["Also"], "sheard.socket sheard.path")
+        self.assertEqual(self.socket["Wants"], "sheard.path")
+        for name in ("sheard.socket", "sheard.path"):
+            self.assertEqual(entries(text_of(companion(name)))["PartOf"], ["sheard.service"])
+
+    def test_what_does_not_pass_is_not_tried_again(self):
+        self.assertEqual(self.service["RestartPreventExitStatus"], "2 3")  # usage, configuration: sheard(8)
 
     def test_socket(self):
         self.assertEqual(self.socket["ListenStream"], self.defaults["daemon.socket"])
