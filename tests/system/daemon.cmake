@@ -25,11 +25,17 @@ set(names # one a line: whoever adds one does not get into another's way
   memory
   reader
   sources
-  symmetry)
+  symmetry
+  under_unit)
 foreach(name ${names})
   add_test(NAME system_daemon_${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_daemon_${name}.py)
   set_tests_properties(system_daemon_${name} PROPERTIES
     LABELS "system;daemon" TIMEOUT 600
-    ENVIRONMENT "SHEARD=$<TARGET_FILE:sheard>;SHEARCTL=$<TARGET_FILE:shearctl>;FAULTSHIM=$<TARGET_FILE:faultshim>;SHEAR_SANITIZED=${sanitized}${counts}")
+    ENVIRONMENT "SHEARD=$<TARGET_FILE:sheard>;SHEARCTL=$<TARGET_FILE:shearctl>;FAULTSHIM=$<TARGET_FILE:faultshim>;SHEAR_SANITIZED=${sanitized};SHEARD_SERVICE=${PROJECT_BINARY_DIR}/systemd/sheard.service${counts}")
 endforeach()
+
+add_test(NAME system_install COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_install.py)
+set_tests_properties(system_install PROPERTIES
+  LABELS "system;daemon" TIMEOUT 600
+  ENVIRONMENT "BUILD=${PROJECT_BINARY_DIR};CMAKE=${CMAKE_COMMAND};SHEARD=$<TARGET_FILE:sheard>;SHEARCTL=$<TARGET_FILE:shearctl>;SHEAR_SANITIZED=${sanitized}")

@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an installation and the Debian package consist of, and that programs find their parts wherever they lie: nothing of
+the build directory or of its prefix may be in them. BUILD is the build directory, CMAKE the program."""
+import gzip
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+from daemon import DaemonTest, measured, mock, until
+from tool import SANITIZED
+
+BUILD, CMAKE = os.environ["BUILD"], os.environ["CMAKE"]
+CPACK = os.path.join(os.path.dirname(CMAKE), "cpack")
+
+
+def run(*command, code=0, **more):
+    process = subprocess.run(command, capture_output=True, encoding="utf-8", check=False, **more)
+    if process.returncode != code:
+        raise AssertionError(f"{command} gave {process.returncode}:\n{process.stdout}\n{process.stderr}")
+    return process.stdout + process.stderr
+
+
+def files_of(root):
+    return {os.path.relpath(os.path.join(folder, name), root) for folder, _, names in os.walk(root) for name in names}
+
+
+class Installed(DaemonTest):
+    """Beneath a prefix that nobody knew when it was built, and moved away from there again."""
+
+    def setUp(self):
+        super().setUp()
+        first, self.prefix = os.path.join(self.directory, "first"), os.path.join(self.directory, "prefix")
+        run(CMAKE, "--install", BUILD, "--prefix", first)
+        os.rename(first, self.prefix)
+
+    def path(self, *names):
+        return os.path.join(self.prefix, *names)
+
+    def installed(self):
+        daemon = self.daemon(start=False, name="service")
+        daemon.program = self.path("sbin/sheard")
+        return daemon
+
+    def test_the_service_finds_its_reader(self):
+        daemon = self.installed().start()
+        source = mock(os.path.join(daemon.data, "a.fits"))
+        daemon.drop(source, "a.fits")
+        until(lambda: daemon.dropped("done"), "the dropped file is measured")
+        self.assertRow(daemon, "a", measured([source]), 1)
+
+    def test_without_its_reader_it_does_not_start_and_says_where_it_looked(self):
+        os.remove(self.path("libexec/sheard/sheard-reader"))
+        daemon = self.installed().spawn()
+        self.assertEqual(daemon.ended(), 1)
+        self.assertIn(f"sheard-reader is neither in {self.path('sbin')} nor at {self.path('sbin')}/../libexec/sheard/",
+                      daemon.log_text())
+
+    def test_it_finds_its_configuration(self):
+        sheard, own = self.path("sbin/sheard"), self.path("etc/sheard/sheard.conf")
+        self.assertIn(f"(default {own})", run(sheard, "--help"))
+        with open(own, "a", encoding="utf-8") as file:
+            file.write("\n[daemon]\nworkers = 7\n")
+        self.assertIn("workers = 7", run(sheard, "--print-config"))
+        run(CMAKE, "--install", BUILD, "--prefix", self.prefix)
+        self.assertIn("workers = 7", run(sheard, "--print-config"), "a new installation replaced the administrator's file")
+        os.remove(own)
+        self.assertIn("(default /etc/sheard/sheard.conf)", run(sheard, "--help"))
+
+    @unittest.skipUnless(shutil.which("pkg-config"), "pkg-config is not installed")
+    def test_the_library_is_found(self):
+        found = next(name for name in files_of(self.prefix) if name.endswith("libshear.pc"))
+        flags = run("pkg-config", "--cflags", "--libs", self.path(found)).split()
+        include, lib = flags[0][2:], next(flag for flag in flags if flag.startswith("-L"))[2:]
+        self.assertTrue(os.path.samefile(include, self.path("include")))
+        self.assertTrue(os.path.exists(os.path.join(lib, "libshear.so")))
+
+
+@unittest.skipIf(SANITIZED, "nobody packages programs with sanitizers")
+@unittest.skipUnless(shutil.which("dpkg-shlibdeps"), "dpkg-dev is not installed")
+class Package(unittest.TestCase):
+    """`cpack -G DEB` in this build directory, whatever its prefix."""
+
+    DOCUMENTS = ("README.md", "copyright", "changelog.gz", "CHANGELOG.md", "home-data.conf", "config/sheard.conf",
+                 "docs/field-files.md", "docs/method.md", "docs/protocol.md", "docs/protocol.schema.json")
+
+    @classmethod
+    def setUpClass(cls):
+        directory = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(directory.cleanup)
+        run(CPACK, "-G", "DEB", "-B", directory.name, cwd=BUILD)
+        cls.deb = next(os.path.join(directory.name, name) for name in os.listdir(directory.name) if name.endswith(".deb"))
+        cls.root = os.path.join(directory.name, "root")
+        run("dpkg-deb", "-R", cls.deb, cls.root)
+        cls.files = files_of(cls.root)
+
+    def text(self, name):
+        with open(os.path.join(self.root, name), encoding="utf-8") as file:
+            return file.read()
+
+    def test_its_parts_are_where_they_are_looked_for(self):
+        for name in ("usr/sbin/sheard", "usr/bin/shearctl", "usr/libexec/sheard/sheard-reader", "etc/sheard/sheard.conf",
+                     "usr/lib/systemd/system/sheard.service", "usr/lib/systemd/system/sheard.socket",
+                     "usr/lib/systemd/system/sheard.path", "usr/lib/sysusers.d/sheard.conf", "usr/lib/tmpfiles.d/sheard.conf"):
+            self.assertIn(name, self.files)
+        self.assertIn("(default /etc/sheard/sheard.conf)", run(os.path.join(self.root, "usr/sbin/sheard"), "--help"))
+        self.assertIn("--config /etc/sheard/sheard.conf\n", self.text("usr/lib/systemd/system/sheard.service"))
+        self.assertFalse([name for name in self.files if not re.match("usr/|etc/sheard/|DEBIAN/", name)])
+
+    def test_nothing_of_the_build_is_in_it(self):
+        """/usr/local is the default prefix; the client only looks for programs there, and systemd documents do."""
+        for name in self.files:
+            with open(os.path.join(self.root, name), "rb") as file:
+                content = file.read()
+            content = gzip.decompress(content) if name.endswith(".gz") else content
+            for place in (BUILD, "/usr/local/libexec", "/usr/local/etc", "/usr/local/lib", "/usr/local/share"):
+                self.assertNotIn(place.encode(), content, name)
+
+    def test_manual_pages_are_compressed_and_name_the_configuration(self):
+        for name in ("man1/shearctl.1", "man5/sheard.conf.5", "man8/sheard.8"):
+            with gzip.open(os.path.join(self.root, "usr/share/man", name + ".gz"), "rt", encoding="utf-8") as file:
+                page = file.read()
+            if "shearctl" not in name:
+                self.assertIn("/etc/sheard/sheard.conf", page)
+
+    def test_documents(self):
+        for name in self.DOCUMENTS:
+            self.assertIn("usr/share/doc/sheard/" + name, self.files)
+
+    def test_control(self):
+        self.assertEqual(self.text("DEBIAN/conffiles"), "/etc/sheard/sheard.conf\n")
+        self.assertEqual(self.text("DEBIAN/triggers"), "activate-noawait ldconfig\n")
+        self.assertRegex(self.text("DEBIAN/shlibs"), r"^libshear 0 sheard \(>= \S+\)\n$")
+        self.assertRegex(run("dpkg-deb", "-f", self.deb, "Depends"), "systemd.*libcfitsio.*libsqlite3")
+
+    @unittest.skipUnless(shutil.which("lintian"), "lintian is not installed (scripts/setup boot)")
+    def test_lintian_says_nothing(self):
+        self.assertEqual(run("lintian", "--allow-root", "--fail-on", "error,warning", self.deb), "")
+
+
+if __name__ == "__main__":
+    unittest.main()
