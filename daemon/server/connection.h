@@ -12,6 +12,7 @@
 #include <sys/queue.h>
 
 typedef struct connection connection;
+struct server_user;
 typedef TAILQ_HEAD(connection_list, connection) connection_list;
 
 struct connection {
@@ -20,17 +21,21 @@ struct connection {
     server *server;
     uint64_t id;
     access_peer peer;
+    struct server_user *user;
+    bool is_admin;
+    uint64_t used_ns; /* see users.h */
+    size_t place;     /* in its user's heap of those that are ready; 0: none */
+    bool in_heavy;    /* in the user's list of those whose work waits */
 
     shear_frame frame;
-    const char *input; /* [n_input] read and not yet taken: in `kept`, or in the server's scratch */
+    const char *input; /* [n_input] of `kept`: read and not yet taken */
     size_t n_input;
     char *kept;
-    size_t lines; /* taken in this turn of the loop */
 
     open_requests open;
     watched watched;
     out_queue out;
-    size_t writing;   /* lines of `out` that libuv has */
+    size_t writing;   /* bytes of `out` that libuv has, for the socket's buffer is full */
     uint64_t lost;    /* notifications left out */
     size_t unwritten; /* bytes that libuv had at the last tick */
 
@@ -39,23 +44,28 @@ struct connection {
     uint64_t progress_ms; /* the last time that the client took something of what is queued */
 
     bool reading;
+    bool held_up;   /* nothing is taken of it for now */
     bool ended;     /* the client sends no more */
     bool finishing; /* nothing is taken any more; closed when all is written */
     bool doomed;    /* to be closed in the next turn, whatever is queued */
     bool closed;
-    bool scheduled, subscribed; /* in the server's lists */
-    TAILQ_ENTRY(connection) work_link, subscriber_link;
+    bool unflushed, subscribed; /* in the server's lists */
+    TAILQ_ENTRY(connection) unflushed_link, subscriber_link, heavy_link;
 };
 
 /* Accept a client that waits. False: out of memory, the client still waits. */
 bool connection_accept(server *s, uv_stream_t *listener);
-/* What there is to do in a turn of the loop. May close it. */
+/* The one thing that is next: a request, or a step of the work of one. May close it. */
 void connection_turn(connection *c);
+/* Write what is queued, as much as the socket takes. May close it. */
+void connection_flush(connection *c);
 /* Is it silent, stalled or gone? May close it. */
 void connection_tick(connection *c, uint64_t now);
 void connection_close(connection *c);
 /* Take no more, and close when everything is written. */
 void connection_finish(connection *c);
+/* Close it in its next turn. */
+void connection_doom(connection *c);
 
 /* Queue a line (NULL: there was no memory for it; the connection is given up). Takes the caller's
  * reference over. */
@@ -64,9 +74,9 @@ void connection_send(connection *c, out_text *text);
 void connection_notify(connection *c, out_text *text);
 void connection_send_error(connection *c, const shear_rpc_id *id, const shear_rpc_error *error);
 
-/* Take lines of the input while the limits allow it. */
-void connection_take_lines(connection *c);
-/* Do the limits allow it? `lines` aside. */
+/* Take a line of the input. */
+void connection_take_line(connection *c);
+/* Do the limits allow it? */
 bool connection_may_take(const connection *c);
 
 #endif

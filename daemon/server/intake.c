@@ -4,12 +4,13 @@
 
 #include <string.h>
 
-/* Not while much lies unread (a 16th of what would end the connection), nor while many requests
+/* Not while anything lies unread, nor while a request's work is not done, nor while many requests
  * are unanswered. */
 bool connection_may_take(const connection *c) {
-    const server_limits *limits = &c->server->limits;
-    return !c->finishing && !c->doomed && !c->closed && c->out.bytes <= limits->queue_bytes / 16 &&
-           c->open.n - c->open.n_long < limits->in_flight;
+    const server *s = c->server;
+    const size_t in_flight = turns_is_crowded(s, c->user) ? 1 : s->limits.in_flight;
+    return !c->finishing && !c->doomed && !c->closed && c->writing == 0 &&
+           TAILQ_EMPTY(&c->open.awake) && c->open.n - c->open.n_long < in_flight;
 }
 
 static void send_line_error(connection *c, int code, const char *message) {
@@ -80,16 +81,12 @@ static void note_partial_line(connection *c, uint64_t now) {
     }
 }
 
-void connection_take_lines(connection *c) {
+void connection_take_line(connection *c) {
     server *s = c->server;
-    while (c->lines < s->limits.lines_per_turn && connection_may_take(c)) {
-        const char *line;
-        size_t n;
-        const int event = shear_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
-        if (event == SHEAR_FRAME_MORE) {
-            break;
-        }
-        c->lines++;
+    const char *line;
+    size_t n;
+    const int event = shear_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
+    if (event != SHEAR_FRAME_MORE) {
         s->statistics.lines++;
         c->active_ms = uv_now(s->loop);
         c->partial_ms = 0;

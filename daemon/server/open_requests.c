@@ -4,12 +4,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void request_free(open_request *r) {
+    if (r->work.drop) {
+        r->work.drop(r->work.context);
+    }
+    free(r);
+}
+
+void open_requests_init(open_requests *o) {
+    *o = (open_requests){0};
+    TAILQ_INIT(&o->awake);
+}
+
 void open_requests_deinit(open_requests *o) {
     for (size_t i = 0; i < o->n; i++) {
-        free(o->items[i]);
+        request_free(o->items[i]);
     }
     free(o->items);
-    *o = (open_requests){0};
+    open_requests_init(o);
 }
 
 bool open_request_is_long(const shear_request *request) {
@@ -60,7 +72,7 @@ static size_t search(const open_requests *o, uint64_t number) {
     return low;
 }
 
-const open_request *open_requests_find(const open_requests *o, uint64_t number) {
+open_request *open_requests_find(const open_requests *o, uint64_t number) {
     const size_t i = search(o, number);
     return i < o->n && o->items[i]->number == number ? o->items[i] : NULL;
 }
@@ -70,8 +82,24 @@ void open_requests_remove(open_requests *o, uint64_t number) {
     if (i == o->n || o->items[i]->number != number) {
         return;
     }
-    o->n_long -= o->items[i]->is_long;
-    free(o->items[i]);
+    open_request *r = o->items[i];
+    open_requests_pause(o, r);
+    o->n_long -= r->is_long;
     o->n--;
     memmove(&o->items[i], &o->items[i + 1], (o->n - i) * sizeof(open_request *));
+    request_free(r);
+}
+
+void open_requests_wake(open_requests *o, open_request *r) {
+    if (!r->awake) {
+        r->awake = true;
+        TAILQ_INSERT_TAIL(&o->awake, r, link);
+    }
+}
+
+void open_requests_pause(open_requests *o, open_request *r) {
+    if (r->awake) {
+        r->awake = false;
+        TAILQ_REMOVE(&o->awake, r, link);
+    }
 }

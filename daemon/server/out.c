@@ -16,15 +16,23 @@ out_text *out_text_new(char *bytes, size_t n) {
     return text;
 }
 
+void out_text_count(out_text *text, size_t *memory) {
+    text->memory = memory;
+    *memory += text->n;
+}
+
 void out_text_drop(out_text *text) {
     if (text && --text->references == 0) {
+        if (text->memory) {
+            *text->memory -= text->n;
+        }
         free(text->bytes);
         free(text);
     }
 }
 
 void out_queue_deinit(out_queue *q) {
-    out_queue_pop(q, q->n);
+    out_queue_take(q, q->bytes);
     free(q->items);
     *q = (out_queue){0};
 }
@@ -56,16 +64,24 @@ bool out_queue_push(out_queue *q, out_text *text) {
     text->references++;
     q->items[(q->first + q->n++) % q->size] = text;
     q->bytes += text->n;
+    q->held += text->memory ? 0 : text->n;
     return true;
 }
 
-void out_queue_pop(out_queue *q, size_t n) {
-    for (; n > 0; n--) {
-        out_text *text = q->items[q->first];
-        q->first = (q->first + 1) % q->size;
-        q->n--;
-        q->bytes -= text->n;
-        out_text_drop(text);
+static void pop(out_queue *q) {
+    out_text *text = q->items[q->first];
+    q->first = (q->first + 1) % q->size;
+    q->n--;
+    q->written -= text->n;
+    q->held -= text->memory ? 0 : text->n;
+    out_text_drop(text);
+}
+
+void out_queue_take(out_queue *q, size_t bytes) {
+    q->bytes -= bytes;
+    q->written += bytes;
+    while (q->n > 0 && q->written >= out_queue_at(q, 0)->n) {
+        pop(q);
     }
     if (q->n == 0 && q->size > SMALL) {
         free(q->items);

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 
 /* The open request of a handle, and its connection; NULL: there is nobody to answer. */
-static const open_request *find(const server *s, server_handle handle, connection **c) {
+static open_request *find(const server *s, server_handle handle, connection **c) {
     *c = server_find(s, handle.connection);
-    return *c ? open_requests_find(&(*c)->open, handle.request) : NULL;
+    open_request *r = *c ? open_requests_find(&(*c)->open, handle.request) : NULL;
+    return r && !r->answered ? r : NULL;
 }
 
 bool server_is_open(const server *s, server_handle handle) {
@@ -15,15 +16,24 @@ bool server_is_open(const server *s, server_handle handle) {
     return find(s, handle, &c) != NULL;
 }
 
-static void answered(connection *c, uint64_t number) {
-    open_requests_remove(&c->open, number);
+static void answered(connection *c, open_request *r) {
+    server *s = c->server;
+    if (r == s->in_step) {
+        r->answered = true; /* removed when its step has ended */
+        s->in_step = NULL;
+    } else {
+        if (r->awake) {
+            turns_end_work(s, c);
+        }
+        open_requests_remove(&c->open, r->number);
+    }
     c->active_ms = uv_now(c->server->loop);
-    server_schedule(c->server, c); /* it may take the next request now */
+    server_schedule(s, c); /* it may take the next request now */
 }
 
 void server_reply(server *s, server_handle to, const shear_reply *reply) {
     connection *c;
-    const open_request *r = find(s, to, &c);
+    open_request *r = find(s, to, &c);
     shear_rpc_error error;
     char *line;
     size_t n;
@@ -35,21 +45,21 @@ void server_reply(server *s, server_handle to, const shear_reply *reply) {
     } else {
         connection_send_error(c, &r->id, &error);
     }
-    answered(c, to.request);
+    answered(c, r);
 }
 
 void server_reply_error(server *s, server_handle to, const shear_rpc_error *error) {
     connection *c;
-    const open_request *r = find(s, to, &c);
+    open_request *r = find(s, to, &c);
     if (r) {
         connection_send_error(c, &r->id, error);
-        answered(c, to.request);
+        answered(c, r);
     }
 }
 
 void server_reply_line(server *s, server_handle to, char *line, size_t n) {
     connection *c;
-    const open_request *r = find(s, to, &c);
+    open_request *r = find(s, to, &c);
     if (!r) {
         free(line);
         return;
@@ -61,7 +71,31 @@ void server_reply_line(server *s, server_handle to, char *line, size_t n) {
         shear_rpc_fail(&error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
         connection_send_error(c, &r->id, &error);
     }
-    answered(c, to.request);
+    answered(c, r);
+}
+
+/* ---- work ---- */
+
+bool server_defer(server *s, server_handle to, const server_work *work) {
+    connection *c;
+    open_request *r = find(s, to, &c);
+    if (!r) {
+        work->drop(work->context);
+        return false;
+    }
+    r->work = *work;
+    open_requests_wake(&c->open, r);
+    server_schedule(s, c);
+    return true;
+}
+
+void server_wake(server *s, server_handle to) {
+    connection *c;
+    open_request *r = find(s, to, &c);
+    if (r && r->work.step) {
+        open_requests_wake(&c->open, r);
+        server_schedule(s, c);
+    }
 }
 
 /* ---- subscriptions ---- */
@@ -140,6 +174,9 @@ void server_publish(server *s, int notice, int64_t job, const char *field,
             shear_notice_line(&line, &n, notice, params, &error);
             text = out_text_new(line, n);
             made = true;
+            if (text) {
+                out_text_count(text, &s->notice_bytes);
+            }
         }
         connection_notify(c, text);
     }

@@ -14,12 +14,15 @@ enum { SLOT_BITS = 20, MAX_SLOTS = 1 << SLOT_BITS, BACKLOG = 4096, MAX_TICK_MS =
 void server_limits_init(server_limits *limits) {
     *limits = (server_limits){.line_bytes = shear_rpc_request_limits.line,
                               .connections = 2048,
+                              .reserved_connections = 16,
                               .in_flight = 64,
                               .subscriptions = 1024,
                               .queue_bytes = (size_t)32 << 20,
-                              .lines_per_turn = 16,
+                              .unsent_bytes = (size_t)64 << 20,
+                              .turn_us = 3000,
                               .idle_timeout_ms = 600000,
-                              .stall_timeout_ms = 60000};
+                              .stall_timeout_ms = 60000,
+                              .crowded_ms = 5000};
 }
 
 /* ---- connections ---- */
@@ -55,15 +58,8 @@ bool server_enter(server *s, connection *c) {
     s->slots[slot] = c;
     c->id = ++s->serial * MAX_SLOTS + slot;
     s->statistics.connections++;
+    c->user->connections++;
     return true;
-}
-
-static void unschedule(server *s, connection *c) {
-    if (c->scheduled) {
-        TAILQ_REMOVE(&s->work, c, work_link);
-        c->scheduled = false;
-        s->n_work--;
-    }
 }
 
 void server_leave(server *s, connection *c) {
@@ -71,7 +67,8 @@ void server_leave(server *s, connection *c) {
     s->slots[slot] = NULL;
     s->free_slots[s->n_free++] = slot;
     s->statistics.connections--;
-    unschedule(s, c);
+    c->user->connections--;
+    turns_leave(s, c);
     if (c->subscribed) {
         TAILQ_REMOVE(&s->subscribers, c, subscriber_link);
         c->subscribed = false;
@@ -82,31 +79,7 @@ void server_leave(server *s, connection *c) {
     }
 }
 
-/* ---- turns ---- */
-
-/* Those that are scheduled meanwhile have their turn in the next one. */
-static void on_turn(uv_idle_t *idle) {
-    server *s = idle->data;
-    for (size_t n = s->n_work; n > 0 && !TAILQ_EMPTY(&s->work); n--) {
-        connection *c = TAILQ_FIRST(&s->work);
-        unschedule(s, c);
-        connection_turn(c);
-    }
-    if (TAILQ_EMPTY(&s->work)) {
-        uv_idle_stop(&s->turn);
-    }
-}
-
-void server_schedule(server *s, connection *c) {
-    if (!c->scheduled && !c->closed) {
-        c->scheduled = true;
-        TAILQ_INSERT_TAIL(&s->work, c, work_link);
-        s->n_work++;
-        uv_idle_start(&s->turn, on_turn);
-    }
-}
-
-static void accept_starved(server *s);
+/* ---- time ---- */
 
 static void on_tick(uv_timer_t *timer) {
     server *s = timer->data;
@@ -116,7 +89,10 @@ static void on_tick(uv_timer_t *timer) {
             connection_tick(s->slots[i], now);
         }
     }
-    accept_starved(s);
+    if (s->starved) {
+        s->starved = false;
+        server_accept(s);
+    }
 }
 
 /* Often enough for the shorter of the two times, at least once a second. */
@@ -137,25 +113,32 @@ static size_t or_default(size_t given, size_t initial) {
     return given ? given : initial;
 }
 
+static size_t at_most(size_t n, size_t most) {
+    return n < most ? n : most;
+}
+
 static void fill_limits(server *s, const server_limits *given) {
     server_limits d;
     server_limits_init(&d);
-    s->limits = (server_limits){
+    server_limits *l = &s->limits;
+    *l = (server_limits){
         .line_bytes = or_default(given->line_bytes, d.line_bytes),
         .connections = or_default(given->connections, d.connections),
+        .reserved_connections = or_default(given->reserved_connections, d.reserved_connections),
         .in_flight = or_default(given->in_flight, d.in_flight),
         .subscriptions = or_default(given->subscriptions, d.subscriptions),
         .queue_bytes = or_default(given->queue_bytes, d.queue_bytes),
-        .lines_per_turn = or_default(given->lines_per_turn, d.lines_per_turn),
+        .unsent_bytes = or_default(given->unsent_bytes, d.unsent_bytes),
+        .turn_us = or_default(given->turn_us, d.turn_us),
         .idle_timeout_ms = given->idle_timeout_ms,
         .stall_timeout_ms = given->stall_timeout_ms,
+        .crowded_ms = given->crowded_ms,
     };
-    if (s->limits.line_bytes > d.line_bytes) {
-        s->limits.line_bytes = d.line_bytes;
-    }
-    if (s->limits.connections > MAX_SLOTS) {
-        s->limits.connections = MAX_SLOTS;
-    }
+    l->line_bytes = at_most(l->line_bytes, d.line_bytes);
+    l->connections = at_most(l->connections, MAX_SLOTS);
+    l->reserved_connections = at_most(l->reserved_connections, l->connections / 4);
+    l->user_connections = or_default(given->user_connections, l->connections / 4);
+    l->user_connections += l->user_connections == 0; /* of very few: one */
 }
 
 void server_set_limits(server *s, const server_limits *limits) {
@@ -179,6 +162,7 @@ void server_set_defaults(server *s, const shear_settings *defaults) {
 
 void server_get_statistics(const server *s, server_statistics *statistics) {
     *statistics = s->statistics;
+    statistics->unsent_bytes += s->notice_bytes;
 }
 
 /* ---- listening ---- */
@@ -186,18 +170,15 @@ void server_get_statistics(const server *s, server_statistics *statistics) {
 static void on_connection(uv_stream_t *listener, int status) {
     server *s = listener->data;
     /* An error (too many descriptors, say) ends the accept of one client; the next is another. */
-    if (status == 0 && !connection_accept(s, listener)) {
+    if (status == 0 && turns_may_accept(s) && !connection_accept(s, listener)) {
         s->starved = true;
     }
 }
 
 /* libuv has the client that was not accepted, and asks for no other before that. */
-static void accept_starved(server *s) {
-    if (s->starved && s->accepting) {
-        s->starved = false;
-        for (size_t i = 0; i < s->n_listeners; i++) {
-            on_connection((uv_stream_t *)&s->listeners[i], 0);
-        }
+void server_accept(server *s) {
+    for (size_t i = 0; s->accepting && i < s->n_listeners; i++) {
+        on_connection((uv_stream_t *)&s->listeners[i], 0);
     }
 }
 
@@ -253,6 +234,7 @@ static int start_listening(server *s, const server_options *o, shear_error *err)
 /* ---- the beginning ---- */
 
 static void start_handles(server *s) {
+    turns_init(s);
     uv_idle_init(s->loop, &s->turn);
     uv_timer_init(s->loop, &s->tick);
     uv_timer_init(s->loop, &s->deadline);
@@ -261,18 +243,33 @@ static void start_handles(server *s) {
     start_tick(s);
 }
 
-static bool make_refusal(server *s) {
+static bool make_refusals(server *s) {
+    static const char *const texts[SERVER_N_REFUSALS] = {
+        "the service has as many connections as it may have ([limits] connections)",
+        "you have as many connections as a user may have ([limits] user_connections)"};
     const shear_rpc_id none = {.type = SHEAR_ID_NULL};
     shear_rpc_error error;
-    shear_rpc_fail(&error, SHEAR_RPC_TOO_MANY_CONNECTIONS, NULL,
-                   "the service has as many connections as it may have");
-    return shear_error_line(&s->refusal, &s->refusal_bytes, &none, &error) == SHEAR_RPC_OK;
+    int rc = SHEAR_RPC_OK;
+    for (int i = 0; i < SERVER_N_REFUSALS && rc == SHEAR_RPC_OK; i++) {
+        shear_rpc_fail(&error, SHEAR_RPC_TOO_MANY_CONNECTIONS, NULL, "%s", texts[i]);
+        rc = shear_error_line(&s->refusal[i], &s->refusal_bytes[i], &none, &error);
+    }
+    return rc == SHEAR_RPC_OK;
+}
+
+static void free_refusals(server *s) {
+    for (int i = 0; i < SERVER_N_REFUSALS; i++) {
+        free(s->refusal[i]);
+    }
 }
 
 int server_open(server **out, uv_loop_t *loop, const server_options *options, shear_error *err) {
     server *s = calloc(1, sizeof *s);
     *out = NULL;
-    if (!s || !make_refusal(s)) {
+    if (!s || !make_refusals(s)) {
+        if (s) {
+            free_refusals(s);
+        }
         free(s);
         close_fds(options->fds, options->n_fds);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the server");
@@ -282,7 +279,6 @@ int server_open(server **out, uv_loop_t *loop, const server_options *options, sh
     s->loop = loop;
     s->handlers = options->handlers;
     s->file.lock = -1;
-    TAILQ_INIT(&s->work);
     TAILQ_INIT(&s->subscribers);
     fill_limits(s, &options->limits);
     server_set_defaults(s, options->defaults);
@@ -303,7 +299,7 @@ static void free_server(server *s) {
     void *context = s->done_context;
     free(s->slots);
     free(s->free_slots);
-    free(s->refusal);
+    free_refusals(s);
     free(s);
     if (done) {
         done(context);

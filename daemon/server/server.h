@@ -6,18 +6,31 @@
  * call causes (writing, reading on, closing) happens in a later turn of the loop, so any function
  * may be called from any callback.
  *
+ * Time is given in turns of `turn_us`, after which the loop looks at its other events. In a turn,
+ * the user (uid) who has had the least of it lately is first, then that user's connection that has
+ * had the least: each takes one request, or one step of the work of one (server_defer), at a time.
+ * So whoever asks for little is answered at once, whatever the others ask for.
+ *
  * What a client may do to the others is bounded:
- *   lines a turn    after `lines_per_turn` lines the other connections have their turn
+ *   unread replies  a connection is not read from, and what it asked is not begun, before all that
+ *                   was sent to it is in the socket's buffer. All connections together have
+ *                   `unsent_bytes` for what is not, each user at most half: where that is used up,
+ *                   deferred work waits, a connection has one request at a time, and one that has
+ *                   taken nothing for `crowded_ms` is dropped
+ *   work            one connection of a user has its deferred work done at a time, in the order in
+ *                   which they came; what a client asked that has gone is dropped
  *   requests        `in_flight` short requests unanswered: it is not read from until one is
  *                   answered. Long ones (wait, submit with wait) have the same limit of their own,
  *                   beyond which they are refused with too_many_requests: they may last for hours,
  *                   and a client must be able to cancel what it waits for
- *   unread replies  more than a part of `queue_bytes`: it is not read from; more than that of
- *                   notifications: they are left out, and `lost` tells how many when it reads
- *                   again; `queue_bytes`: it is dropped
+ *   notifications   more than SERVER_NOTICE_BYTES or SERVER_NOTICES that a client has not read, or
+ * a quarter of `unsent_bytes` that none of them has: they are left out, and `lost` tells how many
+ * when it reads again connections     `connections` in all, `user_connections` of a user; the last
+ *                   `reserved_connections` are for administrators, who have no limit of their own
  *   silence         neither requests, subscriptions nor unread replies, or in the middle of a line,
  *                   for `idle_timeout_ms`: error idle_timeout, and the end
- *   not reading     nothing taken of what is queued for `stall_timeout_ms`: it is dropped
+ *   not reading     nothing taken of what is queued for `stall_timeout_ms`, or more than
+ *                   `queue_bytes` of it: it is dropped
  *   a long line     error line_too_long, and the end: what follows it cannot be trusted
  * Any other malformed line is answered with its error, and the connection goes on. A client that
  * shuts down its writing side still gets its replies and notifications.
@@ -35,6 +48,9 @@
 #include <uv.h>
 
 typedef struct server server;
+
+/* Bounds of the notifications that one client has not read. */
+enum { SERVER_NOTICES = 4096, SERVER_NOTICE_BYTES = 2 << 20 };
 
 /* A connection's number is never used again; 0 is none. */
 typedef struct server_handle {
@@ -56,21 +72,28 @@ typedef struct server_handlers {
     void (*request)(void *context, const server_request *request);
     /* The connection is gone, with all its requests and subscriptions. May be NULL. */
     void (*closed)(void *context, uint64_t connection);
+    /* Is it an administrator? NULL: nobody is. */
+    bool (*is_admin)(void *context, const access_peer *peer);
     void *context;
 } server_handlers;
 
-/* 0 (or NULL) in any of them: as server_limits_init says, but for the two times: never. */
+/* 0 (or NULL) in any of them: as server_limits_init says, but for the times in ms: never. */
 typedef struct server_limits {
-    size_t line_bytes;        /* not above shear_rpc_request_limits.line */
-    size_t connections;       /* beyond: error too_many_connections, and the end */
-    size_t in_flight;         /* requests of a connection, short and long ones each */
-    size_t subscriptions;     /* jobs and fields watched by a connection */
-    size_t queue_bytes;       /* of a connection; one more reply may lie above it */
-    size_t lines_per_turn;    /* of a connection */
-    int64_t idle_timeout_ms;  /* 0: never */
-    int64_t stall_timeout_ms; /* 0: never */
+    size_t line_bytes;           /* not above shear_rpc_request_limits.line */
+    size_t connections;          /* beyond: error too_many_connections, and the end */
+    size_t user_connections;     /* of a user that is no administrator */
+    size_t reserved_connections; /* of `connections`, for administrators; at most a quarter */
+    size_t in_flight;            /* requests of a connection, short and long ones each */
+    size_t subscriptions;        /* jobs and fields watched by a connection */
+    size_t queue_bytes;          /* of a connection; one more reply may lie above it */
+    size_t unsent_bytes;         /* of all */
+    size_t turn_us;              /* the last thing that is begun may take longer */
+    int64_t idle_timeout_ms;     /* 0: never */
+    int64_t stall_timeout_ms;    /* 0: never */
+    int64_t crowded_ms;          /* 0: never */
 } server_limits;
-/* 64 KiB, 2048, 64, 1024, 32 MiB, 16, 10 min, 1 min */
+/* 64 KiB, 2048, a quarter of `connections`, 16, 64, 1024, 32 MiB, 64 MiB, 3 ms, 10 min, 1 min, 5 s
+ */
 void server_limits_init(server_limits *limits);
 
 typedef struct server_options {
@@ -113,6 +136,26 @@ void server_reply_line(server *s, server_handle to, char *line, size_t n);
 /* Is somebody still waiting for it? */
 bool server_is_open(const server *s, server_handle handle);
 
+/* ---- work that takes longer than a request may ---- */
+
+enum { SERVER_MORE, SERVER_PAUSE };
+
+typedef struct server_work {
+    /* A step: a millisecond or so, at most a few. The request is answered in one of them: what is
+     * returned then does not matter. Else SERVER_MORE: soon again. SERVER_PAUSE: not before
+     * server_wake, and the connection's next request may be begun. */
+    int (*step)(void *context);
+    /* The request has been answered, or nobody waits for it any more. Never called in a step. */
+    void (*drop)(void *context);
+    void *context;
+} server_work;
+
+/* Have the request's work done in its user's turns. False (the request has been answered, or the
+ * connection is gone): `drop` was called. */
+bool server_defer(server *s, server_handle to, const server_work *work);
+/* It may go on now. Nothing happens where it is gone. */
+void server_wake(server *s, server_handle to);
+
 /* ---- subscriptions ---- */
 
 /* Add to (take away from) what the connection watches, all of it or, on an error, nothing:
@@ -142,9 +185,10 @@ void server_close(server *s, int64_t flush_ms, void (*done)(void *context), void
 
 /* ---- numbers ---- */
 
-/* Since the start, but for the first three. */
+/* Since the start, but for the first four. */
 typedef struct server_statistics {
-    uint64_t connections, subscribers, queued_bytes; /* now */
+    uint64_t connections, subscribers, queued_bytes; /* now; each text counted for each client */
+    uint64_t unsent_bytes;                           /* now; memory that texts take */
     uint64_t accepted, refused;
     uint64_t dropped;  /* clients that did not read */
     uint64_t timeouts; /* idle */

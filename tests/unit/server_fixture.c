@@ -66,6 +66,11 @@ static void on_closed(void *context, uint64_t connection) {
     }
 }
 
+static bool is_admin(void *context, const access_peer *peer) {
+    (void)peer;
+    return ((const fixture *)context)->admins;
+}
+
 static void on_done(void *context) {
     fixture *f = context;
     f->done = true;
@@ -79,8 +84,12 @@ void fx_init(fixture *f) {
     snprintf(f->path, sizeof f->path, "%s/socket", f->dir);
     assert_int_equal(uv_loop_init(&f->loop), 0);
     f->reply_bytes = 10;
-    f->options =
-        (server_options){.path = f->path, .mode = 0660, .handlers = {on_request, on_closed, f}};
+    f->admins = true;
+    f->options = (server_options){
+        .path = f->path,
+        .mode = 0660,
+        .handlers = {
+            .request = on_request, .closed = on_closed, .is_admin = is_admin, .context = f}};
     server_limits_init(&f->options.limits);
 }
 
