@@ -248,5 +248,20 @@ const sheard_setting config_place_rows[] = {
      .max = CONFIG_NAME_MAX,
      .help = "Groups whose members may submit jobs. Empty: everybody who may connect. "
              "Administrators always may."},
+    {.section = "access",
+     .key = "priority_users",
+     .type = SHEARD_T_NAMES,
+     AT(access.priority_users),
+     .initial = "",
+     .max = CONFIG_NAME_MAX,
+     .help = "Users who may give their jobs a priority above 0, so that they run before those of "
+             "others. Administrators always may."},
+    {.section = "access",
+     .key = "priority_groups",
+     .type = SHEARD_T_NAMES,
+     AT(access.priority_groups),
+     .initial = "",
+     .max = CONFIG_NAME_MAX,
+     .help = "Groups whose members may do so too."},
 };
 const size_t config_n_place_rows = sizeof config_place_rows / sizeof config_place_rows[0];

@@ -60,6 +60,8 @@ static void warn_accounts(struct scene *scene) {
     warn_names(scene, "admin_users", &c->access.admin_users, true, buf);
     warn_names(scene, "admin_groups", &c->access.admin_groups, false, buf);
     warn_names(scene, "submit_groups", &c->access.submit_groups, false, buf);
+    warn_names(scene, "priority_users", &c->access.priority_users, true, buf);
+    warn_names(scene, "priority_groups", &c->access.priority_groups, false, buf);
     if (c->daemon.socket_group[0] != '\0' && !group_known(c->daemon.socket_group, buf)) {
         problems_warn(scene->problems, where(scene, "daemon", "socket_group"), NULL,
                       "[daemon] socket_group: this system has no group '%s'",

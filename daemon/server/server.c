@@ -95,11 +95,12 @@ static void on_tick(uv_timer_t *timer) {
     }
 }
 
-/* Often enough for the shorter of the two times, at least once a second. */
+/* Often enough for the shortest of the times, at least once a second. */
 static void start_tick(server *s) {
     int64_t ms = MAX_TICK_MS;
-    const int64_t times[] = {s->limits.idle_timeout_ms, s->limits.stall_timeout_ms};
-    for (size_t i = 0; i < 2; i++) {
+    const int64_t times[] = {s->limits.idle_timeout_ms, s->limits.stall_timeout_ms,
+                             s->limits.crowded_ms};
+    for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) {
         if (times[i] > 0 && times[i] / 4 < ms) {
             ms = times[i] / 4 + 1;
         }

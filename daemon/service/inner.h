@@ -81,6 +81,7 @@ struct service {
     server *server;
     spool *spool; /* NULL: no watch folder */
     access_list *admins, *submitters;
+    access_list *hurried; /* who may give priorities above 0 */
     access_roots *roots;
     notify notify;
 
@@ -242,6 +243,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
 /* Lists of users and groups, and the data roots; all or nothing. */
 int reload_access(const sheard_config *c, access_list **admins, access_list **submitters,
                   access_roots **roots, shear_error *err);
+int reload_hurried(const sheard_config *c, access_list **hurried, shear_error *err);
 server_limits reload_server_limits(const sheard_config *c);
 spool_tuning reload_spool_tuning(const sheard_config *c);
 reader_limits reload_reader_limits(const sheard_config *c); /* but its paths */

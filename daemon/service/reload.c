@@ -22,6 +22,9 @@ server_limits reload_server_limits(const sheard_config *c) {
     server_limits limits;
     server_limits_init(&limits);
     limits.connections = (size_t)c->limits.connections;
+    limits.user_connections = (size_t)c->limits.user_connections;
+    limits.reserved_connections = (size_t)c->limits.admin_connections;
+    limits.unsent_bytes = (size_t)c->limits.unsent_bytes;
     limits.in_flight = (size_t)c->limits.requests_in_flight;
     limits.idle_timeout_ms = c->limits.idle_timeout_ms;
     return limits;
@@ -78,6 +81,11 @@ int reload_access(const sheard_config *c, access_list **admins, access_list **su
     return code;
 }
 
+int reload_hurried(const sheard_config *c, access_list **hurried, shear_error *err) {
+    return access_list_new(hurried, c->access.priority_users.items, c->access.priority_users.n,
+                           c->access.priority_groups.items, c->access.priority_groups.n, err);
+}
+
 int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error) {
     enum { ROOM = 128 };
     static sheard_problems problems; /* large; one thread */
@@ -87,6 +95,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     shear_error err = {0};
     access_list *admins = NULL;
     access_list *submitters = NULL;
+    access_list *hurried = NULL;
     access_roots *roots = NULL;
     problems = (sheard_problems){0};
     *reply = (shear_msg_reloaded){0};
@@ -96,6 +105,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
         sheard_problems_error(&problems, &err);
     } else {
         code = reload_access(&fresh, &admins, &submitters, &roots, &err);
+        code = code == SHEAR_OK ? reload_hurried(&fresh, &hurried, &err) : code;
         if (code == SHEAR_OK) {
             const size_t all = sheard_config_changes(&s->config, &fresh, false, changed, ROOM);
             reply->n_restart = sheard_config_changes(&s->config, &fresh, true, restart, ROOM);
@@ -110,6 +120,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     if (code != SHEAR_OK) {
         access_list_free(admins);
         access_list_free(submitters);
+        access_list_free(hurried);
         access_roots_close(roots);
         *reply = (shear_msg_reloaded){0};
         log_error("the configuration was not reloaded, the old one stays: %s", err.message);
@@ -119,9 +130,11 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     }
     access_list_free(s->admins);
     access_list_free(s->submitters);
+    access_list_free(s->hurried);
     access_roots_close(s->roots);
     s->admins = admins;
     s->submitters = submitters;
+    s->hurried = hurried;
     s->roots = roots;
     reply->changed = names_of(changed, reply->n_changed);
     reply->restart = names_of(restart, reply->n_restart);

@@ -22,6 +22,10 @@ static void on_closed(void *context, uint64_t connection) {
     solutions_forget(context, connection);
 }
 
+static bool is_admin(void *context, const access_peer *peer) {
+    return peer_is_admin(context, peer);
+}
+
 static int make_directory(const char *path, mode_t mode, shear_error *err) {
     if (mkdir(path, mode) == 0 || errno == EEXIST) {
         return SHEAR_OK;
@@ -89,7 +93,8 @@ static int open_server(service *s, shear_error *err) {
         .fds = fds,
         .limits = reload_server_limits(c),
         .defaults = &c->measure,
-        .handlers = {.request = methods_request, .closed = on_closed, .context = s}};
+        .handlers = {
+            .request = methods_request, .closed = on_closed, .is_admin = is_admin, .context = s}};
     const int code = server_activation(fds, 8, &options.n_fds, err);
     return code == SHEAR_OK ? server_open(&s->server, &s->loop, &options, err) : code;
 }
@@ -131,6 +136,9 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     }
     if (code == SHEAR_OK) {
         code = reload_access(&s->config, &s->admins, &s->submitters, &s->roots, err);
+    }
+    if (code == SHEAR_OK) {
+        code = reload_hurried(&s->config, &s->hurried, err);
     }
     if (code == SHEAR_OK) {
         code = open_store(s, err);
@@ -177,6 +185,7 @@ void service_close(service *s) {
     store_close(s->store);
     access_list_free(s->admins);
     access_list_free(s->submitters);
+    access_list_free(s->hurried);
     access_roots_close(s->roots);
     notify_deinit(&s->notify);
     uv_loop_close(&s->loop);

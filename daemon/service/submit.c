@@ -108,6 +108,10 @@ static int into_store(service *s, const submission *sub, const shear_msg_source 
     return code == SHEAR_OK ? SHEAR_RPC_OK : rpc_from_store(error, code, &err);
 }
 
+static bool may_hurry(const service *s, const access_peer *peer) {
+    return peer_is_admin(s, peer) || access_list_has(s->hurried, peer);
+}
+
 int submit_job(service *s, const submission *sub, int64_t *id, bool *known,
                shear_rpc_error *error) {
     shear_settings settings = s->config.measure;
@@ -116,6 +120,14 @@ int submit_job(service *s, const submission *sub, int64_t *id, bool *known,
     char *groups = NULL;
     if (shear_settings_apply(&settings, sub->submit->settings, &err) != SHEAR_OK) {
         return shear_rpc_fail(error, SHEAR_RPC_BAD_SETTING, err.advice, "%s", err.message);
+    }
+    if (sub->submit->priority > 0 && !may_hurry(s, &sub->peer)) {
+        shear_rpc_fail(error, SHEAR_RPC_PRIORITY_NOT_ALLOWED, NULL,
+                       "'priority': you may give 0 and below, not %lld ([access] priority_users, "
+                       "priority_groups)",
+                       (long long)sub->submit->priority);
+        snprintf(error->parameter, sizeof error->parameter, "priority");
+        return error->code;
     }
     if (sub->source != NULL) {
         const shear_msg_source own = {.path = sub->source};

@@ -145,7 +145,7 @@ class Running(Jobs):
         until(lambda: 0 < self.d.call("field", field="slow")["rows"][0]["n_stamps"] < total,
               "the field shows a part of the job")
         low = self.d.submit(self.data("low.fits"), priority=-5)["id"]
-        high = self.d.submit(self.data("high.fits", seed=2), priority=5)["id"]
+        high = self.d.submit(self.data("high.fits", seed=2), priority=-1)["id"]
         gone = self.d.submit(self.data("gone.fits", seed=3))["id"]
         self.assertEqual(self.d.call("cancel", id=gone)["state"], "cancelled")
         self.assertTrue(self.d.call("cancel", id=slow)["cancel_asked"])
@@ -335,7 +335,7 @@ class Folder(Jobs):
 
     def test_job_file(self):
         path = self.data("a.fits")
-        job = {"path": path, "field": "mine", "settings": {"beta-ratio": 1.7}, "priority": 3}
+        job = {"path": path, "field": "mine", "settings": {"beta-ratio": 1.7}, "priority": -3}
         self.d.drop(None, "j.json", json.dumps(job, indent=1).encode())
         self.d.drop(None, "bad.json", b'{"path": 3}')
         self.d.drop(None, "gone.json", json.dumps({"path": self.d.data + "/no.fits"}).encode())

@@ -34,7 +34,7 @@ class Memory(DaemonTest):
                 daemon.drop(None, f"drop{i}.fits", self.content)
                 continue
             path = self.bad if i % 10 == 7 else self.good
-            job = client.call("submit", path=path, field=field, force=i % 3 == 0, priority=i % 5)
+            job = client.call("submit", path=path, field=field, force=i % 3 == 0, priority=-(i % 5))
             ids.append(job["job"]["id"])
             if i % 10 == 9:
                 try:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The tests of daemon/server, daemon/notify and daemon/log: real sockets, one loop, no sleeps.
-foreach(part socket talk limits floods)
+foreach(part socket talk limits turns floods)
   shear_add_test(server_${part} SOURCES test_server_${part}.c server_fixture.c
     LIBRARIES sheard_server Threads::Threads LABELS server)
 endforeach()

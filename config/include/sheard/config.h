@@ -79,10 +79,14 @@ typedef struct sheard_config {
         sheard_list data_roots;
         sheard_list admin_users, admin_groups;
         sheard_list submit_groups; /* empty = whoever may open the socket */
+        sheard_list priority_users, priority_groups;
     } access;
     struct {
         int64_t queue;
         int64_t connections, requests_in_flight;
+        int64_t user_connections; /* 0 = auto */
+        int64_t admin_connections;
+        int64_t unsent_bytes;
         int64_t idle_timeout_ms; /* 0 = never */
         int64_t wait_timeout_ms;
     } limits;

@@ -51,6 +51,7 @@ enum shear_rpc_code {
     SHEAR_RPC_NOT_READABLE,
     SHEAR_RPC_NOT_OWNER,
     SHEAR_RPC_NOT_ADMIN,
+    SHEAR_RPC_PRIORITY_NOT_ALLOWED,
     /* not there, or not in that state */
     SHEAR_RPC_NO_SUCH_FILE,
     SHEAR_RPC_NOT_REGULAR,
