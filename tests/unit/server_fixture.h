@@ -17,7 +17,7 @@ typedef struct fixture {
     server_options options;
     bool hold; /* keep requests; else metrics is answered at once, with reply_bytes of text */
     size_t reply_bytes;
-    bool admins; /* all clients are administrators */
+    bool admins;                        /* all clients are administrators */
     server_handle handles[FX_REQUESTS]; /* [n] of all requests, in the order of arrival */
     int methods[FX_REQUESTS];
     size_t n;
