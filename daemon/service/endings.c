@@ -6,10 +6,7 @@
 
 void ending_tell(service *s, const store_job *job) {
     catalogue_forget(s, job->id);
-    const char *name = spooled_name(s, job->key);
-    if (name != NULL) {
-        spooled_end(s, name, job);
-    }
+    spooled_end(s, job);
     waits_job_ended(s, job->id);
     server_end_job(s->server, job->id);
 }

@@ -99,7 +99,6 @@ struct service {
 
     active_job *active;
     int n_active;
-    void *spooled; /* tsearch tree: key -> active name, of files that are jobs */
     waiter *waiters;
     changed_field *news;
     solutions *solutions;
@@ -147,11 +146,21 @@ void ending_settle(service *s, int64_t id);
 /* The job is final: its file follows, and those who waited for it are answered. */
 void ending_tell(service *s, const store_job *job);
 
-/* spooled.c: files of the watch folder */
+/* spooled.c: files of the watch folder. What the store says of a job tells whether it has such a
+ * file and what it is called, not whether the spool has told of it since the start. */
 int spooled_open(service *s, shear_error *err);
-const char *spooled_name(service *s, const char *key);
-void spooled_end(service *s, const char *active_name, const store_job *job);
-void spooled_free(service *s);
+/* The name in active/ of a job's file (also a job file's); false where it has none. */
+bool spooled_name(const store_job *job, char name[SPOOL_NAME_SIZE]);
+/* Is the file that it measures the watch folder's own? (Else it is a client's, though a job file
+ * may have asked for it.) */
+bool spooled_is_own(const store_job *job);
+/* "DIRECTORY/failed/NAME", malloc'd: where a job's file is now; NULL: nowhere, or it has none. */
+char *spooled_where(const service *s, const store_job *job);
+/* The job is final: its file, if it has one, goes to done/ or failed/. */
+void spooled_end(service *s, const store_job *job);
+/* A final job is to run again: its file, if it has one, back into active/. Errors as
+ * spool_take_back; a job file may be missing, for the job knows all that it said. */
+int spooled_take_back(service *s, const store_job *job, shear_error *err);
 
 /* catalogues.c */
 char *catalogue_path(const service *s, int64_t job);  /* malloc'd; NULL where there are none */
@@ -164,7 +173,8 @@ typedef struct submission {
     access_peer peer; /* groups borrowed */
     int origin;
     const char *key;
-    const char *source; /* path to store, for the watch folder's own files; NULL: a client's */
+    const char *source;  /* path to store, for the watch folder's own files; NULL: a client's */
+    const char *dropped; /* name of the file that was dropped; NULL: none was */
 } submission;
 /* Into the store, within the group. SHEAR_RPC_OK and *id, or an error. */
 int submit_job(service *s, const submission *sub, int64_t *id, bool *known, shear_rpc_error *error);

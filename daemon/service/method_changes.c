@@ -43,18 +43,19 @@ static void reply_when_ended(service *s, after *a, int code, const shear_error *
     }
 }
 
-static void answer_later(service *s, void (*run)(service *, after *, int, const shear_error *),
-                         server_handle to, int method, int64_t job, bool flag) {
+static after *answer_later(service *s, void (*run)(service *, after *, int, const shear_error *),
+                           server_handle to, int method, int64_t job, bool flag) {
     after *a = group_after(s, run);
     if (a == NULL) {
         method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY,
                       "out of memory for a reply; the request may have been carried out");
-        return;
+        return NULL;
     }
     a->to = to;
     a->method = method;
     a->job = job;
     a->flag = flag;
+    return a;
 }
 
 void method_submit(service *s, const server_request *r) {
@@ -115,33 +116,74 @@ void method_cancel(service *s, const server_request *r) {
     answer_later(s, reply_job, r->handle, SHEAR_METHOD_CANCEL, id, false);
 }
 
-/* The files of a job that is to be tried again are opened, as at its submission, and closed. Where
- * they cannot be, the reply has been given. */
-static bool may_open(service *s, const server_request *r, int64_t id) {
-    store_job job = {0};
+/* The dropped file of a job that is to be tried again goes back into active/. */
+static int take_back(service *s, const store_job *job, shear_rpc_error *error) {
+    shear_error err = {0};
+    const int code = spooled_take_back(s, job, &err);
+    const int rpc = code == SPOOL_GONE          ? SHEAR_RPC_NO_SUCH_FILE
+                    : code == SPOOL_REPLACED    ? SHEAR_RPC_FILE_CHANGED
+                    : code == SPOOL_NOT_REGULAR ? SHEAR_RPC_NOT_REGULAR
+                                                : SHEAR_RPC_IO;
+    return code == SHEAR_OK ? SHEAR_RPC_OK
+                            : shear_rpc_fail(error, rpc, err.advice[0] != '\0' ? err.advice : NULL,
+                                             "%s", err.message);
+}
+
+/* Its files are opened, as at its submission, and closed. */
+static int try_to_open(service *s, const store_job *job, shear_rpc_error *error) {
     source_opened o;
     shear_error err = {0};
-    shear_rpc_error error;
-    int code = store_job_get(s->store, id, &job, &err);
-    if (code != SHEAR_OK) {
-        method_refuse_store(s, r->handle, code, &err);
-        return false;
+    const int code = source_open_for_job(s, job, &o, &err);
+    const int rpc = shear_rpc_code_find(o.name);
+    source_opened_deinit(&o);
+    if (code == SHEAR_OK) {
+        return SHEAR_RPC_OK;
     }
-    if (job.state == STORE_FAILED || job.state == STORE_CANCELLED) { /* else wrong_state, below */
-        code = source_open_for_job(s, &job, &o, &err);
-        source_opened_deinit(&o);
+    return spooled_is_own(job)
+               ? shear_rpc_fail(error, rpc, err.advice[0] != '\0' ? err.advice : NULL, "%s",
+                                err.message)
+               : rpc_from_access(error, code, &err);
+}
+
+/* Queued again, in this group; its file is back before. Where that was in vain, the file returns to
+ * where it was. */
+static int retry(service *s, const store_job *job, shear_rpc_error *error) {
+    shear_error err = {0};
+    const bool may = job->state == STORE_FAILED || job->state == STORE_CANCELLED;
+    int code = may ? take_back(s, job, error) : SHEAR_RPC_OK; /* else wrong_state, below */
+    if (code != SHEAR_RPC_OK) {
+        return code;
     }
-    if (code != SHEAR_OK) {
-        rpc_from_access(&error, code, &err);
-        server_reply_error(s->server, r->handle, &error);
+    code = may ? try_to_open(s, job, error) : SHEAR_RPC_OK;
+    int stored = code == SHEAR_RPC_OK ? group_begin(s, &err) : SHEAR_OK;
+    if (code == SHEAR_RPC_OK && stored == SHEAR_OK) {
+        stored = store_retry(s->store, job->id, s->config.limits.queue, &err);
     }
-    store_job_deinit(&job);
-    return code == SHEAR_OK;
+    if (stored != SHEAR_OK) {
+        code = rpc_from_store(error, stored, &err);
+    }
+    if (code != SHEAR_RPC_OK && may) {
+        spooled_end(s, job);
+    }
+    return code;
+}
+
+/* Whether the job is queued again is not on disk: the spool tells of its file once more, and that
+ * puts it where it belongs. */
+static void reply_retried(service *s, after *a, int code, const shear_error *err) {
+    shear_error ignored;
+    if (code != SHEAR_OK && a->name != NULL && s->spool != NULL) {
+        spool_refuse(s->spool, a->name, &ignored);
+    }
+    reply_job(s, a, code, err);
 }
 
 void method_retry(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
+    store_job job = {0};
     shear_error err = {0};
+    shear_rpc_error error;
+    char name[SPOOL_NAME_SIZE];
     if (!may_change(s, r, id)) {
         return;
     }
@@ -149,16 +191,16 @@ void method_retry(service *s, const server_request *r) {
         method_refuse_new(s, r->handle);
         return;
     }
-    if (!may_open(s, r, id)) {
-        return;
-    }
-    int code = group_begin(s, &err);
-    if (code == SHEAR_OK) {
-        code = store_retry(s->store, id, s->config.limits.queue, &err);
-    }
+    const int code = store_job_get(s->store, id, &job, &err);
     if (code != SHEAR_OK) {
         method_refuse_store(s, r->handle, code, &err);
-        return;
+    } else if (retry(s, &job, &error) != SHEAR_RPC_OK) {
+        server_reply_error(s->server, r->handle, &error);
+    } else {
+        after *a = answer_later(s, reply_retried, r->handle, SHEAR_METHOD_RETRY, id, false);
+        if (a != NULL && spooled_name(&job, name)) {
+            a->name = strdup(name);
+        }
     }
-    answer_later(s, reply_job, r->handle, SHEAR_METHOD_RETRY, id, false);
+    store_job_deinit(&job);
 }

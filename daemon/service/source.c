@@ -89,31 +89,36 @@ static int open_clients(service *s, const store_job *job, source_opened *o, shea
 }
 
 /* By the name that its owner gave it: in messages, and where the field is named after it. */
-static int open_spooled(service *s, const char *spooled, source_opened *o, shear_error *err) {
-    const char *dash = strchr(spooled, '-');
+static int open_spooled(service *s, const char *spooled, const char *dropped, source_opened *o,
+                        shear_error *err) {
     o->active_name = strdup(spooled);
-    o->files.paths[0] = strdup(dash != NULL ? dash + 1 : spooled);
+    o->files.paths[0] = strdup(dropped);
     o->input = shear_input_of_file(o->files.paths[0]);
+    o->job_class = STORE_TRANSIENT;
     if (o->active_name == NULL || o->files.paths[0] == NULL) {
-        o->job_class = STORE_TRANSIENT;
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a name");
+    }
+    if (s->spool == NULL) {
+        return shear_fail(err, SHEAR_E_IO, "switch the watch folder on again ([spool] enabled)",
+                          "'%s' was dropped into the watch folder, which is switched off", dropped);
     }
     int code = spool_open_file(s->spool, spooled, &o->files.fds[0], err);
     if (code == SHEAR_OK) {
         code = source_check_size(s, o->files.fds[0], o->files.paths[0], err);
     }
-    if (code == SPOOL_GONE) {
-        o->name = shear_rpc_code_get(SHEAR_RPC_FILE_VANISHED)->name;
-    } else if (code == SOURCE_E_TOO_LARGE) {
-        o->name = shear_rpc_code_get(SHEAR_RPC_FILE_TOO_LARGE)->name;
-    }
+    const int rpc = code == SPOOL_GONE           ? SHEAR_RPC_FILE_VANISHED
+                    : code == SPOOL_DENIED       ? SHEAR_RPC_NOT_READABLE
+                    : code == SPOOL_NOT_REGULAR  ? SHEAR_RPC_NOT_REGULAR
+                    : code == SOURCE_E_TOO_LARGE ? SHEAR_RPC_FILE_TOO_LARGE
+                                                 : SHEAR_RPC_IO;
+    o->name = shear_rpc_code_get(rpc)->name;
     o->job_class = code == SPOOL_GONE || code == SHEAR_E_IO ? STORE_TRANSIENT : STORE_DATA;
     return code;
 }
 
 int source_open_for_job(service *s, const store_job *job, source_opened *o, shear_error *err) {
     shear_rpc_error error;
-    const char *spooled = spooled_name(s, job->key);
+    char spooled[SPOOL_NAME_SIZE];
     *o = (source_opened){.files = {.fds = {-1, -1, -1, -1}},
                          .job_class = STORE_DATA,
                          .name = shear_rpc_code_get(SHEAR_RPC_IO)->name};
@@ -121,9 +126,9 @@ int source_open_for_job(service *s, const store_job *job, source_opened *o, shea
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the job's source cannot be read: %s",
                           error.message);
     }
-    const bool own_file = job->origin == STORE_SPOOL && spooled != NULL && o->source.path != NULL &&
-                          strstr(o->source.path, spooled) != NULL;
-    return own_file ? open_spooled(s, spooled, o, err) : open_clients(s, job, o, err);
+    return spooled_is_own(job) && spooled_name(job, spooled)
+               ? open_spooled(s, spooled, job->dropped, o, err)
+               : open_clients(s, job, o, err);
 }
 
 void source_opened_deinit(source_opened *o) {

@@ -3,73 +3,89 @@
 #include "service/inner.h"
 #include "service/source.h"
 
-#include <errno.h>
-#include <search.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-typedef struct spooled {
-    char *key, *active_name;
-} spooled;
-
-static int by_key(const void *a, const void *b) {
-    return strcmp(((const spooled *)a)->key, ((const spooled *)b)->key);
+static bool ends_with(const char *text, const char *end) {
+    const size_t n = strlen(text);
+    const size_t m = strlen(end);
+    return n >= m && strcmp(text + n - m, end) == 0;
 }
 
-static void spooled_free_one(void *p) {
-    spooled *one = p;
-    free(one->key);
-    free(one->active_name);
-    free(one);
+static bool is_job_file(const char *name) {
+    return ends_with(name, ".json");
 }
 
-static bool remember(service *s, const char *key, const char *active_name) {
-    spooled *one = malloc(sizeof *one);
-    if (one == NULL) {
+bool spooled_name(const store_job *job, char name[SPOOL_NAME_SIZE]) {
+    if (job->origin != STORE_SPOOL || job->key == NULL || job->dropped == NULL) {
         return false;
     }
-    *one = (spooled){.key = strdup(key), .active_name = strdup(active_name)};
-    spooled **found =
-        one->key != NULL && one->active_name != NULL ? tsearch(one, &s->spooled, by_key) : NULL;
-    if (found == NULL || *found != one) {
-        spooled_free_one(one);
+    const int n = snprintf(name, SPOOL_NAME_SIZE, "%s-%s", job->key, job->dropped);
+    return n > 0 && n < SPOOL_NAME_SIZE;
+}
+
+bool spooled_is_own(const store_job *job) {
+    return job->origin == STORE_SPOOL && job->dropped != NULL && !is_job_file(job->dropped);
+}
+
+static spool_place place_of(const store_job *job) {
+    spool_place place = {.name = ""};
+    if (job->resting != NULL) {
+        snprintf(place.name, sizeof place.name, "%s", job->resting);
+        snprintf(place.print, sizeof place.print, "%s",
+                 job->resting_print != NULL ? job->resting_print : "");
     }
-    return found != NULL;
+    return place;
 }
 
-const char *spooled_name(service *s, const char *key) {
-    const spooled wanted = {.key = (char *)key};
-    spooled **found = key != NULL ? tfind(&wanted, &s->spooled, by_key) : NULL;
-    return found != NULL ? (*found)->active_name : NULL;
-}
-
-static void forget(service *s, const char *key) {
-    const spooled wanted = {.key = (char *)key};
-    spooled **found = tfind(&wanted, &s->spooled, by_key);
-    if (found != NULL) {
-        spooled *one = *found;
-        tdelete(one, &s->spooled, by_key);
-        spooled_free_one(one);
+char *spooled_where(const service *s, const store_job *job) {
+    char name[SPOOL_NAME_SIZE];
+    char buffer[SPOOL_PLACE_SIZE];
+    char *path = NULL;
+    if (s->spool == NULL || !spooled_name(job, name)) {
+        return NULL;
     }
+    const spool_place place = place_of(job);
+    const char *where = spool_where(s->spool, name, &place, buffer);
+    return where != NULL && asprintf(&path, "%s/%s", s->config.spool.directory, where) > 0 ? path
+                                                                                           : NULL;
 }
 
-void spooled_free(service *s) {
-    tdestroy(s->spooled, spooled_free_one);
-    s->spooled = NULL;
+int spooled_take_back(service *s, const store_job *job, shear_error *err) {
+    char name[SPOOL_NAME_SIZE];
+    if (!spooled_name(job, name)) {
+        return SHEAR_OK;
+    }
+    if (s->spool == NULL) {
+        return shear_fail(err, SHEAR_E_IO, "switch the watch folder on again ([spool] enabled)",
+                          "'%s' was dropped into the watch folder, which is switched off",
+                          job->dropped);
+    }
+    spool_place place = place_of(job);
+    if (place.name[0] == '\0') { /* of an older version's job, or the power failed */
+        spool_find(s->spool, name, &place);
+    }
+    const int code = spool_take_back(s->spool, name, &place, err);
+    return is_job_file(job->dropped) ? SHEAR_OK : code;
 }
 
 /* The report beside the file, and the file to done/ or failed/. A report that cannot be written now
  * is tried again: the file stays in active/ and is told again. */
-static void move(service *s, const char *active_name, bool good, const shear_msg_side *side) {
+static void move(service *s, const char *active_name, bool good, const shear_msg_side *side,
+                 spool_place *place) {
     shear_rpc_error error;
     shear_error err = {0};
     char *text = NULL;
     int code = shear_side_text(&text, side, &error) == SHEAR_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
     if (code == SHEAR_OK) {
         /* Twice: the file may be there, and only an fsync missing; then it is not told again. */
-        code = spool_end(s->spool, active_name, good, text, &err);
-        code = code == SHEAR_E_IO ? spool_end(s->spool, active_name, good, text, &err) : code;
+        code = spool_end(s->spool, active_name, good, text, place, &err);
+        if (code == SHEAR_E_IO) {
+            spool_place again;
+            code = spool_end(s->spool, active_name, good, text, &again, &err);
+            *place = again.name[0] != '\0' ? again : *place;
+        }
     }
     free(text);
     if (code != SHEAR_OK) {
@@ -78,9 +94,28 @@ static void move(service *s, const char *active_name, bool good, const shear_msg
     }
 }
 
-void spooled_end(service *s, const char *active_name, const store_job *job) {
-    const char *dash = strchr(active_name, '-');
-    shear_msg_side side = {.file = dash != NULL ? dash + 1 : active_name,
+/* Where it lies is a help, not part of the job: that it could not be kept is no failure. */
+static void keep_place(service *s, int64_t job, const spool_place *place) {
+    shear_error err = {0};
+    if (place->name[0] == '\0') {
+        return; /* it had been moved before */
+    }
+    int code = group_begin(s, &err);
+    if (code == SHEAR_OK) {
+        code = store_rested(s->store, job, place->name, place->print, &err);
+    }
+    if (code != SHEAR_OK) {
+        log_warning("job %lld: where its file lies is not kept: %s", (long long)job, err.message);
+    }
+}
+
+void spooled_end(service *s, const store_job *job) {
+    char name[SPOOL_NAME_SIZE];
+    spool_place place = {.name = ""};
+    if (s->spool == NULL || !spooled_name(job, name)) {
+        return;
+    }
+    shear_msg_side side = {.file = job->dropped,
                            .state = job->state,
                            .code = job->state == STORE_DONE ? NULL : job->code,
                            .message = job->message,
@@ -88,11 +123,9 @@ void spooled_end(service *s, const char *active_name, const store_job *job) {
                            .written_ms = wall_ms(),
                            .version = SHEARD_VERSION};
     present_job(s, job, &side.job);
-    move(s, active_name, job->state == STORE_DONE, &side);
+    move(s, name, job->state == STORE_DONE, &side, &place);
     present_job_free(&side.job);
-    if (job->key != NULL) {
-        forget(s, job->key);
-    }
+    keep_place(s, job->id, &place);
 }
 
 /* A file that never becomes a job. */
@@ -109,14 +142,9 @@ static void reject(service *s, const spool_file *file, const shear_rpc_error *wh
                                          .message = why->message,
                                          .advice = why->advice,
                                          .source = {.path = file->name}}};
+    spool_place ignored;
     log_notice("%s is no job: %s", file->name, why->message);
-    move(s, file->active_name, false, &side);
-}
-
-static bool ends_with(const char *text, const char *end) {
-    const size_t n = strlen(text);
-    const size_t m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
+    move(s, file->active_name, false, &side, &ignored);
 }
 
 /* The job that a file stands for is on disk (or not): if it has ended already (a restart between
@@ -131,7 +159,7 @@ static void submitted(service *s, after *a, int code, const shear_error *err) {
     store_job job = {0};
     if (store_job_get(s->store, a->job, &job, &ignored) == SHEAR_OK) {
         if (shear_job_state_is_final(job.state)) {
-            spooled_end(s, a->name, &job);
+            spooled_end(s, &job);
         } else {
             publish_job(s, &job);
         }
@@ -139,25 +167,50 @@ static void submitted(service *s, after *a, int code, const shear_error *err) {
     store_job_deinit(&job);
 }
 
+/* This file is that job, once the group is on disk. */
+static void follow(service *s, const spool_file *file, int64_t id) {
+    after *a = group_after(s, submitted);
+    if (a != NULL) {
+        a->job = id;
+        a->name = strdup(file->active_name);
+    }
+    if (a == NULL || a->name == NULL) {
+        log_error("out of memory: %s waits in active/ for the next start", file->active_name);
+    }
+}
+
 static void submit_file(service *s, const spool_file *file, const submission *sub) {
     shear_rpc_error error;
     shear_error ignored;
     int64_t id = 0;
     bool known = false;
-    const int code = submit_job(s, sub, &id, &known, &error);
-    after *a = code == SHEAR_RPC_OK ? group_after(s, submitted) : NULL;
-    if (a != NULL) {
-        a->job = id;
-        a->name = strdup(file->active_name);
-    }
-    if (code == SHEAR_RPC_OK &&
-        (a == NULL || a->name == NULL || !remember(s, file->key, file->active_name))) {
-        log_error("out of memory: %s waits in active/ for the next start", file->active_name);
-    } else if (code != SHEAR_RPC_OK && error.retry) {
+    if (submit_job(s, sub, &id, &known, &error) == SHEAR_RPC_OK) {
+        follow(s, file, id);
+    } else if (error.retry) {
         spool_refuse(s->spool, file->active_name, &ignored);
-    } else if (code != SHEAR_RPC_OK) {
+    } else {
         reject(s, file, &error);
     }
+}
+
+/* A file that was told before is a job already, most likely. What it would become now (the
+ * defaults, or the files that a job file names, may have changed) is not asked. */
+static bool is_known(service *s, const spool_file *file) {
+    shear_error err = {0};
+    int64_t id = 0;
+    int code = file->again ? group_begin(s, &err) : SHEAR_OK;
+    if (code == SHEAR_OK && file->again) {
+        code = store_find_dropped(s->store, file->owner, file->key, file->name, &id, &err);
+    }
+    if (code != SHEAR_OK) {
+        log_warning("%s stays in active/: %s", file->active_name, err.message);
+        spool_refuse(s->spool, file->active_name, &err);
+        return true;
+    }
+    if (id != 0) {
+        follow(s, file, id);
+    }
+    return id != 0;
 }
 
 /* A job file: read whole, bounded, then as a submit of the file's owner. */
@@ -212,9 +265,13 @@ static void found(void *context, const spool_file *file) {
     char path[4400];
     static const shear_msg_submit plain = {0};
     shear_error err = {0};
-    submission sub = {.submit = &plain, .origin = STORE_SPOOL, .key = file->key};
+    submission sub = {
+        .submit = &plain, .origin = STORE_SPOOL, .key = file->key, .dropped = file->name};
+    if (is_known(s, file)) {
+        return;
+    }
     snprintf(path, sizeof path, "%s/active/%s", s->config.spool.directory, file->active_name);
-    if (ends_with(file->name, ".json")) {
+    if (is_job_file(file->name)) {
         if (access_peer_from_user(file->owner, (gid_t)-1, &sub.peer, &err) == SHEAR_OK) {
             submit_job_file(s, file, &sub);
             access_peer_deinit(&sub.peer);

@@ -181,7 +181,6 @@ void service_close(service *s) {
     waits_free(s);
     news_free(s);
     solutions_free(s->solutions);
-    spooled_free(s);
     store_close(s->store);
     access_list_free(s->admins);
     access_list_free(s->submitters);

@@ -93,6 +93,7 @@ static int into_store(service *s, const submission *sub, const shear_msg_source 
                              .settings = text,
                              .settings_digest = hex,
                              .key = sub->key,
+                             .dropped = sub->dropped,
                              .origin = sub->origin,
                              .priority = (int)sub->submit->priority,
                              .force = sub->submit->force,

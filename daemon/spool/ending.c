@@ -25,7 +25,6 @@ typedef struct ending {
     int folder; /* DONE or FAILED */
     char target[NAME_SIZE];
     char report[NAME_SIZE];
-    char undo[NAME_SIZE];
     char temporary[NAME_SIZE];
 } ending;
 
@@ -200,17 +199,25 @@ static int write_report(const folders *f, const ending *e, const char *text) {
     return error;
 }
 
-static int write_undo(const folders *f, const ending *e) {
+int ending_note(const folders *f, const char *active_name, int folder, const char *name) {
     char text[NAME_SIZE + 8];
-    snprintf(text, sizeof text, "%s/%s", folder_name(e->folder), e->target);
-    remove_name(f, ACTIVE, e->undo); /* of an ending that could not even be undone */
-    return symlinkat(text, f->fd[ACTIVE], e->undo) == 0 ? 0 : errno;
+    char link[NAME_SIZE];
+    join(link, ".", active_name, undo_suffix);
+    snprintf(text, sizeof text, "%s/%s", folder_name(folder), name);
+    ending_forget(f, active_name); /* of an ending that could not even be undone */
+    return symlinkat(text, f->fd[ACTIVE], link) == 0 ? 0 : errno;
+}
+
+void ending_forget(const folders *f, const char *active_name) {
+    char link[NAME_SIZE];
+    join(link, ".", active_name, undo_suffix);
+    remove_name(f, ACTIVE, link);
 }
 
 /* Everything up to the move of the file; all undone where it fails. */
 static int move_with_report(const folders *f, const ending *e, const char *text) {
     bool reported = false;
-    int error = write_undo(f, e);
+    int error = ending_note(f, e->active_name, e->folder, e->target);
     if (error == 0) {
         error = write_report(f, e, text);
     }
@@ -229,23 +236,23 @@ static int move_with_report(const folders *f, const ending *e, const char *text)
             remove_name(f, e->folder, e->report);
         }
         remove_name(f, ACTIVE, e->temporary);
-        remove_name(f, ACTIVE, e->undo);
+        ending_forget(f, e->active_name);
     }
     return error;
 }
 
-static int sync_both(const folders *f, int folder) {
+int ending_sync(const folders *f, int folder) {
     const int error = folder_sync(f, folder);
     return error == 0 ? folder_sync(f, ACTIVE) : error;
 }
 
-static int end_file(spool *s, ending *e, const char *text) {
+static int end_file(spool *s, ending *e, const char *text, spool_place *place) {
     struct stat st;
     const folders *f = &s->folders;
     int error = folder_stat(f, ACTIVE, e->active_name, &st);
     if (error == ENOENT) {
-        remove_name(f, ACTIVE, e->undo);
-        return sync_both(f, e->folder);
+        ending_forget(f, e->active_name);
+        return ending_sync(f, e->folder);
     }
     if (error == 0) {
         error = choose_target(f, e);
@@ -260,14 +267,17 @@ static int end_file(spool *s, ending *e, const char *text) {
     s->stats.active--;
     s->stats.done += e->folder == DONE;
     s->stats.failed += e->folder == FAILED;
-    error = sync_both(f, e->folder);
+    place_set(f, place, e->folder, e->target);
+    error = ending_sync(f, e->folder);
     if (error == 0) {
-        remove_name(f, ACTIVE, e->undo);
+        ending_forget(f, e->active_name);
     }
     return error;
 }
 
-int spool_end(spool *s, const char *active_name, bool good, const char *report, shear_error *err) {
+int spool_end(spool *s, const char *active_name, bool good, const char *report, spool_place *place,
+              shear_error *err) {
+    spool_place ignored;
     ending e = {.active_name = active_name,
                 .name = name_of_active(active_name),
                 .folder = good ? DONE : FAILED};
@@ -275,9 +285,10 @@ int spool_end(spool *s, const char *active_name, bool good, const char *report, 
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "'%.255s' is no name of the spool's",
                           active_name);
     }
-    join(e.undo, ".", active_name, undo_suffix);
     join(e.temporary, ".", active_name, temporary_suffix);
-    const int error = end_file(s, &e, report);
+    place = place != NULL ? place : &ignored;
+    *place = (spool_place){.name = ""};
+    const int error = end_file(s, &e, report, place);
     if (error == 0) {
         return SHEAR_OK;
     }

@@ -59,6 +59,13 @@ bool offers_tell(spool *s);
 
 /* ending.c: undo what a crash left half done in active/ */
 int ending_recover(const folders *f, shear_error *err);
+/* The undo log: the file is under way between active/ and FOLDER/NAME. These return 0 or errno. */
+int ending_note(const folders *f, const char *active_name, int folder, const char *name);
+void ending_forget(const folders *f, const char *active_name);
+int ending_sync(const folders *f, int folder); /* that folder and active/ */
+
+/* returning.c: this file is there now */
+void place_set(const folders *f, spool_place *place, int folder, const char *name);
 
 /* sweep.c */
 bool sweep_step(spool *s);

@@ -37,13 +37,15 @@ enum spool_code {
     SPOOL_LOCKED = 100, /* another process owns this spool */
     SPOOL_GONE,         /* the file vanished from active/ */
     SPOOL_DENIED,       /* the service may not read the file */
-    SPOOL_NOT_REGULAR   /* a link, directory or device */
+    SPOOL_NOT_REGULAR,  /* a link, directory or device */
+    SPOOL_REPLACED      /* another file lies where it lay, or it was changed there */
 };
 
 /* As enum sheard_log_level numbers them. */
 enum spool_level { SPOOL_ERROR, SPOOL_WARNING, SPOOL_NOTICE };
 
-enum { SPOOL_KEY_SIZE = 35 }; /* bytes, with the final NUL */
+/* Bytes, with the final NUL. */
+enum { SPOOL_KEY_SIZE = 35, SPOOL_NAME_SIZE = 256, SPOOL_PLACE_SIZE = 264, SPOOL_PRINT_SIZE = 64 };
 
 typedef struct spool_file {
     const char *active_name; /* names the file to the calls below */
@@ -62,6 +64,12 @@ typedef struct spool_callbacks {
     void (*log)(void *context, int level, const char *text); /* one line */
     void *context;
 } spool_callbacks;
+
+/* Where an ended file lies. */
+typedef struct spool_place {
+    char name[SPOOL_PLACE_SIZE];  /* "failed/NAME"; "": not known */
+    char print[SPOOL_PRINT_SIZE]; /* tells it from another file of this name; "": not known */
+} spool_place;
 
 /* What stays in done/ or failed/; the oldest go first, a file and its report together. 0: no
  * limit. */
@@ -104,8 +112,23 @@ int spool_open_file(const spool *s, const char *active_name, int *fd, shear_erro
 /* Write the report (a text of the caller's) to done/ (good) or failed/, then move the file there.
  * On disk when this returns SHEAR_OK. After an error nothing has happened, or only the last fsync
  * is missing: call it again. A file that is no longer in active/ has been moved before (or was
- * taken away): SHEAR_OK. SHEAR_E_IO, SHEAR_E_INTERNAL (not an active name). */
-int spool_end(spool *s, const char *active_name, bool good, const char *report, shear_error *err);
+ * taken away): SHEAR_OK. *place (NULL: not wanted) tells where it is now; not known in that case.
+ * SHEAR_E_IO, SHEAR_E_INTERNAL (not an active name). */
+int spool_end(spool *s, const char *active_name, bool good, const char *report, spool_place *place,
+              shear_error *err);
+
+/* The way back: the file goes from `place` to active/ and its report away, all on disk when this
+ * returns SHEAR_OK. The owner has accepted it already: it is not told, but by the next spool_open.
+ * Where it is in active/ nothing happens. An error: the file is where it was. SPOOL_GONE,
+ * SPOOL_REPLACED, SPOOL_NOT_REGULAR, SHEAR_E_IO, SHEAR_E_INTERNAL (no such names). */
+int spool_take_back(spool *s, const char *active_name, const spool_place *place, shear_error *err);
+/* Is it in active/, or at `place`? In active/: "active/ACTIVE_NAME"; else place->name, or NULL
+ * where it is in neither. `buffer` is for the former. */
+const char *spool_where(const spool *s, const char *active_name, const spool_place *place,
+                        char buffer[SPOOL_PLACE_SIZE]);
+/* Look for an ended file whose place was not kept: for a report that has its key in it, among the
+ * first names that it may have been given. The place is not known where there is none. */
+void spool_find(const spool *s, const char *active_name, spool_place *place);
 
 typedef struct spool_stats {
     int64_t waiting; /* in incoming/: those that settle, and those that wait for room */

@@ -60,7 +60,7 @@ static const char *const contradictions[][2] = {
     {"SELECT id FROM fields f WHERE (jobs, n_stamps, n_used, elapsed_us) IS NOT (SELECT count(*),"
      " sum(n_stamps), sum(n_used), sum(elapsed_us) FROM contributions WHERE field = f.id)",
      "a field's numbers are not its contributions'"},
-    {"SELECT 1 FROM totals WHERE counted <> (SELECT count(*) FROM contributions)"
+    {"SELECT 1 FROM totals WHERE counted <> retracted + (SELECT count(*) FROM contributions)"
      " OR submitted <> retired + (SELECT count(*) FROM jobs)"
      " OR fields <> (SELECT count(*) FROM fields)",
      "the totals are wrong"},

@@ -17,6 +17,7 @@ struct store {
     bool group_lost; /* SQLite rolled the group back by itself */
     int lost_code;   /* of the operation that lost it: SHEAR_E_FULL or SHEAR_E_IO */
     store_opening opening;
+    char identity[33];
     char path[STORE_PATH_MAX + 1];
 };
 

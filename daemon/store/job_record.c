@@ -43,12 +43,16 @@ static void read_texts(query *q, store_job *job) {
     job->result = query_get_text(q);
     job->catalogue = query_get_text(q);
     job->groups = query_get_text(q);
+    job->dropped = query_get_text(q);
+    job->resting = query_get_text(q);
+    job->resting_print = query_get_text(q);
 }
 
 void store_job_deinit(store_job *job) {
-    char *const texts[] = {job->field,  job->source,  job->settings,  job->settings_digest,
-                           job->key,    job->content, job->code,      job->message,
-                           job->advice, job->result,  job->catalogue, job->groups};
+    char *const texts[] = {job->field,   job->source,  job->settings,     job->settings_digest,
+                           job->key,     job->content, job->code,         job->message,
+                           job->advice,  job->result,  job->catalogue,    job->groups,
+                           job->dropped, job->resting, job->resting_print};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         free(texts[i]);
     }

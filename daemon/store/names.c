@@ -14,8 +14,8 @@ const char *store_code_name(int code) {
 }
 
 const char *store_state_name(int state) {
-    static const char *const names[] = {"queued", "running", "waiting",
-                                        "done",   "failed",  "cancelled"};
+    static const char *const names[] = {"queued", "running",   "waiting",  "done",
+                                        "failed", "cancelled", "retracted"};
     return NAME_IN(names, state);
 }
 

@@ -74,8 +74,10 @@ static int retire(store *s, const store_retention *rule, int64_t *gone, shear_er
         return code;
     }
     code = store_count(s, &counts, err);
-    const int64_t finished =
-        counts.jobs[STORE_DONE] + counts.jobs[STORE_FAILED] + counts.jobs[STORE_CANCELLED];
+    int64_t finished = 0;
+    for (int state = STORE_DONE; state < STORE_N_STATES; state++) {
+        finished += counts.jobs[state];
+    }
     const int64_t excess = finished - rule->keep;
     const int64_t room = rule->batch - *gone;
     return code == SHEAR_OK ? retire_some(s, INT64_MAX, excess < room ? excess : room, gone, err)

@@ -240,6 +240,53 @@ static const char *const version_4[] = {
     /* Why jobs wait: looked at often, while there may be very many of them. */
     "CREATE INDEX jobs_waiting_reason ON jobs(code, not_before_ms, attempts, state) WHERE state = "
     "2",
+
+    /* Files of the watch folder by their names, jobs whose contribution was taken back, and which
+     * database this is. A check cannot be altered: its text is changed, as SQLite's ALTER TABLE
+     * page says (it describes no bytes on disk). */
+    "PRAGMA writable_schema = ON",
+    "UPDATE sqlite_schema SET sql = replace(sql, 'CHECK (state BETWEEN 0 AND 5)',"
+    " 'CHECK (state BETWEEN 0 AND 6)') WHERE type = 'table' AND name = 'jobs'",
+    "PRAGMA writable_schema = RESET", "INSERT INTO counts VALUES (6, 0)",
+
+    /* Made by chance, kept for ever: what lies beside the database (catalogues) is marked with it.
+     */
+    "CREATE TABLE identity(id INTEGER PRIMARY KEY CHECK (id = 1), text TEXT NOT NULL) STRICT",
+    "INSERT INTO identity VALUES (1, lower(hex(randomblob(16))))",
+
+    /* The name in incoming/; where the file lies since the job is final ("failed/NAME"), and what
+     * tells it from another file that is put there. NULL: not known, or no such file. */
+    "ALTER TABLE jobs ADD COLUMN dropped TEXT", "ALTER TABLE jobs ADD COLUMN resting TEXT",
+    "ALTER TABLE jobs ADD COLUMN resting_print TEXT",
+    "UPDATE jobs SET dropped = substr(old.path, instr(old.path, old.mark) + length(old.mark))"
+    " FROM (SELECT id, '/active/' || idempotency_key || '-' AS mark,"
+    "  iif(json_valid(source), json_extract(source, '$.path'), NULL) AS path"
+    "  FROM jobs WHERE origin = 0) AS old"
+    " WHERE jobs.id = old.id AND instr(old.path, old.mark) > 0",
+
+    "ALTER TABLE totals ADD COLUMN retracted INTEGER NOT NULL DEFAULT 0",
+    "DROP TRIGGER job_finished",
+    "CREATE TRIGGER job_finished AFTER UPDATE OF state ON jobs"
+    " WHEN OLD.state < 3 AND NEW.state >= 3 BEGIN"
+    " UPDATE totals SET"
+    "  counted = counted + (NEW.outcome = 1),"
+    "  duplicates = duplicates + (NEW.outcome = 2),"
+    "  failed = failed + (NEW.state = 4),"
+    "  cancelled = cancelled + (NEW.state = 5),"
+    "  n_stamps = n_stamps + iif(NEW.outcome = 1, NEW.n_stamps, 0),"
+    "  n_used = n_used + iif(NEW.outcome = 1, NEW.n_used, 0),"
+    "  elapsed_us = elapsed_us + NEW.elapsed_us"
+    " WHERE id = 1;"
+    " END",
+    "CREATE TRIGGER contribution_removed BEFORE DELETE ON contributions BEGIN"
+    " DELETE FROM contribution_terms WHERE contribution = OLD.id;"
+    " UPDATE totals SET retracted = retracted + 1 WHERE id = 1;"
+    " END",
+    "CREATE TRIGGER field_removed AFTER DELETE ON fields BEGIN"
+    " UPDATE totals SET fields = fields - 1 WHERE id = 1;"
+    " UPDATE settings SET uses = uses - 1 WHERE digest = OLD.settings;"
+    " DELETE FROM settings WHERE digest = OLD.settings AND uses = 0;"
+    " END",
     NULL};
 
 const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3, version_4};
@@ -248,6 +295,7 @@ int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int 
                    shear_error *err) {
     char stamp[96];
     int code = SHEAR_OK;
+    sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 0, NULL);
     for (int v = from; v < to && code == SHEAR_OK; v++) {
         for (const char *const *sql = steps[v]; *sql != NULL && code == SHEAR_OK; sql++) {
             code = database_exec(db, path, *sql, err);
@@ -261,5 +309,6 @@ int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int 
                  SCHEMA_APPLICATION, to);
         code = database_exec(db, path, stamp, err);
     }
+    sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     return code;
 }

@@ -18,18 +18,22 @@ const char *const sql_texts[SQL_N] = {
     [SQL_RELEASE] = "RELEASE operation",
     [SQL_ROLLBACK_TO] = "ROLLBACK TO operation",
 
+    [SQL_IDENTITY] = "SELECT text FROM identity",
     [SQL_UNFINISHED] = "SELECT sum(n) FROM counts WHERE state < 3",
     [SQL_KEY_FIND] =
         "SELECT id, source = ?3 AND settings = ?4 AND field_asked IS ?5 AND origin = ?6"
         " AND priority = ?7 AND forced = ?8"
         " FROM jobs INDEXED BY jobs_key WHERE owner = ?1 AND idempotency_key = ?2",
+    [SQL_DROPPED_FIND] = "SELECT id, dropped IS NOT NULL FROM jobs INDEXED BY jobs_key"
+                         " WHERE owner = ?1 AND idempotency_key = ?2 AND origin = 0",
+    [SQL_DROPPED_SET] = "UPDATE jobs SET dropped = ?2 WHERE id = ?1",
     [SQL_SETTINGS_FIND] = "SELECT text = ?2 FROM settings WHERE digest = ?1",
     [SQL_SETTINGS_ADD] = "INSERT INTO settings(digest, text) VALUES (?1, ?2)",
     [SQL_CREDENTIALS_FIND] = "SELECT id FROM credentials WHERE gid = ?1 AND supplementary = ?2",
     [SQL_CREDENTIALS_ADD] = "INSERT INTO credentials(gid, supplementary) VALUES (?1, ?2)",
     [SQL_JOB_ADD] = "INSERT INTO jobs(owner, idempotency_key, source, settings, field, field_asked,"
-                    " origin, priority, forced, created_ms, credentials)"
-                    " VALUES (?1, ?2, ?3, ?4, ?5, ?5, ?6, ?7, ?8, ?9, nullif(?10, 0))",
+                    " origin, priority, forced, created_ms, credentials, dropped)"
+                    " VALUES (?1, ?2, ?3, ?4, ?5, ?5, ?6, ?7, ?8, ?9, nullif(?10, 0), ?11)",
 
     [SQL_WAKE] = "UPDATE jobs INDEXED BY jobs_waiting SET state = 0, not_before_ms = 0"
                  " WHERE state = 2 AND not_before_ms <= ?1",
@@ -76,7 +80,8 @@ const char *const sql_texts[SQL_N] = {
     [SQL_JOB_ASK_CANCEL] = "UPDATE jobs SET cancel_asked = 1 WHERE id = ?1",
     [SQL_JOB_RETRY] = "UPDATE jobs SET state = 0, finished_ms = 0, attempts = 0, failures = 0,"
                       " interrupted = 0, failure_class = 0, code = NULL, message = NULL,"
-                      " advice = NULL WHERE id = ?1",
+                      " advice = NULL, resting = NULL, resting_print = NULL WHERE id = ?1",
+    [SQL_JOB_RESTED] = "UPDATE jobs SET resting = ?2, resting_print = ?3 WHERE id = ?1",
     [SQL_CHECKPOINT_SET] = "INSERT INTO checkpoints(job, next_block, sums) VALUES (?1, ?2, ?3)"
                            " ON CONFLICT (job) DO UPDATE SET next_block = ?2, sums = ?3",
     [SQL_CHECKPOINT_GET] = "SELECT next_block, sums FROM checkpoints WHERE job = ?1",
@@ -118,7 +123,8 @@ const char *const sql_texts[SQL_N] = {
         " (SELECT gid FROM credentials WHERE id = jobs.credentials),"
         " field, source, t.text, settings, idempotency_key, content, code, message,"
         " advice, result, catalogue,"
-        " (SELECT supplementary FROM credentials WHERE id = jobs.credentials)"
+        " (SELECT supplementary FROM credentials WHERE id = jobs.credentials),"
+        " dropped, resting, resting_print"
         " FROM jobs CROSS JOIN settings t ON t.digest = settings WHERE id = ?1",
     [SQL_JOBS_BY_STATE] = "SELECT id FROM jobs INDEXED BY jobs_state"
                           " WHERE state = ?1 AND id < ?2 ORDER BY id DESC LIMIT ?3",

@@ -38,6 +38,26 @@ static int bring_up_to_date(store *s, int version, shear_error *err) {
     return code == SHEAR_OK ? database_exec(s->db, s->path, "COMMIT", err) : code;
 }
 
+static int read_identity(store *s, shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_IDENTITY);
+    int code = query_step(&q, &row, err);
+    char *text = row ? query_get_text(&q) : NULL;
+    if (code == SHEAR_OK && row) {
+        code = query_got(&q, err);
+    }
+    query_end(&q);
+    if (code == SHEAR_OK && (text == NULL || strlen(text) != sizeof s->identity - 1)) {
+        code = shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
+                          "%s: does not say which database it is", s->path);
+    }
+    if (code == SHEAR_OK) {
+        stpcpy(s->identity, text);
+    }
+    free(text);
+    return code;
+}
+
 static int next_running(store *s, int64_t *id, shear_error *err) {
     bool row = false;
     query q = query_on(s, SQL_RUNNING);
@@ -91,6 +111,9 @@ int store_open(store **out, const char *path, const store_options *options, int6
         code = database_use_wal(s->db, s->path, err);
     }
     if (code == SHEAR_OK) {
+        code = read_identity(s, err);
+    }
+    if (code == SHEAR_OK) {
         code = recover(s, now_ms, err);
     }
     if (code != SHEAR_OK) {
@@ -114,6 +137,10 @@ void store_close(store *s) {
         close(s->lock);
     }
     free(s);
+}
+
+const char *store_identity(const store *s) {
+    return s->identity;
 }
 
 const store_opening *store_opened(const store *s) {

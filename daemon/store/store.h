@@ -84,7 +84,8 @@ enum store_state {
     STORE_DONE = 3,
     STORE_FAILED = 4,
     STORE_CANCELLED = 5,
-    STORE_N_STATES = 6
+    STORE_RETRACTED = 6, /* was counted, and its contribution was taken back */
+    STORE_N_STATES = 7
 };
 enum store_outcome {
     STORE_NO_OUTCOME = 0,
@@ -139,6 +140,8 @@ typedef struct store_opening {
  * SHEAR_E_NOMEM. A database that is refused is left as it was. */
 int store_open(store **s, const char *path, const store_options *options, int64_t now_ms,
                shear_error *err);
+/* Which database this is: hexadecimal digits, made by chance with the database. */
+const char *store_identity(const store *s);
 /* A group that is open is rolled back. NULL is accepted. */
 void store_close(store *s);
 const store_opening *store_opened(const store *s); /* lives as long as s */
@@ -173,6 +176,7 @@ typedef struct store_spec {
     const char
         *settings_digest; /* stands for it: the same digest with another text is SHEAR_E_INTERNAL */
     const char *key;      /* idempotency key, unique for an owner; NULL: none */
+    const char *dropped;  /* STORE_SPOOL: the file's name; else NULL */
     int origin;           /* enum store_origin */
     int priority;         /* higher runs first */
     bool force;           /* count it even where its identity was counted before */
@@ -184,12 +188,19 @@ typedef struct store_spec {
 } store_spec;
 
 /* Queue a job. *id grows with every new job and is never given twice. Where the owner's key is
- * known: the same request (all of the spec but gid, groups and created_ms) gives that job's id, and
- * *known is true, whatever the queue; another is STORE_KEY_REUSED. A key is known as long as its
- * job is kept (store_retire). STORE_QUEUE_FULL where there are `max_unfinished` queued, running and
- * waiting jobs or more. */
+ * known: the same request (all of the spec but dropped, gid, groups and created_ms) gives that
+ * job's id, and *known is true, whatever the queue; another is STORE_KEY_REUSED. A key is known as
+ * long as its job is kept (store_retire). STORE_QUEUE_FULL where there are `max_unfinished` queued,
+ * running and waiting jobs or more. */
 int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64_t *id, bool *known,
                  shear_error *err);
+/* The job of a file of the watch folder that may have been told before, whatever else a request for
+ * it would say now (the configured defaults may have changed); *id is 0 where there is none. */
+int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dropped, int64_t *id,
+                       shear_error *err);
+/* Where a dropped file lies now that its job is final: a place and a mark of the caller's, both at
+ * most STORE_PATH_MAX bytes; forgotten by store_retry. */
+int store_rested(store *s, int64_t id, const char *resting, const char *print, shear_error *err);
 
 typedef struct store_job {
     int64_t id;
@@ -227,6 +238,9 @@ typedef struct store_job {
     char *advice;
     char *result; /* of a done job, as given to store_finish */
     char *catalogue;
+    char *dropped; /* as given to store_submit */
+    char *resting; /* as given to store_rested, both */
+    char *resting_print;
 } store_job;
 void store_job_deinit(store_job *job);
 

@@ -21,6 +21,9 @@ static int check_spec(const store_spec *p, shear_error *err) {
     if (code == SHEAR_OK) {
         code = query_check_text("idempotency key", p->key, STORE_KEY_MAX, true, err);
     }
+    if (code == SHEAR_OK) {
+        code = query_check_text("dropped file's name", p->dropped, STORE_PATH_MAX, true, err);
+    }
     if (code == SHEAR_OK && p->groups != NULL && strlen(p->groups) > STORE_GROUPS_MAX) {
         code = shear_fail(err, STORE_BAD_TEXT, NULL, "the list of groups has more than %d bytes",
                           STORE_GROUPS_MAX);
@@ -119,6 +122,7 @@ static int add_job(store *s, const store_spec *p, int64_t *id, shear_error *err)
     query q = query_spec(s, SQL_JOB_ADD, p);
     query_int(&q, p->created_ms);
     query_int(&q, credentials);
+    query_text(&q, p->dropped);
     code = query_run(&q, err);
     *id = code == SHEAR_OK ? sqlite3_last_insert_rowid(s->db) : 0;
     return code;
@@ -155,6 +159,59 @@ int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64
         *known = false;
     }
     return code;
+}
+
+static int find_dropped(store *s, uint32_t owner, const char *key, const char *dropped, int64_t *id,
+                        shear_error *err) {
+    bool row = false;
+    query find = query_on(s, SQL_DROPPED_FIND);
+    query_int(&find, owner);
+    query_text(&find, key);
+    const int code = query_step(&find, &row, err);
+    *id = row ? query_get_int(&find) : 0;
+    const bool named = row && query_get_int(&find) != 0;
+    query_end(&find);
+    if (code != SHEAR_OK || *id == 0 || named) {
+        return code;
+    }
+    query name = query_on(s, SQL_DROPPED_SET); /* a job of an older version's */
+    query_int(&name, *id);
+    query_text(&name, dropped);
+    return query_run(&name, err);
+}
+
+int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dropped, int64_t *id,
+                       shear_error *err) {
+    *id = 0;
+    int code = query_check_text("dropped file's name", dropped, STORE_PATH_MAX, false, err);
+    if (code == SHEAR_OK) {
+        code = operation_begin(s, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_end(s, find_dropped(s, owner, key, dropped, id, err), err);
+    *id = code == SHEAR_OK ? *id : 0;
+    return code;
+}
+
+static int rested(store *s, int64_t id, const char *resting, const char *print, shear_error *err) {
+    query q = query_on(s, SQL_JOB_RESTED);
+    query_int(&q, id);
+    query_text(&q, resting);
+    query_text(&q, print);
+    return query_run(&q, err);
+}
+
+int store_rested(store *s, int64_t id, const char *resting, const char *print, shear_error *err) {
+    int code = query_check_text("place of a dropped file", resting, STORE_PATH_MAX, false, err);
+    if (code == SHEAR_OK) {
+        code = query_check_text("mark of a dropped file", print, STORE_PATH_MAX, true, err);
+    }
+    if (code == SHEAR_OK) {
+        code = operation_begin(s, err);
+    }
+    return code == SHEAR_OK ? operation_end(s, rested(s, id, resting, print, err), err) : code;
 }
 
 static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {

@@ -20,6 +20,7 @@ set(names # one a line: whoever adds one does not get into another's way
   basic
   crash
   disk
+  dropped
   faults
   hostile
   memory

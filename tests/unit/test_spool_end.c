@@ -131,13 +131,97 @@ static void opening_taken_files(void **state) {
     }
 }
 
+/* Ends it in failed/, as the `n`-th of its name. */
+static spool_place fail_it(spool_fixture *f, int found) {
+    shear_error err = {0};
+    spool_place place;
+    assert_int_equal(
+        spool_end(f->spool, f->found[found].active_name, false, f->found[found].key, &place, &err),
+        SHEAR_OK);
+    return place;
+}
+
+static int take_back(const spool_fixture *f, int found, const spool_place *place) {
+    shear_error err = {0};
+    const int code = spool_take_back(f->spool, f->found[found].active_name, place, &err);
+    assert_true(code == SHEAR_OK || code == SHEAR_E_INTERNAL || err.advice[0] != '\0');
+    return code;
+}
+
+static void back_and_again(void **state) {
+    spool_fixture *f = *state;
+    char buffer[SPOOL_PLACE_SIZE];
+    char path[FIXTURE_NAME + 16];
+    fixture_open(f);
+    const int n = take(f, "a.fits", "a");
+    const char *name = f->found[n].active_name;
+    spool_place place = {.name = ""};
+    snprintf(path, sizeof path, "active/%s", name);
+    assert_string_equal(spool_where(f->spool, name, &place, buffer), path);
+    for (int i = 0; i < 3; i++) {
+        place = fail_it(f, n);
+        assert_string_equal(place.name, "failed/a.fits");
+        assert_string_equal(spool_where(f->spool, name, &place, buffer), "failed/a.fits");
+        assert_int_equal(fixture_count(f, "active"), 0);
+        assert_int_equal(take_back(f, n, &place), SHEAR_OK);
+        assert_int_equal(take_back(f, n, &place), SHEAR_OK); /* it is there already */
+        fixture_expect(f, path, "a");
+        assert_int_equal(fixture_count(f, "failed"), 0);
+        assert_int_equal(spool_get_stats(f->spool).active, 1);
+    }
+    fixture_run_for(f, 20);
+    assert_int_equal(f->n_found, 1); /* its owner knows of it */
+    fixture_end(f, n, true, "{}");
+    fixture_expect(f, "done/a.fits", "a");
+    assert_null(spool_where(f->spool, name, &place, buffer));
+}
+
+static void not_what_it_was(void **state) {
+    spool_fixture *f = *state;
+    fixture_open(f);
+    const int n = take(f, "a.fits", "a");
+    const spool_place place = fail_it(f, n);
+    fixture_write(f, "failed/a.fits", "longer");
+    assert_int_equal(take_back(f, n, &place), SPOOL_REPLACED);
+    fixture_expect(f, "failed/a.fits", "longer");
+    assert_int_equal(unlink(fixture_path(f, "failed/a.fits")), 0);
+    assert_int_equal(take_back(f, n, &place), SPOOL_GONE);
+    assert_int_equal(symlink("/etc/passwd", fixture_path(f, "failed/a.fits")), 0);
+    assert_int_equal(take_back(f, n, &place), SPOOL_NOT_REGULAR);
+    const spool_place nowhere = {.name = ""};
+    const spool_place foreign = {.name = "incoming/a.fits"};
+    const spool_place outside = {.name = "failed/../../a.fits"};
+    assert_int_equal(take_back(f, n, &nowhere), SPOOL_GONE);
+    assert_int_equal(take_back(f, n, &foreign), SPOOL_GONE);
+    assert_int_equal(take_back(f, n, &outside), SPOOL_GONE);
+    assert_int_equal(spool_take_back(f->spool, "mine.fits", &place, NULL), SHEAR_E_INTERNAL);
+}
+
+/* By its report, among others of its name, some of which retention has taken. */
+static void found_by_its_report(void **state) {
+    spool_fixture *f = *state;
+    spool_place place;
+    fixture_open(f);
+    for (int i = 0; i < 4; i++) {
+        fail_it(f, take(f, "a.fits", "a"));
+    }
+    assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits")), 0);
+    assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits.json")), 0);
+    spool_find(f->spool, f->found[2].active_name, &place);
+    assert_string_equal(place.name, "failed/a.2.fits");
+    assert_int_equal(take_back(f, 2, &place), SHEAR_OK);
+    assert_int_equal(fixture_count(f, "failed"), 4);
+    spool_find(f->spool, f->found[1].active_name, &place);
+    assert_string_equal(place.name, "");
+}
+
 static void names_of_others_are_refused(void **state) {
     spool_fixture *f = *state;
     shear_error err = {0};
     fixture_open(f);
     fixture_write(f, "active/mine.fits", "?");
-    assert_int_equal(spool_end(f->spool, "mine.fits", true, "{}", &err), SHEAR_E_INTERNAL);
-    assert_int_equal(spool_end(f->spool, "../done", true, "{}", &err), SHEAR_E_INTERNAL);
+    assert_int_equal(spool_end(f->spool, "mine.fits", true, "{}", NULL, &err), SHEAR_E_INTERNAL);
+    assert_int_equal(spool_end(f->spool, "../done", true, "{}", NULL, &err), SHEAR_E_INTERNAL);
     assert_true(fixture_has(f, "active/mine.fits"));
 }
 
@@ -163,6 +247,9 @@ int main(void) {
         TEST(jobs_and_reports_do_not_collide),
         TEST(what_others_put_there_stays),
         TEST(opening_taken_files),
+        TEST(back_and_again),
+        TEST(not_what_it_was),
+        TEST(found_by_its_report),
         TEST(names_of_others_are_refused),
         TEST(end_from_the_callback_of_a_refused_file),
     };

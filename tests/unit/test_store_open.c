@@ -3,6 +3,7 @@
 #include "database.h"
 #include "schema.h"
 #include "store_fixture.h"
+#include "sums_text.h"
 #include "test.h"
 
 #include <errno.h>
@@ -381,6 +382,110 @@ static void opens_version_1(void **state) {
     assert_int_equal(fx_next(f), id);
 }
 
+/* What 0.1 left behind (version 3): dropped files, a job file and a client's job; one is counted.
+ */
+static void make_version_3(const char *path) {
+    shear_error err = {0};
+    sqlite3 *db = NULL;
+    char *text = fx_sums(1);
+    char *sums = NULL;
+    char *sql = NULL;
+    FX_OK(sums_pack(text, &sums, &err));
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    FX_OK(database_exec(db, path, "BEGIN", &err));
+    FX_OK(schema_migrate(db, path, schema_steps, 0, 3, &err));
+    assert_true(
+        asprintf(
+            &sql,
+            "INSERT INTO settings(digest, text) VALUES ('d0', '{}');"
+            "INSERT INTO jobs(id, owner, idempotency_key, source, settings, origin, priority, "
+            "forced,"
+            " created_ms) VALUES"
+            " (1, 7, 'k1', '{\"path\":\"/s/active/k1-a-b.fits\"}', 'd0', 0, 0, 0, 5),"
+            " (2, 7, 'k2', '{\"path\":\"/data/other.fits\"}', 'd0', 0, 0, 0, 5),"
+            " (3, 7, 'k3', '{\"path\":\"/s/active/k3-c.fits\"}', 'd0', 1, 0, 0, 5),"
+            " (4, 7, 'k4', 'not JSON', 'd0', 0, 0, 0, 5),"
+            " (5, 7, 'k5', '{\"path\":\"/s/active/k5-\\u00e9.fits\"}', 'd0', 0, 0, 0, 5);"
+            "UPDATE jobs SET state = 1, attempts = 1, attempt = 1, started_ms = 6, field = 'f',"
+            " content = 'c' WHERE id = 3;"
+            "INSERT INTO attempts(job, number, started_ms) VALUES (3, 1, 6);"
+            "INSERT INTO fields(id, name, settings, sums, n_stamps, n_used, updated_ms, jobs)"
+            " VALUES (1, 'f', 'd0', '%s', 16, 16, 9, 1);"
+            "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used, counted_ms)"
+            " VALUES (1, 3, 'c', '%s', 16, 16, 9);"
+            "UPDATE attempts SET ending = 1, ended_ms = 9 WHERE job = 3;"
+            "UPDATE jobs SET state = 3, outcome = 1, n_stamps = 16, n_used = 16, finished_ms = 9"
+            " WHERE id = 3; COMMIT",
+            sums, sums) > 0);
+    FX_OK(database_exec(db, path, sql, &err));
+    free(sql);
+    free(sums);
+    free(text);
+    sqlite3_close(db);
+}
+
+static void is_dropped(fixture *f, int64_t id, const char *name) {
+    store_job job = {0};
+    shear_error err = {0};
+    FX_OK(store_job_get(f->s, id, &job, &err));
+    if (name == NULL) {
+        assert_null(job.dropped);
+    } else {
+        assert_string_equal(job.dropped, name);
+    }
+    assert_null(job.resting);
+    store_job_deinit(&job);
+}
+
+/* It opens as what it was, its own files known by their names, and the new state is possible. */
+static void opens_version_3(void **state) {
+    fixture *f = *state;
+    shear_error err = {0};
+    int64_t id = 0;
+    char identity[40];
+    make_version_3(f->path);
+    fx_open(f);
+    assert_int_equal(store_opened(f->s)->migrated_from, 3);
+    is_dropped(f, 1, "a-b.fits");
+    is_dropped(f, 2, NULL); /* a job file: its name is learned when it is told again */
+    is_dropped(f, 3, NULL);
+    is_dropped(f, 4, NULL);
+    is_dropped(f, 5, "\xc3\xa9.fits");
+    FX_OK(store_find_dropped(f->s, 7, "k2", "job.json", &id, &err));
+    assert_int_equal(id, 2);
+    is_dropped(f, 2, "job.json");
+    FX_OK(store_find_dropped(f->s, 7, "k3", "c.fits", &id, &err)); /* a client's */
+    assert_int_equal(id, 0);
+    FX_OK(store_find_dropped(f->s, 8, "k1", "a.fits", &id, &err));
+    assert_int_equal(id, 0);
+    assert_int_equal(ask(f->s->db, "SELECT counted FROM totals"), 1);
+    assert_int_equal(
+        sqlite3_exec(f->s->db, "UPDATE jobs SET state = 7 WHERE id = 3", NULL, NULL, NULL),
+        SQLITE_CONSTRAINT_CHECK);
+    assert_int_equal(sqlite3_exec(f->s->db,
+                                  "SAVEPOINT x; UPDATE jobs SET state = 6 WHERE id = 3;"
+                                  "ROLLBACK TO x; RELEASE x",
+                                  NULL, NULL, NULL),
+                     SQLITE_OK);
+    FX_OK(store_audit(f->s, &err));
+    FX_OK(store_check(f->s, &err));
+    snprintf(identity, sizeof identity, "%s", store_identity(f->s));
+    assert_int_equal(strspn(identity, "0123456789abcdef"), 32);
+    fx_close(f);
+    fx_open(f);
+    assert_string_equal(store_identity(f->s), identity);
+}
+
+static void has_an_identity_of_its_own(void **state) {
+    fixture *f = *state;
+    fixture other;
+    fx_open(f);
+    fx_init(&other);
+    fx_open(&other);
+    assert_string_not_equal(store_identity(f->s), store_identity(other.s));
+    fx_deinit(&other);
+}
+
 /* Marked as the first version, but not its tables: no statement fits. */
 static void refuses_other_tables(void **state) {
     fixture *f = *state;
@@ -452,6 +557,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(takes_names_literally, setup, teardown),
         cmocka_unit_test_setup_teardown(migrates_step_by_step, setup, teardown),
         cmocka_unit_test_setup_teardown(opens_version_1, setup, teardown),
+        cmocka_unit_test_setup_teardown(opens_version_3, setup, teardown),
+        cmocka_unit_test_setup_teardown(has_an_identity_of_its_own, setup, teardown),
         cmocka_unit_test_setup_teardown(opens_an_older_one, setup, teardown),
         cmocka_unit_test_setup_teardown(refuses_other_tables, setup, teardown),
     };
