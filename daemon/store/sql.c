@@ -18,7 +18,7 @@ const char *const sql_texts[SQL_N] = {
     [SQL_RELEASE] = "RELEASE operation",
     [SQL_ROLLBACK_TO] = "ROLLBACK TO operation",
 
-    [SQL_IDENTITY] = "SELECT text FROM identity",
+    [SQL_IDENTITY] = "SELECT text FROM identity WHERE id = 1",
     [SQL_UNFINISHED] = "SELECT sum(n) FROM counts WHERE state < 3",
     [SQL_KEY_FIND] =
         "SELECT id, source = ?3 AND settings = ?4 AND field_asked IS ?5 AND origin = ?6"

@@ -152,7 +152,7 @@ static void do_release(pair *p) {
 static void do_cancel(pair *p) {
     shear_error err = {0};
     int end[2];
-    const int64_t id = pick(p, (int)draw(p, STORE_N_STATES));
+    const int64_t id = pick(p, (int)draw(p, STORE_RETRACTED));
     const int64_t now = fx_now(&p->f);
     FX_CODE(model_cancel(p->m, id, now, &end[0]), store_cancel(p->f.s, id, now, &end[1], &err));
     assert_int_equal(end[0], end[1]);
