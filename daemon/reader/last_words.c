@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -23,8 +22,11 @@ static void pass_on(const char *bytes, size_t n) {
 #endif
 }
 
-static bool is_printable(char c) {
-    return c >= ' ' && c <= '~';
+static char printable(char c) {
+    if (c == '\n') {
+        return ' ';
+    }
+    return (char)(c >= ' ' && c <= '~' ? c : '?');
 }
 
 void last_words_read(int end, char *out, size_t size) {
@@ -35,7 +37,7 @@ void last_words_read(int end, char *out, size_t size) {
         pass_on(bytes, (size_t)got);
         for (ssize_t i = 0; i < got && used + 1 < size; i++) {
             if (bytes[i] != '\n' || used > 0) {
-                out[used++] = bytes[i] == '\n' ? ' ' : is_printable(bytes[i]) ? bytes[i] : '?';
+                out[used++] = printable(bytes[i]);
             }
         }
     }

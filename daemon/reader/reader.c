@@ -182,6 +182,7 @@ static ssize_t receive(const reader *r, reader_reply *reply) {
  * failure is returned. */
 static int ask(reader *r, const reader_request *request, const char *what, reader_reply *reply,
                shear_error *err) {
+    *reply = (reader_reply){.code = SHEAR_E_INTERNAL};
     if (r->failed != 0) {
         if (err != NULL) {
             *err = r->failure;
