@@ -5,7 +5,7 @@
 
 static void print_list(const char *title, const char *const *names, size_t n) {
     for (size_t i = 0; i < n; i++) {
-        char name[128];
+        char name[512];
         printf("%s %s\n", title, style_clean(names[i], name, sizeof name));
     }
 }
@@ -14,6 +14,7 @@ static void print(const shear_reply *reply) {
     const shear_msg_reloaded *r = &reply->reload;
     print_list("changed:", r->changed, r->n_changed);
     print_list("needs a restart:", r->restart, r->n_restart);
+    print_list("warning:", r->warnings, r->n_warnings);
     if (r->n_changed + r->n_restart == 0) {
         puts("nothing has changed");
     }

@@ -78,6 +78,12 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
     shear_text_line(out, "state", "%s, %s, %s free, schema %" PRId64 ", %" PRId64 " commits",
                     s->store.path ? s->store.path : "-", human_bytes(s->store.bytes, bytes),
                     human_bytes(s->store.free_bytes, left), s->store.schema, s->store.commits);
+    for (size_t i = 0; i < s->n_roots; i++) {
+        shear_text_line(out, i == 0 ? "data roots" : "", "%s%s", s->roots[i].path,
+                        s->roots[i].missing ? " (missing)" : "");
+    }
+    shear_text_line(out, "config", "%s, as user %s", s->config ? s->config : "-",
+                    s->user ? s->user : "-");
     shear_text_line(out, "clients", "%" PRId64 " connected, %" PRId64 " subscribed", s->connections,
                     s->subscribers);
 }

@@ -225,7 +225,8 @@ const sheard_setting config_place_rows[] = {
      .help =
          "Clients may name files beneath these directories only. Empty: none, and files are taken "
          "from the watch "
-         "folder alone. Data under /home also needs the drop-in home-data.conf of sheard.service."},
+         "folder alone. A directory that is not there is warned of, and jobs beneath it wait until "
+         "it is. Data under /home also needs the drop-in home-data.conf of sheard.service."},
     {.section = "access",
      .key = "admin_users",
      .type = SHEARD_T_NAMES,

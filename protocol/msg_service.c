@@ -89,6 +89,13 @@ static const msg_member store_members[] = {
 };
 static const msg_table store = {MSG_TABLE_(shear_msg_store, store_members), .check = NULL};
 
+static const msg_member root_members[] = {
+    MSG_SAID_(shear_msg_root, path, MSG_REQUIRED),
+    MSG_BOOL_(shear_msg_root, missing, 0),
+    MSG_SAID_(shear_msg_root, reason, 0),
+};
+static const msg_table root = {MSG_TABLE_(shear_msg_root, root_members), .check = NULL};
+
 static const msg_member status_members[] = {
     MSG_SAID_(shear_msg_status, version, MSG_REQUIRED),
     MSG_COUNT_(shear_msg_status, protocol, 0),
@@ -106,6 +113,11 @@ static const msg_member status_members[] = {
     MSG_OBJECT_(shear_msg_status, rates, "rates", shear_msg_rates, &rates, 0),
     MSG_OBJECT_(shear_msg_status, spool, "spool", shear_msg_spool, &spool, MSG_NULLABLE),
     MSG_OBJECT_(shear_msg_status, store, "store", shear_msg_store, &store, 0),
+    MSG_SAID_(shear_msg_status, config, 0),
+    MSG_SAID_(shear_msg_status, state_dir, 0),
+    MSG_SAID_(shear_msg_status, catalogues, 0),
+    MSG_SAID_(shear_msg_status, user, 0),
+    MSG_OBJECTS_(shear_msg_status, roots, shear_msg_root, &root),
     MSG_OBJECT_(shear_msg_status, limits, "limits", shear_msg_limits, &msg_limits, 0),
     MSG_TEXTS_(shear_msg_status, problems, 0, 0, 0),
 };
@@ -120,6 +132,7 @@ const msg_table msg_metrics = {MSG_TABLE_(shear_msg_metrics, metrics_members), .
 static const msg_member reloaded_members[] = {
     MSG_TEXTS_(shear_msg_reloaded, changed, 0, 0, 0),
     MSG_TEXTS_(shear_msg_reloaded, restart, 0, 0, 0),
+    MSG_TEXTS_(shear_msg_reloaded, warnings, 0, 0, 0),
 };
 const msg_table msg_reloaded = {MSG_TABLE_(shear_msg_reloaded, reloaded_members), .check = NULL};
 

@@ -76,6 +76,8 @@ static const shear_rpc_code_info table[SHEAR_N_RPC_CODES] = {
                              "ask an administrator of the service (admins in sheard.conf)"},
     [SHEAR_RPC_PRIORITY_NOT_ALLOWED] = {"priority_not_allowed", -32024, false, NONE,
                                         "leave the priority out, or ask an administrator for more"},
+    [SHEAR_RPC_ROOT_MISSING] = {"root_missing", -32025, true, TRANSIENT,
+                                "mount the data root, or make it; accepted jobs wait for it"},
 
     [SHEAR_RPC_NO_SUCH_FILE] = {"no_such_file", -32030, false, DATA, "check the path"},
     [SHEAR_RPC_NOT_REGULAR] = {"not_regular", -32031, false, DATA,

@@ -26,10 +26,11 @@ enum access_code {
     ACCESS_E_NOT_FOUND,
     ACCESS_E_DENIED,  /* the peer may not read it */
     ACCESS_E_SERVICE, /* the peer may, but the service may not */
-    ACCESS_E_NOT_REGULAR
+    ACCESS_E_NOT_REGULAR,
+    ACCESS_E_ROOT /* the data root is not there now */
 };
 /* "bad_path", "outside_roots", "not_found", "permission_denied", "service_denied",
- * "not_regular"; else as shear_code_name. */
+ * "not_regular", "root_missing"; else as shear_code_name. */
 const char *access_code_name(int code);
 
 /* ---- who is asking ---- */
@@ -71,15 +72,22 @@ bool access_list_has(const access_list *list, const access_peer *peer);
 
 typedef struct access_roots access_roots;
 
-/* Hold the data roots (absolute paths of directories). SHEAR_E_SETTING, SHEAR_E_IO, SHEAR_E_NOMEM;
- * *roots is NULL on error. None at all is allowed: then every path is outside. */
-int access_roots_open(access_roots **roots, char *const *paths, size_t n, shear_error *err);
-void access_roots_close(access_roots *roots); /* NULL is accepted */
+/* The data roots, absolute paths of directories. They need not be there: each is opened when it is
+ * used, so that a disk may come and go, and one that is mounted later is found. SHEAR_E_SETTING,
+ * SHEAR_E_NOMEM; *roots is NULL on error. None at all is allowed: then every path is outside. */
+int access_roots_new(access_roots **roots, char *const *paths, size_t n, shear_error *err);
+void access_roots_free(access_roots *roots); /* NULL is accepted */
+
+/* Is this root there, for the service? SHEAR_OK or ACCESS_E_ROOT. */
+int access_root_check(const char *path, shear_error *err);
+/* Are they all? That of the first that is not. */
+int access_roots_check(const access_roots *roots, shear_error *err);
 
 /* Open the regular file at `path` for reading, for `peer`. The path is absolute, without "..", and
  * beneath a root, as that is configured or as it is without symbolic links; links beneath a root
- * are followed as long as they stay there (absolute ones are taken to leave it). *canonical (from
- * malloc; free) is the file's path without links. SHEAR_OK, enum access_code, SHEAR_E_IO,
+ * are followed as long as they stay there (absolute ones are taken to leave it). Where the root's
+ * name fits and it is not there: ACCESS_E_ROOT. *canonical (from malloc; free) is the file's path
+ * without links. SHEAR_OK, enum access_code, SHEAR_E_IO,
  * SHEAR_E_NOMEM; on error *fd is -1 and *canonical NULL. What lies in directories that the peer may
  * not search is denied, whether it exists or not. */
 int access_open(const access_roots *roots, const access_peer *peer, const char *path, int *fd,

@@ -15,15 +15,15 @@
 
 const char *access_code_name(int code) {
     static const char *const names[] = {"bad_path",          "outside_roots",  "not_found",
-                                        "permission_denied", "service_denied", "not_regular"};
-    return code >= ACCESS_E_PATH && code <= ACCESS_E_NOT_REGULAR ? names[code - ACCESS_E_PATH]
-                                                                 : shear_code_name(code);
+                                        "permission_denied", "service_denied", "not_regular",
+                                        "root_missing"};
+    return code >= ACCESS_E_PATH && code <= ACCESS_E_ROOT ? names[code - ACCESS_E_PATH]
+                                                          : shear_code_name(code);
 }
 
 /* One file asked for, beneath one root. */
 typedef struct request {
-    const access_roots *roots;
-    const access_root *root;
+    int root;
     const access_peer *peer;
     const char *path;    /* as the client gave it */
     const char *beneath; /* the part of it beneath the root */
@@ -86,11 +86,11 @@ static int reopen(const request *r, int handle, int *fd, shear_error *err) {
  * nothing of what lies in those that it may not. */
 static int open_beneath(const request *r, int *fd, char **canonical, shear_error *err) {
     char link = '\0';
-    int error = walk_check(r->root->fd, r->peer, NULL);
+    int error = walk_check(r->root, r->peer, NULL);
     if (error != 0) {
         return fail_plainly(r, error, err);
     }
-    const int handle = beneath_open(r->root->fd, r->beneath, r->peer, &link);
+    const int handle = beneath_open(r->root, r->beneath, r->peer, &link);
     if (handle < 0) {
         return fail_at(r, link, -handle, err);
     }
@@ -114,30 +114,65 @@ static int check_path(const char *path, shear_error *err) {
                                       "%.300s: the path %s", path, wrong);
 }
 
+/* Beneath that root, where the path is; `by_name`: as the root is configured, else as it is without
+ * links, if that is another name. ACCESS_E_OUTSIDE where it is not, or the root is missing; *err is
+ * as it was then. */
+static int try_root(const char *name, bool by_name, request *r, int *fd, char **canonical,
+                    shear_error *err) {
+    char *real = NULL;
+    int code = ACCESS_E_OUTSIDE;
+    r->beneath = path_beneath(r->path, name);
+    if ((r->beneath != NULL) != by_name || root_open(name, &r->root, NULL) != SHEAR_OK) {
+        return code;
+    }
+    if (!by_name && walk_name(r->root, &real) == 0) {
+        r->beneath = path_beneath(r->path, real);
+    }
+    if (r->beneath != NULL) {
+        code = open_beneath(r, fd, canonical, err);
+    }
+    free(real);
+    close(r->root);
+    return code;
+}
+
+/* Of roots in each other, any may do: a link may leave the inner one only, or that is missing. */
+static int try_roots(const access_roots *roots, bool by_name, request *r, int *fd, char **canonical,
+                     shear_error *err) {
+    int code = ACCESS_E_OUTSIDE;
+    for (size_t i = 0; i < roots->n && code == ACCESS_E_OUTSIDE; i++) {
+        code = try_root(roots->names[i], by_name, r, fd, canonical, err);
+    }
+    return code;
+}
+
+/* Is one of the roots missing that the path is beneath? */
+static int check_roots_of(const access_roots *roots, const char *path, shear_error *err) {
+    int code = SHEAR_OK;
+    for (size_t i = 0; i < roots->n && code == SHEAR_OK; i++) {
+        if (path_beneath(path, roots->names[i]) != NULL) {
+            code = access_root_check(roots->names[i], err);
+        }
+    }
+    return code;
+}
+
 int access_open(const access_roots *roots, const access_peer *peer, const char *path, int *fd,
                 char **canonical, shear_error *err) {
     int code = check_path(path, err);
-    bool tried = false;
+    char advice[200];
+    request r = {.root = -1, .peer = peer, .path = path};
     *fd = -1;
     *canonical = NULL;
     if (code != SHEAR_OK) {
         return code;
     }
-    /* Of roots in each other, any may do: a link may leave the inner one only. */
-    code = ACCESS_E_OUTSIDE;
-    for (size_t i = 0; i < roots->n && code == ACCESS_E_OUTSIDE; i++) {
-        const access_root *root = &roots->roots[i];
-        const char *beneath = path_beneath(path, root->name);
-        beneath = beneath != NULL ? beneath : path_beneath(path, root->canonical);
-        if (beneath != NULL) {
-            tried = true;
-            code = open_beneath(&(request){roots, root, peer, path, beneath}, fd, canonical, err);
-        }
+    snprintf(advice, sizeof advice, "data roots: %s", roots->text);
+    shear_fail(err, ACCESS_E_OUTSIDE, advice, "%.300s: is not beneath a data root", path);
+    code = try_roots(roots, true, &r, fd, canonical, err);
+    if (code == ACCESS_E_OUTSIDE) {
+        code = try_roots(roots, false, &r, fd, canonical, err);
     }
-    if (code == ACCESS_E_OUTSIDE && !tried) {
-        char advice[200];
-        snprintf(advice, sizeof advice, "data roots: %s", roots->names);
-        return shear_fail(err, code, advice, "%.300s: is not beneath a data root", path);
-    }
-    return code;
+    const bool maybe_missing = code == ACCESS_E_OUTSIDE || code == ACCESS_E_NOT_FOUND;
+    return maybe_missing && check_roots_of(roots, path, err) != SHEAR_OK ? ACCESS_E_ROOT : code;
 }

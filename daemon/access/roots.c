@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "roots.h"
 
-#include "walk.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -49,84 +47,86 @@ bool path_climbs(const char *path) {
     return false;
 }
 
-static int open_root(access_root *root, const char *path, shear_error *err) {
-    *root = (access_root){-1, NULL, NULL};
-    if (path[0] != '/' || path_climbs(path)) {
-        return shear_fail(err, SHEAR_E_SETTING, "give an absolute path without '..'",
-                          "data root '%s': is not absolute", path);
+int root_open(const char *name, int *fd, shear_error *err) {
+    *fd = open(name, O_PATH | O_DIRECTORY | O_CLOEXEC);
+    return *fd >= 0
+               ? SHEAR_OK
+               : shear_fail(err, ACCESS_E_ROOT,
+                            "mount it, or make it, where the service sees it (its unit may "
+                            "hide it: ProtectHome=, PrivateTmp=); or remove it from data_roots",
+                            "data root %.300s is missing: %s", name, strerror(errno));
+}
+
+int access_root_check(const char *path, shear_error *err) {
+    int fd = -1;
+    const int code = root_open(path, &fd, err);
+    if (fd >= 0) {
+        close(fd);
     }
-    root->fd = open(path, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    if (root->fd < 0) {
-        return shear_fail(err, SHEAR_E_IO, "make the directory, or remove it from data_roots",
-                          "data root %s: cannot be opened: %s", path, strerror(errno));
+    return code;
+}
+
+int access_roots_check(const access_roots *roots, shear_error *err) {
+    int code = SHEAR_OK;
+    for (size_t i = 0; i < roots->n && code == SHEAR_OK; i++) {
+        code = access_root_check(roots->names[i], err);
     }
-    root->name = strdup(path);
-    const int error = root->name == NULL ? ENOMEM : walk_name(root->fd, &root->canonical);
-    if (error != 0) {
-        return shear_fail(err, error == ENOMEM ? SHEAR_E_NOMEM : SHEAR_E_IO, NULL,
-                          "data root %s: its name cannot be found: %s", path, strerror(error));
-    }
-    return SHEAR_OK;
+    return code;
 }
 
 /* The names of all, for people. */
-static char *list_names(const access_roots *roots, char *const *paths) {
+static char *list_names(char *const *paths, size_t n) {
     size_t size = sizeof "none is configured";
-    for (size_t i = 0; i < roots->n; i++) {
+    for (size_t i = 0; i < n; i++) {
         size += strlen(paths[i]) + 2;
     }
     char *names = malloc(size);
     if (names == NULL) {
         return NULL;
     }
-    snprintf(names, size, "%s", roots->n == 0 ? "none is configured" : "");
-    for (size_t i = 0, at = 0; i < roots->n; i++) {
+    snprintf(names, size, "%s", n == 0 ? "none is configured" : "");
+    for (size_t i = 0, at = 0; i < n; i++) {
         at += (size_t)snprintf(names + at, size - at, "%s%s", i == 0 ? "" : ", ", paths[i]);
     }
     return names;
 }
 
-int access_roots_open(access_roots **out, char *const *paths, size_t n, shear_error *err) {
-    int code = SHEAR_OK;
+static bool copy_names(access_roots *roots, char *const *paths, size_t n) {
+    roots->names = calloc(n + 1, sizeof *roots->names);
+    roots->text = list_names(paths, n);
+    bool ok = roots->names != NULL && roots->text != NULL;
+    for (; ok && roots->n < n; roots->n++) {
+        roots->names[roots->n] = strdup(paths[roots->n]);
+        ok = roots->names[roots->n] != NULL;
+    }
+    return ok;
+}
+
+int access_roots_new(access_roots **out, char *const *paths, size_t n, shear_error *err) {
     *out = NULL;
+    for (size_t i = 0; i < n; i++) {
+        if (paths[i][0] != '/' || path_climbs(paths[i])) {
+            return shear_fail(err, SHEAR_E_SETTING, "give an absolute path without '..'",
+                              "data root '%s': is not absolute", paths[i]);
+        }
+    }
     access_roots *roots = calloc(1, sizeof *roots);
-    if (roots != NULL) {
-        roots->roots = calloc(n + 1, sizeof *roots->roots);
-    }
-    if (roots == NULL || roots->roots == NULL) {
-        access_roots_close(roots);
+    if (roots == NULL || !copy_names(roots, paths, n)) {
+        access_roots_free(roots);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
-    }
-    for (size_t i = 0; i < n && code == SHEAR_OK; i++) {
-        roots->n++;
-        code = open_root(&roots->roots[i], paths[i], err);
-    }
-    if (code == SHEAR_OK) {
-        roots->names = list_names(roots, paths);
-        code = roots->names != NULL
-                   ? SHEAR_OK
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
-    }
-    if (code != SHEAR_OK) {
-        access_roots_close(roots);
-        return code;
     }
     *out = roots;
     return SHEAR_OK;
 }
 
-void access_roots_close(access_roots *roots) {
+void access_roots_free(access_roots *roots) {
     if (roots == NULL) {
         return;
     }
     for (size_t i = 0; i < roots->n; i++) {
-        if (roots->roots[i].fd >= 0) {
-            close(roots->roots[i].fd);
-        }
-        free(roots->roots[i].name);
-        free(roots->roots[i].canonical);
+        free(roots->names[i]);
     }
-    free(roots->roots);
     free(roots->names);
+    free(roots->text);
     free(roots);
 }

@@ -5,16 +5,14 @@
 
 #include "access/access.h"
 
-typedef struct access_root {
-    int fd; /* O_PATH */
-    char *name, *canonical;
-} access_root;
-
 struct access_roots {
-    access_root *roots; /* [n] */
+    char **names; /* [n] */
     size_t n;
-    char *names; /* all of them, for advice */
+    char *text; /* all of them, for advice */
 };
+
+/* The root as it is now, by O_PATH. SHEAR_OK or ACCESS_E_ROOT. */
+int root_open(const char *name, int *fd, shear_error *err);
 
 /* What of `path` lies beneath `root`, without leading slashes; NULL where nothing does. */
 const char *path_beneath(const char *path, const char *root);

@@ -68,11 +68,19 @@ ending_reason ending_reason_of(const shear_error *error) {
     }
 }
 
+/* A disk may be away for longer than any number of attempts: that is nothing of the job's. */
+static bool is_patient(const ending_reason *reason) {
+    return strcmp(reason->name, shear_rpc_code_get(SHEAR_RPC_ROOT_MISSING)->name) == 0;
+}
+
 /* When to try again: a transient failure with doubling back-off and a limit, a bug once, bad data
  * never. */
-static int64_t retry_at(const service *s, int class, int64_t failures, int64_t now) {
+static int64_t retry_at(const service *s, const ending_reason *reason, int64_t failures,
+                        int64_t now) {
+    const int class = reason->class;
     if (class == STORE_DATA || (class == STORE_BUG && failures >= 1) ||
-        (class == STORE_TRANSIENT && failures + 1 >= s->config.retry.attempts)) {
+        (class == STORE_TRANSIENT && failures + 1 >= s->config.retry.attempts &&
+         !is_patient(reason))) {
         return STORE_NEVER;
     }
     int64_t delay = s->config.retry.first_delay_ms;
@@ -91,7 +99,7 @@ void ending_fail(service *s, int64_t id, int64_t failures, ending_reason reason,
                              .code = reason.name,
                              .message = error->message[0] != '\0' ? error->message : reason.name,
                              .advice = error->advice[0] != '\0' ? error->advice : NULL,
-                             .retry_at_ms = retry_at(s, reason.class, failures, now),
+                             .retry_at_ms = retry_at(s, &reason, failures, now),
                              .now_ms = now};
     int code = group_begin(s, &err);
     if (code == SHEAR_OK) {

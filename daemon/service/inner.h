@@ -21,6 +21,7 @@
 
 typedef struct changed_field changed_field; /* news.c */
 typedef struct solutions solutions;         /* solutions.c */
+typedef struct data_roots data_roots;       /* roots.c */
 
 /* What is to happen once the group is on disk (code SHEAR_OK) or has failed. Freed after its run.
  */
@@ -83,6 +84,8 @@ struct service {
     access_list *admins, *submitters;
     access_list *hurried; /* who may give priorities above 0 */
     access_roots *roots;
+    data_roots *data_roots; /* which of them are there */
+    char user[64];          /* that this process runs as */
     notify notify;
 
     uv_async_t engine_wake;
@@ -248,8 +251,18 @@ void life_stop_now(service *s);
 void life_announce(service *s); /* the state, to those who watch */
 void life_check(service *s);    /* has the last job ended while draining? */
 
+/* roots.c */
+/* Those of the configuration, looked at; missing ones are warned of. On an error: as before. */
+int roots_set(service *s, shear_error *err);
+void roots_free(service *s);
+void roots_tick(service *s);
+const shear_msg_root *roots_tell(const service *s, size_t *n); /* valid until the next call */
+/* One line for each that is missing, as long as there is room; returns how many. */
+size_t roots_problems(const service *s, const char **list, size_t room);
+
 /* reload.c */
 int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error);
+void reload_reply_deinit(shear_msg_reloaded *reply);
 /* Lists of users and groups, and the data roots; all or nothing. */
 int reload_access(const sheard_config *c, access_list **admins, access_list **submitters,
                   access_roots **roots, shear_error *err);

@@ -127,8 +127,7 @@ static void on_signal(uv_signal_t *handle, int number) {
         shear_msg_reloaded reply;
         shear_rpc_error error;
         reload_config(s, &reply, &error);
-        free((void *)reply.changed);
-        free((void *)reply.restart);
+        reload_reply_deinit(&reply);
     } else if (s->state == SHEAR_SERVER_STOPPING) {
         log_notice("stopping at once: %d jobs go on at the next start", s->n_active);
         jobs_stop_all(s);
@@ -147,6 +146,7 @@ static void on_tick(uv_timer_t *timer) {
     status_tick(s);
     waits_expire(s);
     news_publish(s);
+    roots_tick(s);
     log_flush();
     if (s->notify.watchdog_ms > 0) {
         notify_watchdog(&s->notify, NULL);

@@ -109,8 +109,7 @@ static void do_reload(service *s, const server_request *r) {
     } else {
         server_reply(s->server, r->handle, &reply);
     }
-    free((void *)reply.reload.changed);
-    free((void *)reply.reload.restart);
+    reload_reply_deinit(&reply.reload);
 }
 
 static void do_stop(service *s, const server_request *r) {

@@ -71,7 +71,7 @@ int reload_access(const sheard_config *c, access_list **admins, access_list **su
                                c->access.submit_groups.n, err);
     }
     if (code == SHEAR_OK) {
-        code = access_roots_open(roots, c->access.data_roots.items, c->access.data_roots.n, err);
+        code = access_roots_new(roots, c->access.data_roots.items, c->access.data_roots.n, err);
     }
     if (code != SHEAR_OK) {
         access_list_free(*admins);
@@ -84,6 +84,21 @@ int reload_access(const sheard_config *c, access_list **admins, access_list **su
 int reload_hurried(const sheard_config *c, access_list **hurried, shear_error *err) {
     return access_list_new(hurried, c->access.priority_users.items, c->access.priority_users.n,
                            c->access.priority_groups.items, c->access.priority_groups.n, err);
+}
+
+/* What is as it was asked for, and will not work now. */
+static const char **warnings_of(const service *s, size_t *n) {
+    const size_t room = s->config.access.data_roots.n;
+    const char **list = calloc(room + 1, sizeof *list);
+    *n = list != NULL ? roots_problems(s, list, room) : 0;
+    return list;
+}
+
+void reload_reply_deinit(shear_msg_reloaded *reply) {
+    free((void *)reply->changed);
+    free((void *)reply->restart);
+    free((void *)reply->warnings);
+    *reply = (shear_msg_reloaded){0};
 }
 
 int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error) {
@@ -121,23 +136,27 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
         access_list_free(admins);
         access_list_free(submitters);
         access_list_free(hurried);
-        access_roots_close(roots);
+        access_roots_free(roots);
         *reply = (shear_msg_reloaded){0};
         log_error("the configuration was not reloaded, the old one stays: %s", err.message);
         notify_ready(&s->notify, NULL, NULL);
         return shear_rpc_fail(error, SHEAR_RPC_BAD_CONFIG,
                               err.advice[0] != '\0' ? err.advice : NULL, "%s", err.message);
     }
+    if (roots_set(s, &err) != SHEAR_OK) {
+        log_warning("%s", err.message);
+    }
     access_list_free(s->admins);
     access_list_free(s->submitters);
     access_list_free(s->hurried);
-    access_roots_close(s->roots);
+    access_roots_free(s->roots);
     s->admins = admins;
     s->submitters = submitters;
     s->hurried = hurried;
     s->roots = roots;
     reply->changed = names_of(changed, reply->n_changed);
     reply->restart = names_of(restart, reply->n_restart);
+    reply->warnings = warnings_of(s, &reply->n_warnings);
     apply(s);
     log_notice("configuration reloaded: %zu settings changed, %zu of them need a restart",
                reply->n_changed, reply->n_restart);

@@ -69,6 +69,7 @@ static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
 
 static int open_clients(service *s, const store_job *job, source_opened *o, shear_error *err) {
     access_peer peer = {0};
+    shear_error missing = {0};
     int part = -1;
     int code = peer_of(job, &peer, err);
     if (code == SHEAR_OK) {
@@ -76,12 +77,18 @@ static int open_clients(service *s, const store_job *job, source_opened *o, shea
         o->input = shear_source_input(&o->files.named);
     }
     access_peer_deinit(&peer);
+    /* It was beneath a root when it was accepted, maybe by another name of one that is away. */
+    if (code == ACCESS_E_OUTSIDE && access_roots_check(s->roots, &missing) != SHEAR_OK) {
+        *err = missing;
+        code = ACCESS_E_ROOT;
+    }
     if (code != SHEAR_OK) {
         shear_rpc_error error;
         const int rpc = rpc_from_access(&error, code, err);
         o->name =
             shear_rpc_code_get(rpc == SHEAR_RPC_NO_SUCH_FILE ? SHEAR_RPC_FILE_VANISHED : rpc)->name;
-        o->job_class = code == ACCESS_E_NOT_FOUND || code == SHEAR_E_IO || code == SHEAR_E_NOMEM
+        o->job_class = code == ACCESS_E_NOT_FOUND || code == ACCESS_E_ROOT || code == SHEAR_E_IO ||
+                               code == SHEAR_E_NOMEM
                            ? STORE_TRANSIENT
                            : STORE_DATA;
     }

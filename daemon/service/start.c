@@ -4,6 +4,7 @@
 #include "service/inner.h"
 
 #include <errno.h>
+#include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -113,6 +114,15 @@ static int open_when_left(service *s, int (*open_it)(service *, shear_error *), 
     return code;
 }
 
+static void name_user(char *out, size_t size) {
+    const struct passwd *entry = getpwuid(geteuid());
+    if (entry != NULL) {
+        snprintf(out, size, "%s", entry->pw_name);
+    } else {
+        snprintf(out, size, "%lu", (unsigned long)geteuid());
+    }
+}
+
 int service_open(service **out, sheard_config *config, const char *config_path,
                  const sheard_list *assignments, shear_error *err) {
     service *s = calloc(1, sizeof *s);
@@ -139,6 +149,10 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     }
     if (code == SHEAR_OK) {
         code = reload_hurried(&s->config, &s->hurried, err);
+    }
+    if (code == SHEAR_OK) {
+        name_user(s->user, sizeof s->user);
+        code = roots_set(s, err);
     }
     if (code == SHEAR_OK) {
         code = open_store(s, err);
@@ -185,7 +199,8 @@ void service_close(service *s) {
     access_list_free(s->admins);
     access_list_free(s->submitters);
     access_list_free(s->hurried);
-    access_roots_close(s->roots);
+    access_roots_free(s->roots);
+    roots_free(s);
     notify_deinit(&s->notify);
     uv_loop_close(&s->loop);
     sheard_list_free(&s->assignments);

@@ -112,12 +112,19 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
                   .bytes = file_size(store_path),
                   .free_bytes = free_bytes(s->config.daemon.state_dir),
                   .commits = s->commits},
+        .config = s->config_path != NULL ? s->config_path : sheard_config_default_path(),
+        .state_dir = s->config.daemon.state_dir,
+        .catalogues = s->config.catalogues.enabled ? s->config.catalogues.directory : NULL,
+        .user = s->user,
         .limits = status_limits(s)};
+    out->roots = roots_tell(s, &out->n_roots);
     fill_spool(s, &out->spool);
     return SHEAR_OK;
 }
 
-/* What an operator should look at, into list[2]. */
+enum { PROBLEMS = 34 }; /* that are told at most */
+
+/* What an operator should look at, into list[PROBLEMS]. */
 static size_t find_problems(const service *s, const char **list) {
     size_t n = 0;
     if (s->store_trouble_ms != 0) {
@@ -127,12 +134,12 @@ static size_t find_problems(const service *s, const char **list) {
         list[n++] = "the watch folder: the kernel does not announce files there; they are found by "
                     "searching it only ([spool] scan_interval)";
     }
-    return n;
+    return n + roots_problems(s, list + n, PROBLEMS - n);
 }
 
 void status_reply(service *s, server_handle to) {
     char path[4200];
-    const char *problems[2];
+    const char *problems[PROBLEMS];
     shear_reply reply = {0};
     shear_error err = {0};
     const int code = fill(s, &reply.status, path, sizeof path, &err);

@@ -39,6 +39,9 @@ int rpc_from_access(shear_rpc_error *error, int code, const shear_error *err) {
     case SOURCE_E_TOO_LARGE:
         rpc = SHEAR_RPC_FILE_TOO_LARGE;
         break;
+    case ACCESS_E_ROOT:
+        rpc = SHEAR_RPC_ROOT_MISSING;
+        break;
     case ACCESS_E_NOT_REGULAR:
         rpc = SHEAR_RPC_NOT_REGULAR;
         break;

@@ -104,6 +104,17 @@ int store_waiting_reasons(store *s, store_waiting *reasons, size_t room, size_t 
     return code;
 }
 
+int store_hurry(store *s, const char *failure, int64_t now_ms, shear_error *err) {
+    const int code = operation_begin(s, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    query q = query_on(s, SQL_HURRY);
+    query_int(&q, now_ms);
+    query_text(&q, failure);
+    return operation_end(s, query_run(&q, err), err);
+}
+
 static int check_failure(const store_failure *f, shear_error *err) {
     if (f->failure_class <= STORE_NO_CLASS || f->failure_class > STORE_BUG) {
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",

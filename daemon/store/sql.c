@@ -41,6 +41,8 @@ const char *const sql_texts[SQL_N] = {
                  " ORDER BY priority DESC, id LIMIT 1",
     [SQL_START] = "UPDATE jobs SET state = 1, attempts = attempts + 1, attempt = attempt + 1,"
                   " started_ms = ?2 WHERE id = ?1",
+    [SQL_HURRY] = "UPDATE jobs INDEXED BY jobs_waiting SET not_before_ms = ?1"
+                  " WHERE state = 2 AND not_before_ms > ?1 AND code = ?2",
     [SQL_DUE] = "SELECT not_before_ms FROM jobs INDEXED BY jobs_waiting WHERE state = 2"
                 " ORDER BY not_before_ms LIMIT 1",
     [SQL_WAITING_SHIFT] = "UPDATE jobs INDEXED BY jobs_waiting"

@@ -250,6 +250,8 @@ void store_job_deinit(store_job *job);
 int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err);
 /* When the first waiting job wants to run; INT64_MAX: none waits. */
 int store_next_due(store *s, int64_t *due_ms, shear_error *err);
+/* What those waiting jobs that failed last with `code` wait for has come: they run at `now_ms`. */
+int store_hurry(store *s, const char *code, int64_t now_ms, shear_error *err);
 
 /* Why jobs wait: those with the same code together. */
 typedef struct store_waiting {

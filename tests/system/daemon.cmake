@@ -25,6 +25,7 @@ set(names # one a line: whoever adds one does not get into another's way
   hostile
   memory
   reader
+  roots
   sources
   symmetry
   under_unit)

@@ -54,6 +54,8 @@ def status(**other):
                       "free_bytes": 5 << 30},
             "store": {"path": "/var/lib/sheard/sheard.db", "schema": 1, "bytes": 2 << 20, "free_bytes": 6 << 30,
                       "commits": 99},
+            "config": "/etc/sheard/sheard.conf", "state_dir": "/var/lib/sheard", "catalogues": "/var/lib/sheard/catalogues",
+            "user": "sheard", "roots": [{"path": "/data", "missing": False, "reason": None}],
             "limits": LIMITS, "problems": [], **other}
 
 

@@ -607,10 +607,12 @@ class State(ServiceTest):
 
     def test_drain_reload_shutdown(self):
         service = self.serve(drain={"state": "draining", "running": 2, "queued": 5},
-                             reload={"changed": ["limits.queue"], "restart": ["daemon.workers"]},
+                             reload={"changed": ["limits.queue"], "restart": ["daemon.workers"],
+                                     "warnings": ["data root /d is missing"]},
                              shutdown={"state": "stopping", "running": 1, "queued": 0})
         self.assertEqual(self.ctl("drain").out, "draining: 2 jobs running, 5 wait for the next start\n")
-        self.assertEqual(self.ctl("reload").out, "changed: limits.queue\nneeds a restart: daemon.workers\n")
+        self.assertEqual(self.ctl("reload").out, "changed: limits.queue\nneeds a restart: daemon.workers\n"
+                         "warning: data root /d is missing\n")
         self.assertIn("stopping", self.ctl("shutdown", "--now", "--timeout", "2min").out)
         self.assertEqual(service.named("shutdown"), [{"mode": "now", "timeout_s": 120}])
 

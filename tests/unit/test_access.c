@@ -64,7 +64,7 @@ static int setup(void **state) {
     write_file(at(f->data, "a.fits"), "pixels", 0644);
     write_file(at(f->outside, "secret.fits"), "secret", 0644);
     char *paths[] = {f->data};
-    assert_int_equal(access_roots_open(&f->roots, paths, 1, NULL), SHEAR_OK);
+    assert_int_equal(access_roots_new(&f->roots, paths, 1, NULL), SHEAR_OK);
     *state = f;
     return 0;
 }
@@ -78,7 +78,7 @@ static int remove_one(const char *path, const struct stat *st, int kind, struct 
 
 static int teardown(void **state) {
     fixture *f = *state;
-    access_roots_close(f->roots);
+    access_roots_free(f->roots);
     nftw(f->top, remove_one, 16, FTW_DEPTH | FTW_PHYS);
     free(f);
     return 0;
@@ -190,13 +190,13 @@ static void magic_links(void **state) {
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
     assert_int_equal(symlink(path, at(f->data, "magic")), 0);
     REFUSES(&root_peer, at(f->data, "magic"), ACCESS_E_OUTSIDE);
-    assert_int_equal(access_roots_open(&with_proc.roots, proc, 1, NULL), SHEAR_OK);
+    assert_int_equal(access_roots_new(&with_proc.roots, proc, 1, NULL), SHEAR_OK);
     assert_int_equal(try_open(&with_proc, &root_peer, path, ""), ACCESS_E_OUTSIDE);
     snprintf(path, sizeof path, "/proc/%ld/fd/%d", (long)getpid(), fd);
     assert_int_equal(try_open(&with_proc, &root_peer, path, ""), ACCESS_E_OUTSIDE);
     snprintf(path, sizeof path, "/proc/%ld/root%s", (long)getpid(), at(f->outside, "secret.fits"));
     assert_int_equal(try_open(&with_proc, &root_peer, path, ""), ACCESS_E_OUTSIDE);
-    access_roots_close(with_proc.roots);
+    access_roots_free(with_proc.roots);
     close(fd);
 }
 
@@ -210,9 +210,9 @@ static void only_regular_files(void **state) {
     REFUSES(&alice, at(f->data, "dir.fits"), ACCESS_E_NOT_REGULAR);
     REFUSES(&alice, at(f->data, "dir.fits/"), ACCESS_E_NOT_REGULAR);
     REFUSES(&alice, at(f->data, "pipe.fits"), ACCESS_E_NOT_REGULAR);
-    assert_int_equal(access_roots_open(&with_dev.roots, dev, 1, NULL), SHEAR_OK);
+    assert_int_equal(access_roots_new(&with_dev.roots, dev, 1, NULL), SHEAR_OK);
     assert_int_equal(try_open(&with_dev, &alice, "/dev/zero", ""), ACCESS_E_NOT_REGULAR);
-    access_roots_close(with_dev.roots);
+    access_roots_free(with_dev.roots);
 }
 
 /* The owner of the files here is whoever runs the test. */
@@ -360,7 +360,7 @@ static void root_behind_a_link(void **state) {
     snprintf(link_name, sizeof link_name, "%s", at(f->top, "link"));
     assert_int_equal(symlink("data", link_name), 0);
     char *paths[] = {link_name};
-    assert_int_equal(access_roots_open(&linked.roots, paths, 1, NULL), SHEAR_OK);
+    assert_int_equal(access_roots_new(&linked.roots, paths, 1, NULL), SHEAR_OK);
     assert_int_equal(try_open(&linked, &alice, at(link_name, "a.fits"), "pixels"), SHEAR_OK);
     assert_int_equal(try_open(&linked, &alice, at(f->data, "a.fits"), "pixels"), SHEAR_OK);
     int fd = -1;
@@ -371,7 +371,7 @@ static void root_behind_a_link(void **state) {
     assert_string_equal(canonical, at(f->data, "a.fits"));
     free(canonical);
     close(fd);
-    access_roots_close(linked.roots);
+    access_roots_free(linked.roots);
 }
 
 static void several_roots(void **state) {
@@ -382,30 +382,77 @@ static void several_roots(void **state) {
     make_directory(inner, 0755);
     assert_int_equal(symlink("../a.fits", at(inner, "up")), 0);
     char *paths[] = {inner, both.data, both.outside};
-    assert_int_equal(access_roots_open(&both.roots, paths, 3, NULL), SHEAR_OK);
+    assert_int_equal(access_roots_new(&both.roots, paths, 3, NULL), SHEAR_OK);
     assert_int_equal(try_open(&both, &root_peer, at(inner, "up"), "pixels"), SHEAR_OK);
     assert_int_equal(try_open(&both, &alice, at(f->outside, "secret.fits"), "secret"), SHEAR_OK);
-    access_roots_close(both.roots);
+    access_roots_free(both.roots);
 }
 
 static void bad_roots(void **state) {
     fixture *f = *state;
     access_roots *roots = NULL;
     shear_error err = {0};
-    char missing[] = "/nonexistent-data-root";
     char relative[] = "data";
     char climbing[] = "/tmp/../etc";
-    char *lists[][1] = {{missing}, {relative}, {climbing}};
-    const int codes[] = {SHEAR_E_IO, SHEAR_E_SETTING, SHEAR_E_SETTING};
-    for (int i = 0; i < 3; i++) {
-        assert_int_equal(access_roots_open(&roots, lists[i], 1, &err), codes[i]);
+    char *lists[][1] = {{relative}, {climbing}};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(access_roots_new(&roots, lists[i], 1, &err), SHEAR_E_SETTING);
         assert_null(roots);
         assert_non_null(strstr(err.message, lists[i][0]));
     }
     fixture none = *f;
-    assert_int_equal(access_roots_open(&none.roots, NULL, 0, NULL), SHEAR_OK);
+    assert_int_equal(access_roots_new(&none.roots, NULL, 0, NULL), SHEAR_OK);
+    assert_int_equal(access_roots_check(none.roots, NULL), SHEAR_OK);
     assert_int_equal(try_open(&none, &root_peer, at(f->data, "a.fits"), ""), ACCESS_E_OUTSIDE);
-    access_roots_close(none.roots);
+    access_roots_free(none.roots);
+}
+
+/* A disk that is not there yet, comes, goes, and comes again under another inode. */
+static void a_root_comes_and_goes(void **state) {
+    const fixture *f = *state;
+    fixture later = *f;
+    char root[512];
+    char away[512];
+    char file[512];
+    shear_error err = {0};
+    snprintf(root, sizeof root, "%s/later", f->top);
+    snprintf(away, sizeof away, "%s/away", f->top);
+    snprintf(file, sizeof file, "%s/b.fits", root);
+    char *paths[] = {root, later.data};
+    assert_int_equal(access_roots_new(&later.roots, paths, 2, NULL), SHEAR_OK);
+    assert_int_equal(try_open(&later, &alice, file, ""), ACCESS_E_ROOT);
+    assert_int_equal(try_open(&later, &alice, at(f->outside, "x"), ""), ACCESS_E_OUTSIDE);
+    assert_int_equal(try_open(&later, &alice, at(f->data, "a.fits"), "pixels"), SHEAR_OK);
+    assert_int_equal(access_roots_check(later.roots, &err), ACCESS_E_ROOT);
+    assert_non_null(strstr(err.message, root));
+    make_directory(root, 0755);
+    assert_int_equal(access_roots_check(later.roots, NULL), SHEAR_OK);
+    assert_int_equal(try_open(&later, &alice, file, ""), ACCESS_E_NOT_FOUND);
+    write_file(file, "first", 0644);
+    assert_int_equal(try_open(&later, &alice, file, "first"), SHEAR_OK);
+    assert_int_equal(rename(root, away), 0);
+    assert_int_equal(try_open(&later, &alice, file, ""), ACCESS_E_ROOT);
+    make_directory(root, 0755);
+    write_file(file, "second", 0644);
+    assert_int_equal(try_open(&later, &alice, file, "second"), SHEAR_OK);
+    access_roots_free(later.roots);
+}
+
+/* What is missing beneath a missing root is missing for that, also where it lies in another one. */
+static void a_root_in_a_root_is_missing(void **state) {
+    const fixture *f = *state;
+    fixture both = *f;
+    char inner[512];
+    snprintf(inner, sizeof inner, "%s/inner", f->data);
+    char *paths[] = {both.data, inner};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(access_roots_new(&both.roots, paths, 2, NULL), SHEAR_OK);
+        assert_int_equal(try_open(&both, &alice, at(inner, "x.fits"), ""), ACCESS_E_ROOT);
+        assert_int_equal(try_open(&both, &alice, at(f->data, "a.fits"), "pixels"), SHEAR_OK);
+        access_roots_free(both.roots);
+        paths[0] = inner;
+        paths[1] = both.data;
+    }
 }
 
 static void paths_by_component(void **state) {
@@ -526,6 +573,7 @@ static void codes_have_names(void **state) {
     (void)state;
     assert_string_equal(access_code_name(ACCESS_E_PATH), "bad_path");
     assert_string_equal(access_code_name(ACCESS_E_NOT_REGULAR), "not_regular");
+    assert_string_equal(access_code_name(ACCESS_E_ROOT), "root_missing");
     assert_string_equal(access_code_name(SHEAR_E_IO), shear_code_name(SHEAR_E_IO));
 }
 
@@ -545,6 +593,8 @@ int main(void) {
         TEST(root_behind_a_link),
         TEST(several_roots),
         TEST(bad_roots),
+        TEST(a_root_comes_and_goes),
+        TEST(a_root_in_a_root_is_missing),
         cmocka_unit_test(paths_by_component),
         cmocka_unit_test(peer_of_a_socket),
         cmocka_unit_test(peer_of_a_user),

@@ -110,6 +110,28 @@ static void a_failure_that_may_pass_waits_for_its_time(void **state) {
     store_job_deinit(&job);
 }
 
+/* What some waiting jobs wait for has come: they run now, and the others at their time. */
+static void waiting_jobs_are_hurried(void **state) {
+    fixture *f = *state;
+    shear_error err = {0};
+    store_job job;
+    int64_t due = 0;
+    const int64_t id = submit_at(f, 0);
+    fx_next(f);
+    const int64_t at = f->now + 1000;
+    assert_int_equal(fail_job(f, id, at), STORE_WAITING);
+    FX_OK(store_hurry(f->s, "disk_full", f->now, &err));
+    FX_OK(store_next_due(f->s, &due, &err));
+    assert_int_equal(due, at);
+    FX_OK(store_hurry(f->s, "io", at + 1000, &err)); /* never later than it was to run */
+    FX_OK(store_next_due(f->s, &due, &err));
+    assert_int_equal(due, at);
+    FX_OK(store_hurry(f->s, "io", f->now, &err));
+    FX_OK(store_next(f->s, f->now, &job, &err));
+    assert_int_equal(job.id, id);
+    store_job_deinit(&job);
+}
+
 /* A waiting job that is due takes its place by priority and age, not behind the queue. */
 static void due_jobs_join_the_queue(void **state) {
     fixture *f = *state;
@@ -370,6 +392,7 @@ int main(void) {
         STORE_TEST(the_highest_and_then_the_oldest_runs),
         STORE_TEST(next_opens_an_attempt),
         STORE_TEST(a_failure_that_may_pass_waits_for_its_time),
+        STORE_TEST(waiting_jobs_are_hurried),
         STORE_TEST(due_jobs_join_the_queue),
         STORE_TEST(a_failure_can_be_for_good),
         STORE_TEST(a_failure_is_described),

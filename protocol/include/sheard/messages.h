@@ -350,6 +350,12 @@ typedef struct shear_msg_store {
     int64_t commits; /* since the start */
 } shear_msg_store;
 
+typedef struct shear_msg_root { /* a data root, as the service sees it */
+    const char *path;
+    bool missing;
+    const char *reason; /* why it is missing; NULL: it is there */
+} shear_msg_root;
+
 typedef struct shear_msg_status {
     const char *version;
     int64_t protocol, pid;
@@ -365,6 +371,11 @@ typedef struct shear_msg_status {
     shear_msg_rates rates;
     shear_msg_spool spool;
     shear_msg_store store;
+    const char *config, *state_dir;
+    const char *catalogues;      /* directory; NULL: none are written */
+    const char *user;            /* that the service runs as */
+    const shear_msg_root *roots; /* [n_roots] */
+    size_t n_roots;
     shear_msg_limits limits;
     const char *const *problems; /* [n_problems] what an operator should look at */
     size_t n_problems;
@@ -379,6 +390,8 @@ typedef struct shear_msg_reloaded {
     size_t n_changed;
     const char *const *restart; /* [n_restart] settings that need a restart */
     size_t n_restart;
+    const char *const *warnings; /* [n_warnings] what will not work as it is now */
+    size_t n_warnings;
 } shear_msg_reloaded;
 
 typedef struct shear_msg_stopping { /* of drain and shutdown; and of the notification server_state

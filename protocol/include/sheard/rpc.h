@@ -52,6 +52,7 @@ enum shear_rpc_code {
     SHEAR_RPC_NOT_OWNER,
     SHEAR_RPC_NOT_ADMIN,
     SHEAR_RPC_PRIORITY_NOT_ALLOWED,
+    SHEAR_RPC_ROOT_MISSING,
     /* not there, or not in that state */
     SHEAR_RPC_NO_SUCH_FILE,
     SHEAR_RPC_NOT_REGULAR,
