@@ -3,13 +3,6 @@
 #include "service/inner.h"
 
 #include <stdlib.h>
-#include <time.h>
-
-int64_t wall_ms(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_REALTIME, &t);
-    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
-}
 
 static void nothing(uv_idle_t *idle) {
     (void)idle;

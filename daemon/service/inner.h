@@ -43,11 +43,11 @@ typedef struct active_job {
     struct active_job *next;
     int64_t id;
     int origin;
-    int64_t failures; /* so far, for the back-off */
-    int64_t started_ms;
-    char *active_name; /* of the watch folder, or NULL */
-    char *path;        /* for messages */
-    char *field;       /* asked for, or learned */
+    int64_t failures;   /* so far, for the back-off */
+    int64_t started_ms; /* steady_ms */
+    char *active_name;  /* of the watch folder, or NULL */
+    char *path;         /* for messages */
+    char *field;        /* asked for, or learned */
     char *digest;
     shear_settings settings;
     char checksum[SHEAR_CHECKSUM_SIZE];
@@ -68,6 +68,15 @@ typedef struct waiter {
     int64_t *ids;
     size_t left; /* of them, not final when they were last looked at, less those that ended since */
 } waiter;
+
+/* ---- clock.c ---- */
+
+typedef struct service_clock {
+    int64_t offset_ms;      /* from steady_ms to wall_ms at the last look */
+    int64_t aged_offset_ms; /* the same, for ages: a clock set forward is not believed at once */
+    int64_t jumped_ms;      /* steady_ms: it was set last */
+    int64_t owed_ms;        /* waiting jobs are still to be moved by this */
+} service_clock;
 
 enum { RATE_SLOTS = 61 };
 
@@ -109,15 +118,27 @@ struct service {
     int state; /* enum shear_server_state */
     int exit_code;
     bool closing;
-    bool drain_pending; /* drained jobs are left, and their end is to be told */
-    int64_t started_ms; /* wall clock */
+    bool drain_pending;        /* drained jobs are left, and their end is to be told */
+    int64_t started_ms;        /* wall clock */
+    int64_t started_steady_ms; /* steady_ms */
+    service_clock clock;
     int64_t stamps_at[RATE_SLOTS], jobs_at[RATE_SLOTS]; /* a ring of the last minute */
     int64_t ticks, jobs_ended;
     int64_t store_trouble_ms; /* loop time of the last failed commit; 0: none lately */
     char trouble[200];
 };
 
-int64_t wall_ms(void);
+int64_t wall_ms(void);   /* to tell and to store; may be set at any time */
+int64_t steady_ms(void); /* to measure with; it counts on while the machine sleeps */
+/* What waits on disk must not wait longer than this service would have let it: clocks may have been
+ * set while it did not run. */
+int clock_start(service *s, shear_error *err);
+/* Was the clock set? Then waiting jobs move with it. Before jobs are looked for, and once a second.
+ */
+void clock_look(service *s);
+/* The wall clock for what is removed because of its age: never ahead of the present one; one that
+ * was set forward is believed after a day. */
+int64_t clock_for_ages(const service *s);
 
 /* The group: call before every change of the store. */
 int group_begin(service *s, shear_error *err);
@@ -189,7 +210,7 @@ int rpc_from_access(shear_rpc_error *error, int code, const shear_error *err);
 void present_job(service *s, const store_job *job, shear_msg_job *out);
 void present_job_free(shear_msg_job *out);
 /* What a job that runs now is at; false, and nothing is changed, where it does not. */
-bool present_running(service *s, int64_t id, int64_t started_ms, shear_msg_progress *p);
+bool present_running(service *s, int64_t id, shear_msg_progress *p);
 /* Add the rows of a field that have no contribution yet, but running jobs. */
 int present_begun(service *s, const char *name, store_field_page *page, shear_error *err);
 int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err);

@@ -48,7 +48,7 @@ static int active_new(active_job **out, const store_job *job, ending_reason *rea
     *j = (active_job){.id = job->id,
                       .origin = job->origin,
                       .failures = job->failures,
-                      .started_ms = wall_ms(),
+                      .started_ms = steady_ms(),
                       .field = job->field != NULL ? strdup(job->field) : NULL,
                       .digest = strdup(job->settings_digest)};
     shear_settings_init(&j->settings);
@@ -158,6 +158,7 @@ static void put_back_strays(service *s) {
 
 void jobs_fill(service *s) {
     shear_error err = {0};
+    clock_look(s);
     if (s->strays && s->store_trouble_ms == 0 && marked(s) == 0) {
         put_back_strays(s);
     }

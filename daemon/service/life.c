@@ -143,6 +143,7 @@ static void on_engine(uv_async_t *async) {
 /* Once a second. */
 static void on_tick(uv_timer_t *timer) {
     service *s = timer->data;
+    clock_look(s);
     status_tick(s);
     waits_expire(s);
     news_publish(s);
@@ -163,7 +164,7 @@ static void on_tick(uv_timer_t *timer) {
         const sheard_config *c = &s->config;
         const store_retention rule = {
             .finished_before_ms = c->retention.jobs_max_age_ms > 0
-                                      ? wall_ms() - c->retention.jobs_max_age_ms
+                                      ? clock_for_ages(s) - c->retention.jobs_max_age_ms
                                       : INT64_MIN,
             .keep = c->retention.jobs_max_count > 0 ? c->retention.jobs_max_count : -1,
             .batch = 1000};

@@ -24,9 +24,10 @@ static int phase_of(const engine_progress *at) {
     }
 }
 
-bool present_running(service *s, int64_t id, int64_t started_ms, shear_msg_progress *p) {
+bool present_running(service *s, int64_t id, shear_msg_progress *p) {
     engine_progress at;
-    if (!engine_get_progress(s->engine, id, &at)) {
+    const active_job *j = jobs_find(s, id);
+    if (j == NULL || !engine_get_progress(s->engine, id, &at)) {
         return false;
     }
     p->phase = phase_of(&at);
@@ -35,7 +36,7 @@ bool present_running(service *s, int64_t id, int64_t started_ms, shear_msg_progr
         p->bytes_total = at.bytes;
     }
     if (at.total >= 0) {
-        const double seconds = 1e-3 * (double)(wall_ms() - started_ms);
+        const double seconds = 1e-3 * (double)(steady_ms() - j->started_ms);
         p->done = at.done;
         p->total = at.total;
         p->rate = seconds > 0.0 ? (double)p->done / seconds : NAN;
@@ -51,7 +52,7 @@ static void present_progress(service *s, const store_job *job, shear_msg_progres
         p->done = job->n_stamps;
         p->rate = job->elapsed_us > 0 ? 1e6 * (double)job->n_stamps / (double)job->elapsed_us : NAN;
     } else if (job->state == STORE_RUNNING) {
-        present_running(s, job->id, job->started_ms, p);
+        present_running(s, job->id, p);
     }
 }
 

@@ -314,11 +314,15 @@ static void spool_log(void *context, int level, const char *text) {
     }
 }
 
+static int64_t now_for_ages(void *context) {
+    return clock_for_ages(context);
+}
+
 int spooled_open(service *s, shear_error *err) {
     const sheard_config *c = &s->config;
     const spool_tuning tuning = reload_spool_tuning(c);
     const spool_callbacks callbacks = {
-        .room = room, .found = found, .log = spool_log, .context = s};
+        .room = room, .found = found, .log = spool_log, .now_ms = now_for_ages, .context = s};
     return c->spool.enabled
                ? spool_open(&s->spool, &s->loop, c->spool.directory, &tuning, &callbacks, err)
                : SHEAR_OK;

@@ -49,6 +49,9 @@ static int open_store(service *s, shear_error *err) {
     if (code == SHEAR_OK) {
         code = store_open(&s->store, path, &options, wall_ms(), err);
     }
+    if (code == SHEAR_OK) {
+        code = clock_start(s, err);
+    }
     if (code == SHEAR_OK && store_opened(s->store)->requeued > 0) {
         log_notice("%lld jobs were interrupted and go on",
                    (long long)store_opened(s->store)->requeued);
@@ -134,6 +137,7 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     s->config = *config;
     s->config_path = config_path != NULL ? strdup(config_path) : NULL;
     s->started_ms = wall_ms();
+    s->started_steady_ms = steady_ms();
     s->notify.fd = -1;
     int code = SHEAR_OK;
     for (size_t i = 0; i < assignments->n && code == SHEAR_OK; i++) {

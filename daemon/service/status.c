@@ -82,7 +82,7 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
         .pid = getpid(),
         .state = s->state,
         .started_ms = s->started_ms,
-        .uptime_s = 1e-3 * (double)(wall_ms() - s->started_ms),
+        .uptime_s = 1e-3 * (double)(steady_ms() - s->started_steady_ms),
         .connections = (int64_t)net.connections,
         .subscribers = (int64_t)net.subscribers,
         .workers = {.total = load.workers, .busy = load.busy, .readers = load.jobs},
@@ -248,7 +248,7 @@ void status_tick(service *s) {
                 .progress = {
                     .total = -1, .rate = NAN, .eta_s = NAN, .bytes_done = -1, .bytes_total = -1}}};
         if (server_is_watched(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field) &&
-            present_running(s, j->id, j->started_ms, &params.job_progress.progress)) {
+            present_running(s, j->id, &params.job_progress.progress)) {
             server_publish(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field, &params);
         }
     }

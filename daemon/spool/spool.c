@@ -24,6 +24,13 @@ void spool_log(const spool *s, int level, const char *format, ...) {
     s->call.log(s->call.context, level, text);
 }
 
+static int64_t wall_clock_ms(void *nothing) {
+    struct timespec now;
+    (void)nothing;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
 /* ---- the turn ---- */
 
 static void on_timer(uv_timer_t *timer);
@@ -222,6 +229,7 @@ int spool_open(spool **out, uv_loop_t *loop, const char *directory, const spool_
     s->loop = loop;
     s->tuning = *tuning;
     s->call = *callbacks;
+    s->call.now_ms = callbacks->now_ms != NULL ? callbacks->now_ms : wall_clock_ms;
     s->watch = (watch){-1, -1, -1};
     waiting_init(&s->waiting);
     offers_init(&s->offers);

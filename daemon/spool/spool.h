@@ -63,6 +63,8 @@ typedef struct spool_callbacks {
     void (*found)(void *context, const spool_file *file);
     void (*log)(void *context, int level, const char *text); /* one line */
     void *context;
+    /* Milliseconds since 1970, for the ages of what is kept; NULL: the clock's. */
+    int64_t (*now_ms)(void *context);
 } spool_callbacks;
 
 /* Where an ended file lies. */

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static const int64_t ns_per_s = 1000000000;
@@ -197,14 +196,13 @@ static void remove_item(spool *s, const sweep_item *item) {
 
 static bool remove_some(spool *s) {
     sweep *w = &s->sweep;
-    struct timespec now;
-    clock_gettime(CLOCK_REALTIME, &now);
-    for (int i = 0; i < SPOOL_STEP_FILES && too_much(w, limits(s), to_ns(now)); i++) {
+    const int64_t now_ns = s->call.now_ms(s->call.context) * ns_per_ms;
+    for (int i = 0; i < SPOOL_STEP_FILES && too_much(w, limits(s), now_ns); i++) {
         remove_item(s, &w->items[w->next]);
         w->bytes -= w->items[w->next].bytes;
         w->next++;
     }
-    if (!too_much(w, limits(s), to_ns(now))) {
+    if (!too_much(w, limits(s), now_ns)) {
         end_folder(w);
     }
     return !sweep_idle(w);

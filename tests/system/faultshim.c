@@ -8,6 +8,8 @@
  *   FAULT_LENGTH  how many fail in a row (default 1)
  *   FAULT_HOW     EIO or ENOSPC; or KILL: the process dies there, a write half done
  *   FAULT_COUNT   file that holds the number of calls so far, 8 bytes, native order
+ *   FAULT_CLOCK   file with milliseconds, 8 bytes, native order, that the wall clock is ahead; may
+ * be written to at any time
  *
  * It works in the program FAULT_PROGRAM only, and takes itself out of the environment, so that the
  * sandboxed reader is started without it. */
@@ -24,13 +26,14 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/uio.h>
+#include <time.h>
 #include <unistd.h>
 
 static struct {
     const char *below, *calls;
     int64_t at, length;
     int error; /* 0: kill */
-    _Atomic int64_t *count;
+    _Atomic int64_t *count, *clock_ms;
     bool on;
 } shim;
 
@@ -44,10 +47,22 @@ static const char *text(const char *name, const char *otherwise) {
     return value != NULL ? value : otherwise;
 }
 
+/* 8 bytes that are shared with the test, or NULL. */
+static _Atomic int64_t *shared(const char *path) {
+    void *map = MAP_FAILED;
+    const int fd = path != NULL ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600) : -1;
+    if (fd >= 0 && ftruncate(fd, sizeof(_Atomic int64_t)) == 0) {
+        map = mmap(NULL, sizeof(_Atomic int64_t), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    }
+    if (fd >= 0) {
+        close(fd);
+    }
+    return map != MAP_FAILED ? map : NULL;
+}
+
 __attribute__((constructor)) static void begin(void) {
     static _Atomic int64_t own;
     const char *how = text("FAULT_HOW", "EIO");
-    const char *path = getenv("FAULT_COUNT");
     if (strcmp(program_invocation_short_name, text("FAULT_PROGRAM", "sheard")) != 0) {
         return;
     }
@@ -56,16 +71,10 @@ __attribute__((constructor)) static void begin(void) {
     shim.at = number("FAULT_AT", 0);
     shim.length = number("FAULT_LENGTH", 1);
     shim.error = strcmp(how, "KILL") == 0 ? 0 : strcmp(how, "ENOSPC") == 0 ? ENOSPC : EIO;
-    shim.count = &own;
-    const int fd = path != NULL ? open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600) : -1;
-    if (fd >= 0 && ftruncate(fd, sizeof *shim.count) == 0) {
-        void *map = mmap(NULL, sizeof *shim.count, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-        shim.count = map != MAP_FAILED ? map : &own;
-        atomic_store(shim.count, 0);
-    }
-    if (fd >= 0) {
-        close(fd);
-    }
+    shim.count = shared(getenv("FAULT_COUNT"));
+    shim.count = shim.count != NULL ? shim.count : &own;
+    atomic_store(shim.count, 0);
+    shim.clock_ms = shared(getenv("FAULT_CLOCK"));
     unsetenv("LD_PRELOAD");
     shim.on = true;
 }
@@ -173,3 +182,15 @@ RENAMES(renameat, (int from_fd, const char *from, int to_fd, const char *to), fr
         (from_fd, from, to_fd, to))
 RENAMES(renameat2, (int from_fd, const char *from, int to_fd, const char *to, unsigned int flags),
         from_fd, to_fd, (from_fd, from, to_fd, to, flags))
+
+int clock_gettime(clockid_t id, struct timespec *t) {
+    const __typeof__(&clock_gettime) real = REAL(clock_gettime);
+    const int rc = real(id, t);
+    if (rc == 0 && id == CLOCK_REALTIME && shim.clock_ms != NULL) {
+        const int64_t ms = atomic_load(shim.clock_ms) + t->tv_nsec / 1000000;
+        const int64_t seconds = ms / 1000 - (ms % 1000 < 0);
+        t->tv_nsec = (long)(ms - 1000 * seconds) * 1000000 + t->tv_nsec % 1000000;
+        t->tv_sec += (time_t)seconds;
+    }
+    return rc;
+}

@@ -73,7 +73,7 @@ int fixture_teardown(void **state) {
 
 void fixture_open(spool_fixture *f) {
     shear_error err = {0};
-    const spool_callbacks callbacks = {on_room, on_found, on_log, f};
+    const spool_callbacks callbacks = {on_room, on_found, on_log, f, NULL};
     if (spool_open(&f->spool, &f->loop, f->directory, &f->tuning, &callbacks, &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }

@@ -143,7 +143,7 @@ static int serve(const char *directory, const char *ledger) {
     const spool_tuning tuning = {.settle_ms = 0, .scan_ms = 2};
     uv_loop_t loop;
     service v = {NULL, open(ledger, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600)};
-    const spool_callbacks callbacks = {room, found, log_nothing, &v};
+    const spool_callbacks callbacks = {room, found, log_nothing, &v, NULL};
     alarm(LIFE_S);
     if (v.ledger < 0 || uv_loop_init(&loop) != 0) {
         return 6;

@@ -24,7 +24,7 @@ static void no_log(void *context, int level, const char *text) {
 }
 
 static int try_to_open(spool_fixture *f, shear_error *err) {
-    static const spool_callbacks callbacks = {no_room, no_file, no_log, NULL};
+    static const spool_callbacks callbacks = {no_room, no_file, no_log, NULL, NULL};
     spool *s = NULL;
     const int code = spool_open(&s, &f->loop, f->directory, &f->tuning, &callbacks, err);
     assert_true((code == SHEAR_OK) == (s != NULL));
@@ -182,7 +182,7 @@ static int64_t much_room(void *context) {
 
 static void closed_from_the_callback(void **state) {
     spool_fixture *f = *state;
-    static const spool_callbacks callbacks = {much_room, close_it, no_log, NULL};
+    static const spool_callbacks callbacks = {much_room, close_it, no_log, NULL, NULL};
     fixture_open(f);
     fixture_close(f);
     fixture_write(f, "incoming/a.fits", "a");
