@@ -111,10 +111,9 @@ static void print_accepted(const shear_msg_submitted *submitted) {
     char source[4200];
     char clean[4200];
     const shear_msg_job *job = &submitted->job;
-    printf(
-        "job %" PRId64 " %s%s: %s\n", job->id, shear_job_state_name(job->state),
-        submitted->known ? " (known by its key)" : "",
-        message_clean(job_source_text(&job->source, source, sizeof source), clean, sizeof clean));
+    printf("job %" PRId64 " %s%s: %s\n", job->id, shear_job_state_name(job->state),
+           submitted->known ? " (known by its key)" : "",
+           message_clean(job_source_text(job, source, sizeof source), clean, sizeof clean));
     fflush(stdout);
 }
 

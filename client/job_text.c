@@ -26,9 +26,33 @@ static void image_text(const shear_msg_image *image, char *buf, size_t size) {
     }
 }
 
-char *job_source_text(const shear_msg_source *source, char *buf, size_t size) {
+/* A job file asks for files of a client's; other dropped files are themselves what is measured. */
+static bool is_dropped(const shear_msg_job *job) {
+    const char *dot = job->dropped_name ? strrchr(job->dropped_name, '.') : NULL;
+    return job->dropped_name && !(dot && strcmp(dot, ".json") == 0);
+}
+
+/* "failed/a.1.fits"; "active" alone, where names are long and tell nothing. */
+static const char *where_now(const shear_msg_job *job, char *buf, size_t size) {
+    const char *name = job->file_now ? strrchr(job->file_now, '/') : NULL;
+    const char *folder = name;
+    while (folder && folder > job->file_now && folder[-1] != '/') {
+        folder--;
+    }
+    if (!name) {
+        return "gone";
+    }
+    const bool active = strncmp(folder, "active/", strlen("active/")) == 0;
+    snprintf(buf, size, "%.*s", (int)(active ? name - folder : (ptrdiff_t)strlen(folder)), folder);
+    return buf;
+}
+
+char *job_source_text(const shear_msg_job *job, char *buf, size_t size) {
+    const shear_msg_source *source = &job->source;
     char galaxy[4180];
-    if (source->galaxy.path) {
+    if (is_dropped(job)) {
+        snprintf(buf, size, "%s (%s)", job->dropped_name, where_now(job, galaxy, sizeof galaxy));
+    } else if (source->galaxy.path) {
         image_text(&source->galaxy, galaxy, sizeof galaxy);
         snprintf(buf, size, "%s + noise, psf", galaxy);
     } else {
@@ -99,7 +123,7 @@ void job_table_add(struct text_table *t, const shear_msg_job *job, int64_t now_m
     text_table_cell(t, NULL, "%s", or_dash(job->user));
     text_table_cell(t, NULL, "%s", human_age(job->created_ms, now_ms, duration));
     text_table_cell(t, NULL, "%s", human_duration(took(job, now_ms), duration));
-    text_table_cell(t, NULL, "%s", job_source_text(&job->source, text, sizeof text));
+    text_table_cell(t, NULL, "%s", job_source_text(job, text, sizeof text));
 }
 
 struct text_table *job_results_new(void) {
@@ -122,7 +146,7 @@ void job_results_add(struct text_table *t, const shear_msg_job *job) {
     text_table_cell(t, NULL, "%s", has ? shear_text_value(s.g2, s.g2_err, text, sizeof text) : "-");
     text_table_cell(t, NULL, "%" PRId64, s.n_used);
     text_table_cell(t, NULL, "%" PRId64, s.n_stamps);
-    text_table_cell(t, NULL, "%s", job_source_text(&job->source, text, sizeof text));
+    text_table_cell(t, NULL, "%s", job_source_text(job, text, sizeof text));
     if (has) {
         shear_report_summary_deinit(&s);
     }
@@ -130,13 +154,19 @@ void job_results_add(struct text_table *t, const shear_msg_job *job) {
 
 /* ---- One job ---- */
 
-static void print_source(const shear_msg_source *s, FILE *out) {
+static void print_source(const shear_msg_job *job, FILE *out) {
+    const shear_msg_source *s = &job->source;
     const struct {
         const char *name;
         const shear_msg_image *image;
     } images[] = {
         {"galaxy", &s->galaxy}, {"noise", &s->noise}, {"psf", &s->psf}, {"catalog", &s->catalog}};
-    if (s->path) {
+    if (job->dropped_name) {
+        shear_text_line(out, "dropped", "%s", job->dropped_name);
+        shear_text_line(out, "now at", "%s",
+                        job->file_now ? job->file_now : "- (it was taken away)");
+    }
+    if (s->path && !is_dropped(job)) {
         shear_text_line(out, "file", "%s", s->path);
     }
     for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
@@ -253,7 +283,7 @@ void job_text_print(const shear_msg_shown *shown, bool utc, FILE *out) {
             shear_job_state_name(job->state), style ? STYLE_END : "",
             job->cancel_asked && !shear_job_state_is_final(job->state) ? " (being cancelled)" : "");
     shear_text_line(out, "field", "%s", or_dash(job->field));
-    print_source(&job->source, out);
+    print_source(job, out);
     print_failure(job, utc, out);
     print_progress(job, out);
     print_outcome(job, out);

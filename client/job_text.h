@@ -19,8 +19,9 @@ void job_results_add(struct text_table *table, const shear_msg_job *job);
 /* `shearctl show`. */
 void job_text_print(const shear_msg_shown *shown, bool utc, FILE *out);
 
-/* "/data/a.fits", or "/data/gal.fits[2] + ..." of separate images. Returns buf. */
-char *job_source_text(const shear_msg_source *source, char *buf, size_t size);
+/* "/data/a.fits", or "/data/gal.fits[2] + ..." of separate images; of a dropped file the name that
+ * it had and where it is now: "a.fits (failed/a.1.fits)". Returns buf. */
+char *job_source_text(const shear_msg_job *job, char *buf, size_t size);
 
 /* A running job that is not yet measured: what it is at is its phase, "hashing, 42% of 3.1 MB". */
 bool job_is_before_measuring(const shear_msg_job *job);

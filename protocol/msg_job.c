@@ -43,6 +43,8 @@ static const msg_member job_members[] = {
     MSG_SAID_(shear_msg_job, checksum, 0),
     MSG_RAW_(shear_msg_job, result),
     MSG_SAID_(shear_msg_job, catalogue, 0),
+    MSG_SAID_(shear_msg_job, dropped_name, 0),
+    MSG_SAID_(shear_msg_job, file_now, 0),
 };
 const msg_table msg_job = {MSG_TABLE_(shear_msg_job, job_members), .check = NULL};
 

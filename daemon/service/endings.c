@@ -6,7 +6,6 @@
 
 void ending_tell(service *s, const store_job *job) {
     catalogue_forget(s, job->id);
-    spooled_end(s, job);
     waits_job_ended(s, job->id);
     server_end_job(s->server, job->id);
 }
@@ -24,6 +23,7 @@ static void settled(service *s, after *a, int code, const shear_error *err) {
     if (store_job_get(s->store, a->job, &job, &ignored) != SHEAR_OK) {
         return;
     }
+    spooled_end(s, &job);
     publish_job(s, &job);
     if (shear_job_state_is_final(job.state)) {
         s->jobs_ended++;

@@ -167,7 +167,7 @@ void ending_fail(service *s, int64_t id, int64_t failures, ending_reason reason,
                  const shear_error *error);
 /* The job's new state is in this group: tell it when that is on disk. */
 void ending_settle(service *s, int64_t id);
-/* The job is final: its file follows, and those who waited for it are answered. */
+/* The job is final: those who waited for it are answered. Its file is where it belongs. */
 void ending_tell(service *s, const store_job *job);
 
 /* spooled.c: files of the watch folder. What the store says of a job tells whether it has such a
@@ -180,8 +180,9 @@ bool spooled_name(const store_job *job, char name[SPOOL_NAME_SIZE]);
 bool spooled_is_own(const store_job *job);
 /* "DIRECTORY/failed/NAME", malloc'd: where a job's file is now; NULL: nowhere, or it has none. */
 char *spooled_where(const service *s, const store_job *job);
-/* The job is final: its file, if it has one, goes to done/ or failed/. */
-void spooled_end(service *s, const store_job *job);
+/* Where the job is final: its file, if it has one, goes to done/ or failed/, and *job says where it
+ * is. */
+void spooled_end(service *s, store_job *job);
 /* A final job is to run again: its file, if it has one, back into active/. Errors as
  * spool_take_back; a job file may be missing, for the job knows all that it said. */
 int spooled_take_back(service *s, const store_job *job, shear_error *err);

@@ -19,6 +19,7 @@ static void reply_job(service *s, after *a, int code, const shear_error *err) {
         method_refuse_store(s, a->to, code, &local);
         return;
     }
+    spooled_end(s, &job);
     shear_reply reply = {0};
     shear_msg_job *message = a->method == SHEAR_METHOD_SUBMIT   ? &reply.submit.job
                              : a->method == SHEAR_METHOD_CANCEL ? &reply.cancel
@@ -147,7 +148,7 @@ static int try_to_open(service *s, const store_job *job, shear_rpc_error *error)
 
 /* Queued again, in this group; its file is back before. Where that was in vain, the file returns to
  * where it was. */
-static int retry(service *s, const store_job *job, shear_rpc_error *error) {
+static int retry(service *s, store_job *job, shear_rpc_error *error) {
     shear_error err = {0};
     const bool may = job->state == STORE_FAILED || job->state == STORE_CANCELLED;
     int code = may ? take_back(s, job, error) : SHEAR_RPC_OK; /* else wrong_state, below */

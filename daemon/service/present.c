@@ -84,7 +84,9 @@ void present_job(service *s, const store_job *job, shear_msg_job *out) {
                            .digest = job->settings_digest,
                            .checksum = job->content,
                            .result = job->result,
-                           .catalogue = job->catalogue};
+                           .catalogue = job->catalogue,
+                           .dropped_name = job->dropped,
+                           .file_now = spooled_where(s, job)};
     if (shear_source_parse(&out->source, job->source, &ignored) != SHEAR_RPC_OK) {
         out->source = (shear_msg_source){0};
     }
@@ -94,6 +96,7 @@ void present_job(service *s, const store_job *job, shear_msg_job *out) {
 void present_job_free(shear_msg_job *out) {
     shear_source_deinit(&out->source);
     free((char *)out->user);
+    free((char *)out->file_now);
     *out = (shear_msg_job){0};
 }
 

@@ -95,24 +95,29 @@ static void move(service *s, const char *active_name, bool good, const shear_msg
 }
 
 /* Where it lies is a help, not part of the job: that it could not be kept is no failure. */
-static void keep_place(service *s, int64_t job, const spool_place *place) {
+static void keep_place(service *s, store_job *job, const spool_place *place) {
     shear_error err = {0};
     if (place->name[0] == '\0') {
         return; /* it had been moved before */
     }
+    free(job->resting);
+    free(job->resting_print);
+    job->resting = strdup(place->name);
+    job->resting_print = strdup(place->print);
     int code = group_begin(s, &err);
     if (code == SHEAR_OK) {
-        code = store_rested(s->store, job, place->name, place->print, &err);
+        code = store_rested(s->store, job->id, place->name, place->print, &err);
     }
     if (code != SHEAR_OK) {
-        log_warning("job %lld: where its file lies is not kept: %s", (long long)job, err.message);
+        log_warning("job %lld: where its file lies is not kept: %s", (long long)job->id,
+                    err.message);
     }
 }
 
-void spooled_end(service *s, const store_job *job) {
+void spooled_end(service *s, store_job *job) {
     char name[SPOOL_NAME_SIZE];
     spool_place place = {.name = ""};
-    if (s->spool == NULL || !spooled_name(job, name)) {
+    if (s->spool == NULL || !shear_job_state_is_final(job->state) || !spooled_name(job, name)) {
         return;
     }
     shear_msg_side side = {.file = job->dropped,
@@ -123,9 +128,11 @@ void spooled_end(service *s, const store_job *job) {
                            .written_ms = wall_ms(),
                            .version = SHEARD_VERSION};
     present_job(s, job, &side.job);
+    free((char *)side.job.file_now); /* beside this report, soon */
+    side.job.file_now = NULL;
     move(s, name, job->state == STORE_DONE, &side, &place);
     present_job_free(&side.job);
-    keep_place(s, job->id, &place);
+    keep_place(s, job, &place);
 }
 
 /* A file that never becomes a job. */
@@ -158,9 +165,8 @@ static void submitted(service *s, after *a, int code, const shear_error *err) {
     }
     store_job job = {0};
     if (store_job_get(s->store, a->job, &job, &ignored) == SHEAR_OK) {
-        if (shear_job_state_is_final(job.state)) {
-            spooled_end(s, &job);
-        } else {
+        spooled_end(s, &job);
+        if (!shear_job_state_is_final(job.state)) {
             publish_job(s, &job);
         }
     }

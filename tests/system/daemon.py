@@ -233,6 +233,13 @@ class Daemon:
         with self.client() as client:
             return client.call(method, **params)
 
+    def shearctl(self, *arguments):
+        """What it prints; it must succeed."""
+        run = subprocess.run([SHEARCTL, arguments[0], "--socket", self.socket, *arguments[1:]],
+                             check=True, capture_output=True, encoding="utf-8",
+                             env={**self.env, "COLUMNS": "400"})
+        return run.stdout
+
     def submit(self, path, **params):
         return self.call("submit", path=path, **params)["job"]
 

@@ -121,6 +121,29 @@ class Retry(DaemonTest):
         self.assertEqual(daemon.side("done", name)["job"]["id"], job)
         self.assertEqual(len(daemon.jobs()), jobs)
 
+    def test_names(self):
+        """What it was called, and where it is."""
+        daemon, job = self.one()
+        record = daemon.job(job)
+        self.assertEqual(record["dropped_name"], "a.fits")
+        self.assertEqual(record["file_now"], daemon.folder("active", daemon.dropped("active")[0]))
+        self.assertIn("a.fits (active)", daemon.shearctl("jobs"))
+        with daemon.client() as client:
+            client.call("subscribe", jobs=[job])
+            client.call("cancel", id=job)
+            waited = client.call("wait", ids=[job])["jobs"][0]
+            notices = [n["params"]["job"] for n in client.notices if n["method"] == "job_changed"]
+        failed = daemon.folder("failed", "a.fits")
+        self.assertEqual([waited["file_now"], notices[-1]["file_now"]], [failed, failed])
+        self.assertEqual(daemon.jobs()[0]["file_now"], failed)
+        self.assertIn("a.fits (failed/a.fits)", daemon.shearctl("jobs"))
+        self.assertIn(failed, daemon.shearctl("show", str(job)))
+        self.assertEqual(daemon.side("failed", "a.fits")["job"]["dropped_name"], "a.fits")
+        os.unlink(failed)
+        self.assertIsNone(daemon.job(job)["file_now"])
+        self.assertIn("a.fits (gone)", daemon.shearctl("jobs"))
+        self.assertIn("taken away", daemon.shearctl("show", str(job)))
+
     def test_cancelled(self):
         self.succeeds(*self.cancelled())
 

@@ -227,6 +227,8 @@ typedef struct shear_msg_job {
     const char *checksum; /* of the content */
     const char *result;   /* a JSON object as shear_report_json writes it */
     const char *catalogue;
+    const char *dropped_name; /* of a file of the watch folder (also a job file); NULL: none was */
+    const char *file_now;     /* where that file is; NULL: nowhere any more, or none was */
 } shear_msg_job;
 
 typedef struct shear_msg_attempt {
