@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/card.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { VALUE = 10 }; /* first column of the value */
@@ -76,14 +78,34 @@ bool sf_card_logical(const char card[SF_CARD], bool *out) {
     return value_ends(card, i + 1);
 }
 
-bool sf_card_short_number(const char card[SF_CARD]) {
-    enum { LONGEST = 29 };
+bool sf_card_double(const char card[SF_CARD], double *out) {
+    char text[SF_CARD + 1];
     const int start = value_start(card);
-    int i = start;
-    while (i < SF_CARD && strchr("+-.0123456789ED", card[i]) != NULL && card[i] != '\0') {
-        i++;
+    int n = 0;
+    for (int i = start; i < SF_CARD && memchr("+-.0123456789EeDd", card[i], 17) != NULL; i++) {
+        text[n++] = card[i] == 'D' || card[i] == 'd' ? 'E' : card[i];
     }
-    return i > start && i - start <= LONGEST && value_ends(card, i);
+    text[n] = '\0';
+    char *end = text;
+    const double value = strtod(text, &end);
+    *out = value;
+    return n > 0 && *end == '\0' && isfinite(value) && value_ends(card, start + n);
+}
+
+bool sf_card_has_value(const char card[SF_CARD]) {
+    const int i = value_start(card);
+    return i < SF_CARD && card[i] != '/';
+}
+
+void sf_card_token(const char card[SF_CARD], char out[SF_CARD + 1]) {
+    int n = 0;
+    for (int i = value_start(card); i < SF_CARD && card[i] != '/'; i++) {
+        out[n++] = card[i];
+    }
+    while (n > 0 && out[n - 1] == ' ') {
+        n--;
+    }
+    out[n] = '\0';
 }
 
 bool sf_card_string(const char card[SF_CARD], char *out, size_t size) {

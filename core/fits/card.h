@@ -18,8 +18,12 @@ int sf_card_index(const char *key, const char *root);
  * where the card has no value of that type. */
 bool sf_card_int(const char card[SF_CARD], int64_t *out);
 bool sf_card_logical(const char card[SF_CARD], bool *out);
-/* True for a number of fewer than 30 characters, of any type. */
-bool sf_card_short_number(const char card[SF_CARD]);
+/* Any finite number, as FITS writes it (1, 1.5, 1.5E3, 1.5D3). */
+bool sf_card_double(const char card[SF_CARD], double *out);
+/* True where there is a value of any type. */
+bool sf_card_has_value(const char card[SF_CARD]);
+/* What stands where a value is, as it stands there, without the comment. */
+void sf_card_token(const char card[SF_CARD], char out[SF_CARD + 1]);
 bool sf_card_string(const char card[SF_CARD], char *out, size_t size);
 
 #endif

@@ -121,8 +121,7 @@ void sf_catalog_write_result(fitsfile *f, const shear_plan *plan, const shear_re
 }
 
 typedef struct reading {
-    fitsfile *f;
-    sf_place at;
+    const sf_cards *cards;
     int rc; /* of the first failure */
     shear_error *err;
 } reading;
@@ -131,7 +130,7 @@ static double get_double(reading *r, const char *key) {
     double value = NAN;
     bool found = false;
     if (r->rc == SHEAR_OK) {
-        r->rc = sf_key_double(r->f, r->at, key, &value, &found, r->err);
+        r->rc = sf_key_double(r->cards, key, &value, &found, r->err);
     }
     return value;
 }
@@ -140,7 +139,7 @@ static int64_t get_integer(reading *r, const char *key, int64_t max) {
     int64_t value = 0;
     bool found = false;
     if (r->rc == SHEAR_OK) {
-        r->rc = sf_key_int(r->f, r->at, key, 0, max, &value, &found, r->err);
+        r->rc = sf_key_int(r->cards, key, 0, max, &value, &found, r->err);
     }
     return value;
 }
@@ -148,10 +147,11 @@ static int64_t get_integer(reading *r, const char *key, int64_t max) {
 static void get_name(reading *r, char out[72]) {
     char *text = NULL;
     if (r->rc == SHEAR_OK) {
-        r->rc = sf_key_string(r->f, r->at, "FIELD", &text, r->err);
+        r->rc = sf_key_string(r->cards, "FIELD", &text, r->err);
     }
     if (r->rc == SHEAR_OK && text != NULL) {
-        r->rc = sf_field_name_copy(out, text, SHEAR_E_FORMAT, r->at, "keyword FIELD", r->err);
+        r->rc =
+            sf_field_name_copy(out, text, SHEAR_E_FORMAT, r->cards->at, "keyword FIELD", r->err);
     }
     free(text);
 }
@@ -160,7 +160,7 @@ static void get_name(reading *r, char out[72]) {
 static int get_estimator(reading *r) {
     char *text = NULL;
     if (r->rc == SHEAR_OK) {
-        r->rc = sf_key_string(r->f, r->at, "ESTIMAT", &text, r->err);
+        r->rc = sf_key_string(r->cards, "ESTIMAT", &text, r->err);
     }
     shear_settings settings;
     shear_settings_init(&settings);
@@ -199,9 +199,8 @@ static void get_result(reading *r, shear_result *out) {
     }
 }
 
-int sf_catalog_read_header(fitsfile *f, const char *file, shear_catalog_table *t,
-                           shear_error *err) {
-    reading r = {.f = f, .at = {file, SF_CATALOG_HDU}, .err = err};
+int sf_catalog_read_header(const sf_cards *cards, shear_catalog_table *t, shear_error *err) {
+    reading r = {.cards = cards, .err = err};
     get_name(&r, t->field);
     t->sim_g1 = get_double(&r, "SIM_G1");
     t->sim_g2 = get_double(&r, "SIM_G2");

@@ -3,6 +3,7 @@
 #ifndef SHEAR_FITS_CATALOG_HEADER_H
 #define SHEAR_FITS_CATALOG_HEADER_H
 
+#include "fits/cards.h"
 #include "shear/catalog.h"
 
 #include <fitsio.h>
@@ -19,6 +20,6 @@ void sf_catalog_write_result(fitsfile *f, const shear_plan *plan, const shear_re
                              const char *input_name, const char *checksum, int *status);
 
 /* Read back FIELD, SIM_G1, SIM_G2, BETA, R_PSF and the result. SHEAR_E_FORMAT. */
-int sf_catalog_read_header(fitsfile *f, const char *file, shear_catalog_table *t, shear_error *err);
+int sf_catalog_read_header(const sf_cards *cards, shear_catalog_table *t, shear_error *err);
 
 #endif

@@ -2,7 +2,7 @@
 /* Catalogues of work that outlives its process. */
 #include "fits/catalog_schema.h"
 #include "fits/catalog_state.h"
-#include "fits/keys.h"
+#include "fits/table.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,34 +29,54 @@ int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_f
     return rc;
 }
 
-/* Is it this input's? */
-static int check_input(shear_catalog *c, const char *checksum, shear_error *err) {
-    const sf_place at = {c->out.name, SF_CATALOG_HDU};
+/* Which file it must be. */
+typedef struct expected {
+    shear_catalog *catalog;
+    const char *checksum;
+    int64_t rows;
+} expected;
+
+/* Is it this input's, and are enough of its rows on disk? */
+static int check_keys(const expected *e, const sf_cards *cards, shear_error *err) {
+    shear_catalog *c = e->catalog;
     char *text = NULL;
-    int rc = sf_key_string(c->out.fits, at, SF_KEPT_FOR, &text, err);
-    if (rc == SHEAR_OK && (text == NULL || strcmp(text, checksum) != 0)) {
+    bool found = false;
+    int rc = sf_key_string(cards, SF_KEPT_FOR, &text, err);
+    if (rc == SHEAR_OK && (text == NULL || strcmp(text, e->checksum) != 0)) {
         rc = not_usable(c, "it is of another input", err);
     }
     free(text);
+    if (rc == SHEAR_OK) {
+        rc = sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err);
+    }
+    if (rc == SHEAR_OK && (!found || c->kept < e->rows)) {
+        rc = not_usable(c, "fewer rows are on disk than have been counted", err);
+    }
     return rc;
 }
 
-/* Are its rows those of this layout, and enough of them on disk? */
-static int check_rows(shear_catalog *c, int64_t rows, shear_error *err) {
-    const sf_place at = {c->out.name, SF_CATALOG_HDU};
-    LONGLONG n = 0;
-    int64_t kept = 0;
-    bool found = false;
-    int status = 0;
-    fits_get_num_rowsll(c->out.fits, &n, &status);
-    if (status != 0 || n != c->n || !sf_catalog_has_columns(c)) {
-        fits_clear_errmsg();
-        return not_usable(c, "its table has another shape", err);
+/* What CFITSIO is given must be one table and nothing else. */
+static int check_file(const sf_file *file, void *context, shear_error *err) {
+    const expected *e = context;
+    const sf_hdu *hdu = NULL;
+    sf_cards cards = {0};
+    sf_table table = {0};
+    int rc = sf_survey_find(&file->survey, SF_CATALOG_HDU, true, &hdu, err);
+    if (rc == SHEAR_OK && (file->survey.count != 2 || file->survey.hdus[0].naxis != 0 ||
+                           hdu->zimage || hdu->ztable || hdu->axes[1] != e->catalog->n)) {
+        rc = not_usable(e->catalog, "its table has another shape", err);
     }
-    int rc = sf_key_int(c->out.fits, at, SF_KEPT_ROWS, 0, c->n, &kept, &found, err);
-    if (rc == SHEAR_OK && (!found || kept < rows)) {
-        rc = not_usable(c, "fewer rows are on disk than have been counted", err);
+    if (rc == SHEAR_OK) {
+        rc = sf_cards_read(&cards, file, hdu, SF_CATALOG_HDU, err);
     }
+    if (rc == SHEAR_OK) {
+        rc = sf_table_init(&table, file, hdu, &cards, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = check_keys(e, &cards, err);
+    }
+    sf_table_deinit(&table);
+    sf_cards_free(&cards);
     return rc;
 }
 
@@ -73,16 +93,14 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
     int rc = sf_catalog_new(catalog, path, info, err);
     shear_catalog *c = *catalog;
     if (rc == SHEAR_OK) {
-        rc = sf_output_reopen(&c->out, path, err);
+        expected e = {c, checksum, rows};
+        rc = sf_output_reopen(&c->out, path, check_file, &e, err);
     }
     if (rc == SHEAR_OK) {
         rc = move_to_table(c, err);
     }
-    if (rc == SHEAR_OK) {
-        rc = check_input(c, checksum, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = check_rows(c, rows, err);
+    if (rc == SHEAR_OK && !sf_catalog_has_columns(c)) {
+        rc = not_usable(c, "its table has another shape", err);
     }
     if (rc != SHEAR_OK) {
         shear_catalog_leave(c);
@@ -97,19 +115,17 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
  * far does not have it, whatever a checkpoint of before says. */
 int shear_catalog_keep(shear_catalog *c, int64_t rows, shear_error *err) {
     const sf_place at = {c->out.name, SF_CATALOG_HDU};
-    int64_t kept = 0;
-    bool found = false;
     int status = 0;
-    int rc = sf_output_sync(&c->out, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_key_int(c->out.fits, at, SF_KEPT_ROWS, 0, c->n, &kept, &found, err);
-    }
-    if (rc != SHEAR_OK || kept >= rows) {
+    const int rc = sf_output_sync(&c->out, err);
+    if (rc != SHEAR_OK || c->kept >= rows) {
         return rc;
     }
     fits_update_key_lng(c->out.fits, SF_KEPT_ROWS, rows, NULL, &status);
-    return status == 0 ? sf_output_sync(&c->out, err)
-                       : sf_fail_status(err, at, status, "cannot be written");
+    if (status != 0) {
+        return sf_fail_status(err, at, status, "cannot be written");
+    }
+    c->kept = rows;
+    return sf_output_sync(&c->out, err);
 }
 
 void shear_catalog_leave(shear_catalog *c) {

@@ -1,55 +1,47 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/catalog_header.h"
 #include "fits/catalog_schema.h"
-#include "fits/columns.h"
+#include "fits/table.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* One column of doubles into a member of all rows; NaN where the table has no such column. */
-static int read_member(fitsfile *fits, sf_place at, const sf_member *m, double *values,
+static int read_member(const sf_table *table, const sf_member *m, double *values,
                        shear_catalog_table *t, shear_error *err) {
-    int number = 0;
-    int status = 0;
-    int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it unasked where a table holds NaN */
-    double null = NAN;
-    const int rc = sf_find_number_column(fits, at, m->name, &number, err);
-    if (rc != SHEAR_OK) {
-        return rc;
+    const sf_column *column = NULL;
+    int rc = sf_table_find_number(table, m->name, &column, err);
+    if (rc == SHEAR_OK && column != NULL) {
+        rc = sf_table_doubles(table, column, 0, t->n, values, err);
     }
-    if (number > 0) {
-        fits_read_col(fits, TDOUBLE, number, 1, 1, t->n, &null, values, &any_null, &status);
-    }
-    for (int64_t i = 0; i < t->n; i++) {
-        const double value = number > 0 && status == 0 ? values[i] : NAN;
+    for (int64_t i = 0; rc == SHEAR_OK && i < t->n; i++) {
+        const double value = column != NULL ? values[i] : NAN;
         memcpy((char *)&t->rows[i] + m->offset, &value, sizeof value);
     }
-    return status == 0 ? SHEAR_OK : sf_fail_status(err, at, status, m->name);
+    return rc;
 }
 
-static int read_flags(fitsfile *fits, sf_place at, double *values, shear_catalog_table *t,
+static int read_flags(const sf_table *table, double *values, shear_catalog_table *t,
                       shear_error *err) {
-    int number = 0;
-    int status = 0;
-    int any_null = 0;
-    const int rc = sf_find_number_column(fits, at, "FLAGS", &number, err);
-    if (rc != SHEAR_OK || number == 0) {
+    const sf_column *column = NULL;
+    int rc = sf_table_find_number(table, "FLAGS", &column, err);
+    if (rc != SHEAR_OK || column == NULL) {
         return rc;
     }
-    fits_read_col(fits, TDOUBLE, number, 1, 1, t->n, NULL, values, &any_null, &status);
-    for (int64_t i = 0; status == 0 && i < t->n; i++) {
+    rc = sf_table_doubles(table, column, 0, t->n, values, err);
+    for (int64_t i = 0; rc == SHEAR_OK && i < t->n; i++) {
         t->rows[i].flags = values[i] >= 0.0 && values[i] <= UINT32_MAX ? (uint32_t)values[i] : 0u;
     }
-    return status == 0 ? SHEAR_OK : sf_fail_status(err, at, status, "FLAGS");
+    return rc;
 }
 
-static int read_rows(fitsfile *fits, sf_place at, shear_catalog_table *t, shear_error *err) {
+static int read_rows(const sf_table *table, shear_catalog_table *t, shear_error *err) {
     int rc = SHEAR_OK;
     double *values = calloc((size_t)t->n + 1, sizeof *values);
     t->rows = calloc((size_t)t->n + 1, sizeof *t->rows);
     if (values == NULL || t->rows == NULL) {
-        rc = sf_fail_memory(err, at);
+        rc = sf_fail_memory(err, table->cards->at);
         goto done;
     }
     for (int64_t i = 0; i < t->n; i++) { /* members without a column */
@@ -59,10 +51,10 @@ static int read_rows(fitsfile *fits, sf_place at, shear_catalog_table *t, shear_
         t->rows[i].border_var_noise = NAN;
     }
     for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_MEMBERS; i++) {
-        rc = read_member(fits, at, &sf_catalog_members[i], values, t, err);
+        rc = read_member(table, &sf_catalog_members[i], values, t, err);
     }
     if (rc == SHEAR_OK) {
-        rc = read_flags(fits, at, values, t, err);
+        rc = read_flags(table, values, t, err);
     }
 done:
     free(values);
@@ -71,45 +63,50 @@ done:
 
 /* A table that has not even these columns is no result catalogue; and its rows may be so narrow
  * that a small file would ask for much memory. */
-static int check_columns(fitsfile *fits, sf_place at, shear_error *err) {
+static int check_columns(const sf_table *table, shear_error *err) {
     static const char *const needed[] = {"N1", "N2", "D", "FLAGS"};
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
-        int number = 0;
-        const int rc = sf_find_number_column(fits, at, needed[i], &number, err);
+        const sf_column *column = NULL;
+        const int rc = sf_table_find_number(table, needed[i], &column, err);
         if (rc != SHEAR_OK) {
             return rc;
         }
-        if (number == 0) {
-            return sf_fail(err, SHEAR_E_FORMAT, at, "give a result catalogue of this software",
-                           "it has no column %s", needed[i]);
+        if (column == NULL) {
+            return sf_fail(err, SHEAR_E_FORMAT, table->cards->at,
+                           "give a result catalogue of this software", "it has no column %s",
+                           needed[i]);
         }
     }
     return SHEAR_OK;
 }
 
 static int read_table(const sf_file *file, shear_catalog_table *t, shear_error *err) {
-    const sf_place at = {file->source.name, SF_CATALOG_HDU};
     const sf_hdu *hdu = NULL;
-    fitsfile *fits = NULL;
+    sf_cards cards = {0};
+    sf_table table = {0};
     int rc = sf_survey_find(&file->survey, SF_CATALOG_HDU, true, &hdu, err);
-    if (rc == SHEAR_OK &&
-        (hdu->kind != SF_TABLE || hdu->naxis != 2 || hdu->zimage || hdu->ztable)) {
-        rc = sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must be a plain binary table (BINTABLE)");
+    if (rc == SHEAR_OK && (hdu->kind != SF_TABLE || hdu->zimage || hdu->ztable)) {
+        rc = sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, SF_CATALOG_HDU}, NULL,
+                     "must be a plain binary table (BINTABLE)");
     }
     if (rc == SHEAR_OK) {
-        rc = sf_open_hdu(file, hdu->number, SF_CATALOG_HDU, &fits, err);
+        rc = sf_cards_read(&cards, file, hdu, SF_CATALOG_HDU, err);
     }
     if (rc == SHEAR_OK) {
-        rc = check_columns(fits, at, err);
+        rc = sf_table_init(&table, file, hdu, &cards, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = check_columns(&table, err);
     }
     if (rc == SHEAR_OK) {
         t->n = hdu->axes[1];
-        rc = sf_catalog_read_header(fits, file->source.name, t, err);
+        rc = sf_catalog_read_header(&cards, t, err);
     }
     if (rc == SHEAR_OK) {
-        rc = read_rows(fits, at, t, err);
+        rc = read_rows(&table, t, err);
     }
-    sf_close_hdu(fits);
+    sf_table_deinit(&table);
+    sf_cards_free(&cards);
     return rc;
 }
 

@@ -12,6 +12,7 @@ struct shear_catalog {
     int64_t n;
     unsigned columns; /* of the field file */
     sf_bitset written;
+    int64_t kept;   /* rows that its header says are on disk */
     double *values; /* [room]: one column of a chunk */
     int32_t *flags; /* [room] */
     int room;

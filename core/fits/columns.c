@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/columns.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 const sf_column_def sf_column_defs[SF_COLUMNS] = {
     {"ID", SHEAR_COL_ID, "K", "", "the galaxy's number"},
@@ -17,43 +14,6 @@ const sf_column_def sf_column_defs[SF_COLUMNS] = {
     {"R_GAL", SHEAR_COL_R_GAL, "D", "pixel", "scale radius R_G for the filter"},
     {"FLAGS", SHEAR_COL_FLAGS, "J", "", "non-zero = leave the stamp out"},
 };
-
-int sf_find_number_column(fitsfile *fits, sf_place at, const char *name, int *number,
-                          shear_error *err) {
-    int status = 0;
-    char template[FLEN_VALUE];
-    snprintf(template, sizeof template, "%s", name);
-    *number = 0;
-    fits_get_colnum(fits, CASEINSEN, template, number, &status);
-    if (status == COL_NOT_FOUND) {
-        fits_clear_errmsg();
-        *number = 0;
-        return SHEAR_OK;
-    }
-    if (status == COL_NOT_UNIQUE) {
-        fits_clear_errmsg();
-        return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "it has two columns called %s", name);
-    }
-    int type = 0;
-    long repeat = 0;
-    long width = 0;
-    fits_get_coltype(fits, *number, &type, &repeat, &width, &status);
-    if (status != 0) {
-        return sf_fail_status(err, at, status, name);
-    }
-    const bool number_type = type == TBYTE || type == TSHORT || type == TLONG ||
-                             type == TLONGLONG || type == TFLOAT || type == TDOUBLE;
-    if (!number_type || repeat != 1) {
-        return sf_fail(err, SHEAR_E_FORMAT, at, "correct the column, or rename it",
-                       "column %s must hold one number a row (TFORM B, I, J, K, E or D), but %s",
-                       name,
-                       type < 0          ? "has a variable length"
-                       : type == TSTRING ? "holds strings"
-                       : repeat != 1     ? "has another repeat count"
-                                         : "has another type");
-    }
-    return SHEAR_OK;
-}
 
 static int check_table(const sf_hdu *hdu, sf_place at, int64_t rows, shear_error *err) {
     if (hdu->ztable || hdu->zimage) {
@@ -72,84 +32,59 @@ static int check_table(const sf_hdu *hdu, sf_place at, int64_t rows, shear_error
 }
 
 int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_error *err) {
-    *c = (sf_columns){.at = {part->file->source.name, part->label}};
+    *c = (sf_columns){0};
     if (part->hdu == NULL) {
         return SHEAR_OK;
     }
-    int rc = check_table(part->hdu, c->at, rows, err);
+    const sf_place at = {part->file->source.name, part->label};
+    int rc = check_table(part->hdu, at, rows, err);
     if (rc == SHEAR_OK) {
-        rc = sf_open_hdu(part->file, part->hdu->number, part->label, &c->fits, err);
+        rc = sf_cards_read(&c->cards, part->file, part->hdu, part->label, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
     }
     for (int i = 0; rc == SHEAR_OK && i < SF_COLUMNS; i++) {
-        rc = sf_find_number_column(c->fits, c->at, sf_column_defs[i].name, &c->number[i], err);
-        c->have |= c->number[i] > 0 ? sf_column_defs[i].bit : 0u;
+        rc = sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err);
+        c->have |= rc == SHEAR_OK && c->column[i] != NULL ? sf_column_defs[i].bit : 0u;
     }
     return rc;
 }
 
 void sf_columns_deinit(sf_columns *c) {
-    sf_close_hdu(c->fits);
-    c->fits = NULL;
+    sf_table_deinit(&c->table);
+    sf_cards_free(&c->cards);
     free(c->scratch);
     c->scratch = NULL;
 }
 
-static int index_of(unsigned bit) {
-    return __builtin_ctz(bit);
-}
-
-static int result(const sf_columns *c, unsigned bit, int status, shear_error *err) {
-    if (status == 0) {
-        return SHEAR_OK;
-    }
-    char doing[64];
-    snprintf(doing, sizeof doing, "column %s cannot be read", sf_column_defs[index_of(bit)].name);
-    return sf_fail_status(err, c->at, status, doing);
+static const sf_column *column_of(const sf_columns *c, unsigned bit) {
+    return c->column[__builtin_ctz(bit)];
 }
 
 int sf_columns_read_double(sf_columns *c, unsigned bit, int64_t first, int64_t count, double *out,
                            shear_error *err) {
-    int status = 0;
-    int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it unasked where a table holds NaN */
-    double null = NAN;
-    fits_read_col(c->fits, TDOUBLE, c->number[index_of(bit)], first + 1, 1, count, &null, out,
-                  &any_null, &status);
-    return result(c, bit, status, err);
-}
-
-/* Into c->scratch. */
-static int read_integers(sf_columns *c, unsigned bit, int64_t first, int64_t count,
-                         int64_t undefined, shear_error *err) {
-    if (count > c->scratch_size) {
-        LONGLONG *grown = realloc(c->scratch, (size_t)count * sizeof *grown);
-        if (grown == NULL) {
-            return sf_fail_memory(err, c->at);
-        }
-        c->scratch = grown;
-        c->scratch_size = count;
-    }
-    int status = 0;
-    int any_null = 0; /* not NULL, as above */
-    LONGLONG null = undefined;
-    fits_read_col(c->fits, TLONGLONG, c->number[index_of(bit)], first + 1, 1, count, &null,
-                  c->scratch, &any_null, &status);
-    return result(c, bit, status, err);
+    return sf_table_doubles(&c->table, column_of(c, bit), first, count, out, err);
 }
 
 int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t count,
                           int64_t undefined, int64_t *out, shear_error *err) {
-    const int rc = read_integers(c, bit, first, count, undefined, err);
-    for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {
-        out[i] = c->scratch[i];
-    }
-    return rc;
+    return sf_table_integers(&c->table, column_of(c, bit), first, count, undefined, out, err);
 }
 
 int sf_columns_read_int32(sf_columns *c, unsigned bit, int64_t first, int64_t count,
                           int32_t undefined, int32_t *out, shear_error *err) {
-    const int rc = read_integers(c, bit, first, count, undefined, err);
+    if (count > c->scratch_size) {
+        int64_t *grown = realloc(c->scratch, (size_t)count * sizeof *grown);
+        if (grown == NULL) {
+            return sf_fail_memory(err, c->cards.at);
+        }
+        c->scratch = grown;
+        c->scratch_size = count;
+    }
+    const int rc = sf_columns_read_int64(c, bit, first, count, undefined, c->scratch, err);
     for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {
-        const LONGLONG v = c->scratch[i];
+        const int64_t v = c->scratch[i];
         out[i] = v > INT32_MAX ? INT32_MAX : v < INT32_MIN ? INT32_MIN : (int32_t)v;
     }
     return rc;

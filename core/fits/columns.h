@@ -4,6 +4,7 @@
 #define SHEAR_FITS_COLUMNS_H
 
 #include "fits/field_parts.h"
+#include "fits/table.h"
 #include "shear/field.h"
 
 enum { SF_COLUMNS = 9 };
@@ -19,27 +20,22 @@ typedef struct sf_column_def {
 } sf_column_def;
 extern const sf_column_def sf_column_defs[SF_COLUMNS];
 
-/* Find the column called `name` (any case) in the table that `fits` is at; *number is 0 where there
- * is none. SHEAR_E_FORMAT where it is twice there, or not one number a row. */
-int sf_find_number_column(fitsfile *fits, sf_place at, const char *name, int *number,
-                          shear_error *err);
-
 typedef struct sf_columns {
-    fitsfile *fits; /* NULL = there is no CATALOG */
-    sf_place at;
+    sf_cards cards; /* of the HDU; empty = there is no CATALOG */
+    sf_table table;
     unsigned have; /* or of enum shear_column */
-    int number[SF_COLUMNS];
-    LONGLONG *scratch; /* [scratch_size] */
+    const sf_column *column[SF_COLUMNS];
+    int64_t *scratch; /* [scratch_size] */
     int64_t scratch_size;
 } sf_columns;
 
-/* Open the table of `part` where there is one, of `rows` rows; `part` outlives *c. Deinit it, also
- * after an error. */
+/* Open the table of `part` where there is one, of `rows` rows; `part` outlives *c. In place: parts
+ * of *c point to each other. Deinit it, also after an error. */
 int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_error *err);
 void sf_columns_deinit(sf_columns *c);
 
 /* Rows [first, first + count) of one column, which the table must have. Undefined numbers become
- * NaN, or `undefined`. */
+ * NaN, or `undefined`; of integers, also those that are not whole (0.5). */
 int sf_columns_read_double(sf_columns *c, unsigned bit, int64_t first, int64_t count, double *out,
                            shear_error *err);
 int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t count,

@@ -10,10 +10,11 @@ static int check_noise(const shear_field *f, shear_error *err) {
     if (n->nx == g->nx && n->ny == g->ny && n->n == g->n) {
         return SHEAR_OK;
     }
-    return sf_fail(err, SHEAR_E_FORMAT, n->image.at,
+    return sf_fail(err, SHEAR_E_FORMAT, n->image.cards.at,
                    "every galaxy stamp needs its noise stamp, of the same shape",
                    "it has %lld stamps of %d x %d pixels, but %s has %lld of %d x %d",
-                   (long long)n->n, n->nx, n->ny, g->image.at.hdu, (long long)g->n, g->nx, g->ny);
+                   (long long)n->n, n->nx, n->ny, g->image.cards.at.hdu, (long long)g->n, g->nx,
+                   g->ny);
 }
 
 static void fill_info(shear_field *f) {
@@ -28,7 +29,7 @@ static void fill_info(shear_field *f) {
     info->separate = !sf_parts_are_whole(&f->parts);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         const sf_hdu *hdu = f->parts.of[i].hdu;
-        info->hdu[i] = hdu != NULL ? hdu->number - 1 : -1;
+        info->hdu[i] = hdu != NULL ? hdu->number : -1;
     }
     for (int i = 0; i < f->parts.n_files; i++) {
         info->gzipped |= f->parts.files[i].source.gzipped;
@@ -37,7 +38,8 @@ static void fill_info(shear_field *f) {
 }
 
 static int open_hdus(shear_field *f, shear_error *err) {
-    int rc = sf_open_hdu(f->parts.of[SHEAR_PART_GALAXY].file, 1, "primary", &f->primary, err);
+    const sf_file *file = f->parts.of[SHEAR_PART_GALAXY].file;
+    int rc = sf_cards_read(&f->primary, file, &file->survey.hdus[0], "primary", err);
     if (rc == SHEAR_OK) {
         rc = sf_field_read_keys(f, err);
     }
@@ -57,8 +59,7 @@ static int open_hdus(shear_field *f, shear_error *err) {
         fill_info(f);
         rc = sf_field_open_psf(f, err);
     }
-    sf_close_hdu(f->primary);
-    f->primary = NULL;
+    sf_cards_free(&f->primary);
     return rc;
 }
 
@@ -110,7 +111,7 @@ const shear_field_info *shear_field_get_info(const shear_field *field) {
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err) {
     const shear_field_info *info = &field->info;
     if (index < 0 || index >= info->n_psf) {
-        return sf_fail(err, SHEAR_E_INTERNAL, field->psf.at, NULL,
+        return sf_fail(err, SHEAR_E_INTERNAL, field->psf.cards.at, NULL,
                        "image %lld was asked for, but there are %lld", (long long)index,
                        (long long)info->n_psf);
     }

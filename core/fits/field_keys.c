@@ -2,7 +2,6 @@
 /* The keywords of the primary header, of the file that holds the galaxies. */
 #include "fits/field_name.h"
 #include "fits/field_state.h"
-#include "fits/keys.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +10,7 @@
 static int read_name(shear_field *f, sf_place at, shear_error *err) {
     const sf_file *galaxy = f->parts.of[SHEAR_PART_GALAXY].file;
     char *text = NULL;
-    int rc = sf_key_string(f->primary, at, "FIELD", &text, err);
+    int rc = sf_key_string(&f->primary, "FIELD", &text, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -34,7 +33,7 @@ static int read_name(shear_field *f, sf_place at, shear_error *err) {
 static int read_pixscale(shear_field *f, sf_place at, shear_error *err) {
     bool found = false;
     f->info.pixscale = NAN;
-    const int rc = sf_key_double(f->primary, at, "PIXSCALE", &f->info.pixscale, &found, err);
+    const int rc = sf_key_double(&f->primary, "PIXSCALE", &f->info.pixscale, &found, err);
     if (rc == SHEAR_OK && found && f->info.pixscale <= 0.0) {
         return sf_fail(err, SHEAR_E_FORMAT, at, "give arcseconds per pixel",
                        "keyword PIXSCALE is %g, but must be positive", f->info.pixscale);
@@ -45,7 +44,7 @@ static int read_pixscale(shear_field *f, sf_place at, shear_error *err) {
 static int read_shear(shear_field *f, sf_place at, const char *key, double *g, bool *found,
                       shear_error *err) {
     *g = NAN;
-    const int rc = sf_key_double(f->primary, at, key, g, found, err);
+    const int rc = sf_key_double(&f->primary, key, g, found, err);
     if (rc == SHEAR_OK && *found && fabs(*g) >= 1.0) {
         return sf_fail(err, SHEAR_E_FORMAT, at, NULL,
                        "keyword %s is %g, but a shear lies between -1 and 1", key, *g);

@@ -78,7 +78,7 @@ static void label(sf_part *part) {
     if (hdu->name[0] != '\0') {
         snprintf(part->label, sizeof part->label, "%s", hdu->name);
     } else {
-        snprintf(part->label, sizeof part->label, "%d (from 0)", hdu->number - 1);
+        snprintf(part->label, sizeof part->label, "%d (from 0)", hdu->number);
     }
 }
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The PSFs: how many images there are and which stamp each belongs to. */
 #include "fits/field_state.h"
-#include "fits/keys.h"
 
 static int check_sides(const shear_field *f, shear_error *err) {
     const int64_t *axes = f->psf.axes;
     for (int k = 0; k < 2; k++) {
         if (axes[k] < SF_PSF_MIN_SIDE || axes[k] > SF_PSF_MAX_SIDE) {
-            return sf_fail(err, SHEAR_E_FORMAT, f->psf.at, NULL,
+            return sf_fail(err, SHEAR_E_FORMAT, f->psf.cards.at, NULL,
                            "its images are %lld x %lld samples, but a side must have %d to %d",
                            (long long)axes[0], (long long)axes[1], SF_PSF_MIN_SIDE,
                            SF_PSF_MAX_SIDE);
@@ -18,14 +17,13 @@ static int check_sides(const shear_field *f, shear_error *err) {
 
 /* OVERSAMP of the primary header of the PSFs' file. */
 static int read_primary(const sf_file *file, int64_t *oversample, shear_error *err) {
-    const sf_place at = {file->source.name, "primary"};
-    fitsfile *primary = NULL;
+    sf_cards primary;
     bool found = false;
-    int rc = sf_open_hdu(file, 1, at.hdu, &primary, err);
+    int rc = sf_cards_read(&primary, file, &file->survey.hdus[0], "primary", err);
     if (rc == SHEAR_OK) {
-        rc = sf_key_int(primary, at, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
+        rc = sf_key_int(&primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
     }
-    sf_close_hdu(primary);
+    sf_cards_free(&primary);
     return rc;
 }
 
@@ -33,8 +31,7 @@ static int read_primary(const sf_file *file, int64_t *oversample, shear_error *e
 static int read_oversampling(shear_field *f, shear_error *err) {
     int64_t oversample = 1;
     bool found = false;
-    int rc = sf_key_int(f->psf.fits, f->psf.at, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample,
-                        &found, err);
+    int rc = sf_key_int(&f->psf.cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample, &found, err);
     if (rc == SHEAR_OK && !found) {
         rc = read_primary(f->parts.of[SHEAR_PART_PSF].file, &oversample, err);
     }
@@ -53,7 +50,7 @@ static int assign(shear_field *f, shear_error *err) {
         info->psf_layout = SHEAR_PSF_PER_STAMP;
     } else {
         return sf_fail(
-            err, SHEAR_E_FORMAT, f->psf.at,
+            err, SHEAR_E_FORMAT, f->psf.cards.at,
             "give one image, or one a stamp, or a column PSF_ID in CATALOG",
             "it has %lld images for %lld stamps, and there is no column PSF_ID that says "
             "which is whose",

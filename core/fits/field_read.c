@@ -6,7 +6,7 @@ static int check_range(const shear_field *f, int64_t first, int count, const she
                        shear_error *err) {
     if (count < 1 || count > block->capacity || first < 0 || first > f->info.n_stamps - count) {
         return sf_fail(
-            err, SHEAR_E_INTERNAL, f->galaxy.image.at, NULL,
+            err, SHEAR_E_INTERNAL, f->galaxy.image.cards.at, NULL,
             "%d stamps from %lld on were asked for into a block of %d, but there are %lld", count,
             (long long)first, block->capacity, (long long)f->info.n_stamps);
     }

@@ -12,7 +12,7 @@ enum { SF_PSF_MIN_SIDE = 3, SF_PSF_MAX_SIDE = 4096, SF_MAX_OVERSAMPLE = 64 };
 struct shear_field {
     sf_parts parts;
     shear_field_info info;
-    fitsfile *primary; /* of the galaxies' file; only while opening */
+    sf_cards primary; /* of the galaxies' file; only while opening */
     sf_stamps galaxy, noise;
     sf_image psf;
     sf_columns catalog;

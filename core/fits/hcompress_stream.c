@@ -158,8 +158,8 @@ static int64_t big_endian_32(const unsigned char *b) {
     return (int32_t)((uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]);
 }
 
-bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, int64_t pixels, bool wide,
-                        unsigned char *work) {
+bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, const int64_t sides[3],
+                        bool wide, unsigned char *work) {
     enum { NX = 2, NY = 6, PLANES = 22, HEADER = 25, MIN_SIDE = 2 };
     static const unsigned char magic[2] = {0xdd, 0x99};
     if (count < HEADER || memcmp(bytes, magic, sizeof magic) != 0) {
@@ -167,10 +167,11 @@ bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, int64_t pixel
     }
     const int64_t nx = big_endian_32(bytes + NX);
     const int64_t ny = big_endian_32(bytes + NY);
+    const int64_t pixels = nx * ny;
     const unsigned char *planes = bytes + PLANES;
     const int most = wide ? 62 : 31;
-    if (nx < MIN_SIDE || ny < MIN_SIDE || nx * ny != pixels || planes[0] > most ||
-        planes[1] > most || planes[2] > most) {
+    if (nx < MIN_SIDE || ny < MIN_SIDE || nx != sides[1] || ny != sides[0] || sides[2] != 1 ||
+        planes[0] > most || planes[1] > most || planes[2] > most) {
         return false;
     }
     memset(work, 0, (size_t)pixels);

@@ -11,6 +11,7 @@ enum { INTEGER, LOGICAL, STRING };
 
 #define HDU(member) (offsetof(sf_header, hdu) + offsetof(sf_hdu, member))
 
+/* What says where the HDU ends, and what it is. All else is looked at where the HDU is read. */
 static const struct {
     const char *key;
     int type;
@@ -20,34 +21,14 @@ static const struct {
     {"NAXIS", INTEGER, HDU(naxis)},
     {"PCOUNT", INTEGER, HDU(pcount)},
     {"GCOUNT", INTEGER, HDU(gcount)},
-    {"TFIELDS", INTEGER, HDU(tfields)},
-    {"THEAP", INTEGER, HDU(theap)},
-    {"ZBITPIX", INTEGER, HDU(zbitpix)},
-    {"ZNAXIS", INTEGER, HDU(znaxis)},
     {"ZIMAGE", LOGICAL, HDU(zimage)},
     {"ZTABLE", LOGICAL, HDU(ztable)},
     {"GROUPS", LOGICAL, offsetof(sf_header, groups)},
     {"EXTNAME", STRING, HDU(name)},
-    {"ZCMPTYPE", STRING, HDU(zcmptype)},
-    {"ZQUANTIZ", STRING, HDU(zquantiz)},
     {"XTENSION", STRING, offsetof(sf_header, xtension)},
 };
 
-static const struct {
-    const char *root;
-    int count;
-    size_t offset;
-} indexed[] = {
-    {"NAXIS", SF_AXES, HDU(axes)},
-    {"ZNAXIS", SF_AXES, HDU(zaxes)},
-    {"ZTILE", SF_AXES, HDU(ztile)},
-    {"ZVAL", 2, HDU(zval)},
-};
-
-enum {
-    N_SCALARS = sizeof scalars / sizeof scalars[0],
-    N_INDEXED = sizeof indexed / sizeof indexed[0]
-};
+enum { N_SCALARS = sizeof scalars / sizeof scalars[0] };
 
 static int64_t *integer_at(sf_header *h, size_t offset) {
     return (int64_t *)(void *)((char *)h + offset);
@@ -60,20 +41,18 @@ void sf_header_init(sf_header *h, int number) {
             *integer_at(h, scalars[i].offset) = SF_ABSENT;
         }
     }
-    for (int i = 0; i < N_INDEXED; i++) {
-        for (int k = 0; k < indexed[i].count; k++) {
-            integer_at(h, indexed[i].offset)[k] = SF_ABSENT;
-        }
+    for (int k = 0; k < SF_AXES; k++) {
+        h->hdu.axes[k] = SF_ABSENT;
     }
 }
 
 const char *sf_header_label(const sf_header *h, char out[SF_NAME]) {
     if (h->label[0] != '\0') {
         snprintf(out, SF_NAME, "%s", h->label);
-    } else if (h->hdu.number == 1) {
+    } else if (h->hdu.number == 0) {
         snprintf(out, SF_NAME, "primary");
     } else {
-        snprintf(out, SF_NAME, "number %d", h->hdu.number);
+        snprintf(out, SF_NAME, "%d (from 0)", h->hdu.number);
     }
     return out;
 }
@@ -117,6 +96,10 @@ void sf_header_find_label(sf_header *h, const char *block) {
 
 static int take_scalar(sf_header *h, int i, const char *card, const char *file, shear_error *err) {
     char *member = (char *)h + scalars[i].offset;
+    if ((h->seen & 1u << i) != 0) {
+        return bad(h, file, scalars[i].key, "is given twice", err);
+    }
+    h->seen |= 1u << i;
     if (scalars[i].type == INTEGER) {
         return take_integer(h, card, scalars[i].key, integer_at(h, scalars[i].offset), file, err);
     }
@@ -124,9 +107,6 @@ static int take_scalar(sf_header *h, int i, const char *card, const char *file, 
         return sf_card_logical(card, (bool *)member)
                    ? SHEAR_OK
                    : bad(h, file, scalars[i].key, "is not a logical (T or F)", err);
-    }
-    if (member[0] != '\0') {
-        return bad(h, file, scalars[i].key, "is given twice", err);
     }
     if (!sf_card_string(card, member, SF_NAME)) {
         return bad(h, file, scalars[i].key, "is not a string", err);
@@ -151,7 +131,7 @@ static int take_axis(sf_header *h, const char *card, const char *key, int index,
 }
 
 static int kind_of(const sf_header *h) {
-    if (h->hdu.number == 1 || strcmp(h->xtension, "IMAGE") == 0) {
+    if (h->hdu.number == 0 || strcmp(h->xtension, "IMAGE") == 0) {
         return SF_IMAGE;
     }
     return strcmp(h->xtension, "BINTABLE") == 0 ? SF_TABLE : SF_OTHER;
@@ -182,18 +162,6 @@ static int check_order(const sf_header *h, const char *key, const char *file, sh
     return bad(h, file, wanted, what, err);
 }
 
-/* Other numbers that CFITSIO 4.2 reads as integers by itself: it writes past the end of a buffer
- * where such a value is no integer and has 30 characters or more. */
-static bool is_plain_number(const char *key) {
-    static const char *const keys[] = {"ZDITHER0", "ZBLANK", "BLANK"};
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        if (strcmp(key, keys[i]) == 0) {
-            return true;
-        }
-    }
-    return sf_card_index(key, "ZVAL") > 0 || sf_card_index(key, "TNULL") > 0;
-}
-
 int sf_header_card(sf_header *h, const char *card, const char *file, shear_error *err) {
     char key[SF_KEY + 1];
     sf_card_key(card, key);
@@ -207,24 +175,8 @@ int sf_header_card(sf_header *h, const char *card, const char *file, shear_error
             return take_scalar(h, i, card, file, err);
         }
     }
-    int index = sf_card_index(key, "NAXIS");
-    if (index > 0) {
-        return take_axis(h, card, key, index, file, err);
-    }
-    if (is_plain_number(key) && !sf_card_short_number(card)) {
-        return bad(h, file, key, "is not a number (of at most 29 characters)", err);
-    }
-    for (int i = 1; i < N_INDEXED; i++) {
-        index = sf_card_index(key, indexed[i].root);
-        /* ZVALn of other algorithms may be floating: only the integers matter here. */
-        if (index > 0 && index <= indexed[i].count) {
-            int64_t *out = &integer_at(h, indexed[i].offset)[index - 1];
-            return strcmp(indexed[i].root, "ZVAL") == 0
-                       ? (sf_card_int(card, out) ? SHEAR_OK : (*out = SF_ABSENT, SHEAR_OK))
-                       : take_integer(h, card, key, out, file, err);
-        }
-    }
-    return SHEAR_OK;
+    const int index = sf_card_index(key, "NAXIS");
+    return index > 0 ? take_axis(h, card, key, index, file, err) : SHEAR_OK;
 }
 
 static bool bitpix_ok(int64_t bitpix) {
@@ -286,9 +238,6 @@ int sf_header_end(sf_header *h, const char *file, shear_error *err) {
     }
     if (hdu->pcount < 0 || hdu->gcount < 1) {
         return bad(h, file, hdu->pcount < 0 ? "PCOUNT" : "GCOUNT", "is out of range", err);
-    }
-    if (hdu->kind == SF_TABLE && (hdu->tfields < 0 || hdu->tfields > 999)) {
-        return bad(h, file, "TFIELDS", "is missing or not 0 to 999", err);
     }
     if (!data_bytes(h, &hdu->data_bytes)) {
         return bad(h, file, "NAXIS", "and NAXISn: the data's size does not fit 64 bits", err);

@@ -3,20 +3,23 @@
 #ifndef SHEAR_FITS_IMAGE_H
 #define SHEAR_FITS_IMAGE_H
 
-#include "fits/file.h"
 #include "fits/tiles.h"
 
 typedef struct sf_image {
-    fitsfile *fits;
-    sf_place at;
+    sf_cards cards; /* of its HDU */
+    sf_view view;
+    fitsfile *fits;        /* of the view */
     int naxis;             /* 2 or 3 */
     int64_t axes[SF_AXES]; /* all positive; 1 beyond naxis */
     int bitpix;            /* as stored, BSCALE apart */
     bool compressed;
-    sf_tiles tiles; /* where compressed */
+    sf_table table; /* where compressed, with the next two */
+    sf_tiling tiling;
+    sf_tiles tiles;
 } sf_image;
 
-/* Open the image HDU called `label` in messages. Deinit it, also after an error. SHEAR_E_FORMAT. */
+/* Open the image HDU called `label` in messages. In place: parts of *image point to each other.
+ * Deinit it, also after an error. SHEAR_E_FORMAT. */
 int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err);
 void sf_image_deinit(sf_image *image);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/output.h"
 
-#include "fits/file.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
@@ -212,21 +210,23 @@ int sf_output_create_kept(sf_output *out, const char *path, shear_error *err) {
 }
 
 /* What a power failure may have left of it must not confuse CFITSIO. */
-static int check_kept(const char *proc, shear_error *err) {
+static int check_kept(const char *proc, sf_output_check *check, void *context, shear_error *err) {
     sf_file file;
-    const int rc = sf_file_open(&file, proc, err);
+    int rc = sf_file_open(&file, proc, err);
     if (rc == SHEAR_OK) {
+        rc = check(&file, context, err);
         sf_file_close(&file);
     }
     return rc;
 }
 
-int sf_output_reopen(sf_output *out, const char *path, shear_error *err) {
+int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, void *context,
+                     shear_error *err) {
     char proc[320];
     int status = 0;
     int rc = name_kept(out, path, err);
     name_for_cfitsio(out, proc);
-    rc = rc == SHEAR_OK ? check_kept(proc, err) : rc;
+    rc = rc == SHEAR_OK ? check_kept(proc, check, context, err) : rc;
     if (rc != SHEAR_OK) {
         return rc;
     }

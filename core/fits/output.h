@@ -9,6 +9,7 @@
 #ifndef SHEAR_FITS_OUTPUT_H
 #define SHEAR_FITS_OUTPUT_H
 
+#include "fits/file.h"
 #include "fits/status.h"
 
 #include <fitsio.h>
@@ -40,9 +41,12 @@ void sf_output_discard(sf_output *out);
 /* As sf_output_create, replacing what is there, with a temporary file of lasting name; one that is
  * there is replaced as well. */
 int sf_output_create_kept(sf_output *out, const char *path, shear_error *err);
-/* The one that is there, open for writing. SHEAR_E_IO where there is none, SHEAR_E_FORMAT where it
- * is not as long as its headers say. Leave or discard it after an error, too. */
-int sf_output_reopen(sf_output *out, const char *path, shear_error *err);
+/* The one that is there, open for writing, after `check` has looked at it: CFITSIO reads its
+ * headers. SHEAR_E_IO where there is none, SHEAR_E_FORMAT where it is not as long as its headers
+ * say. Leave or discard it after an error, too. */
+typedef int sf_output_check(const sf_file *file, void *context, shear_error *err);
+int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, void *context,
+                     shear_error *err);
 /* Bring all that was written to disk, headers and all; it goes on being written. */
 int sf_output_sync(sf_output *out, shear_error *err);
 /* Close, and let it stay. */

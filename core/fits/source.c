@@ -97,7 +97,6 @@ static int look_inside(sf_source *s, shear_error *err) {
         return sf_fail(err, SHEAR_E_FORMAT, at, "field files are FITS, or FITS packed with gzip",
                        "not a FITS file: it does not begin with 'SIMPLE  ='");
     }
-    snprintf(s->proc, sizeof s->proc, "/proc/self/fd/%d", s->fd);
     return SHEAR_OK;
 }
 

@@ -16,7 +16,6 @@ typedef struct sf_source {
     bool gzipped;
     char name[161]; /* for messages: printable, a long path's tail */
     char base[256]; /* base name as given */
-    char proc[32];  /* "/proc/self/fd/N": the only name that CFITSIO ever gets */
 } sf_source;
 
 /* SHEAR_E_IO: cannot be opened, no regular file, no room to unpack; SHEAR_E_FORMAT: empty, not

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/stamps.h"
 
-#include "fits/keys.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +9,7 @@ static int check_sides(const sf_stamps *s, int64_t nx, int64_t ny, shear_error *
         ny <= SHEAR_MAX_SIDE) {
         return SHEAR_OK;
     }
-    return sf_fail(err, SHEAR_E_FORMAT, s->image.at,
+    return sf_fail(err, SHEAR_E_FORMAT, s->image.cards.at,
                    "a mosaic of stamps needs the keywords STAMPNX and STAMPNY",
                    "its stamps are %lld x %lld pixels, but a side must have %d to %d",
                    (long long)nx, (long long)ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
@@ -21,7 +19,7 @@ static int check_sides(const sf_stamps *s, int64_t nx, int64_t ny, shear_error *
 static int lay_out_cube(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err) {
     const int64_t *axes = s->image.axes;
     if (nx != axes[0] || ny != axes[1]) {
-        return sf_fail(err, SHEAR_E_FORMAT, s->image.at, "leave STAMPNX and STAMPNY out",
+        return sf_fail(err, SHEAR_E_FORMAT, s->image.cards.at, "leave STAMPNX and STAMPNY out",
                        "STAMPNX x STAMPNY is %lld x %lld, but the cube's planes are %lld x %lld",
                        (long long)nx, (long long)ny, (long long)axes[0], (long long)axes[1]);
     }
@@ -34,7 +32,7 @@ static int lay_out_cube(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err) 
 static int lay_out_mosaic(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err) {
     const int64_t *axes = s->image.axes;
     if (axes[0] % nx != 0 || axes[1] % ny != 0) {
-        return sf_fail(err, SHEAR_E_FORMAT, s->image.at, NULL,
+        return sf_fail(err, SHEAR_E_FORMAT, s->image.cards.at, NULL,
                        "the mosaic is %lld x %lld pixels, which is not a multiple of STAMPNX x "
                        "STAMPNY (%lld x %lld)",
                        (long long)axes[0], (long long)axes[1], (long long)nx, (long long)ny);
@@ -44,7 +42,7 @@ static int lay_out_mosaic(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err
     const int64_t room = s->columns * (axes[1] / ny);
     s->n = room;
     bool found = false;
-    return sf_key_int(s->image.fits, s->image.at, "NSTAMP", 1, room, &s->n, &found, err);
+    return sf_key_int(&s->image.cards, "NSTAMP", 1, room, &s->n, &found, err);
 }
 
 static int lay_out(sf_stamps *s, shear_error *err) {
@@ -53,12 +51,12 @@ static int lay_out(sf_stamps *s, shear_error *err) {
     int64_t ny = image->axes[1];
     bool has_nx = false;
     bool has_ny = false;
-    int rc = sf_key_int(image->fits, image->at, "STAMPNX", 1, INT32_MAX, &nx, &has_nx, err);
+    int rc = sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, &has_nx, err);
     if (rc == SHEAR_OK) {
-        rc = sf_key_int(image->fits, image->at, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err);
+        rc = sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err);
     }
     if (rc == SHEAR_OK && has_nx != has_ny) {
-        rc = sf_fail(err, SHEAR_E_FORMAT, image->at, "give both, or neither",
+        rc = sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
                      "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
                      has_nx ? "STAMPNY" : "STAMPNX");
     }
@@ -98,7 +96,7 @@ static int read_run(sf_stamps *s, int64_t first, int64_t count, double *out, she
     if (row * s->ny > s->scratch_size) {
         double *grown = realloc(s->scratch, (size_t)(row * s->ny) * sizeof *grown);
         if (grown == NULL) {
-            return sf_fail_memory(err, s->image.at);
+            return sf_fail_memory(err, s->image.cards.at);
         }
         s->scratch = grown;
         s->scratch_size = row * s->ny;

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 /* More than any field file has; they bound the time that a hostile one can take. */
 enum { MAX_HDUS = 1000, MAX_HEADER_BLOCKS = 4096, BUFFER_BLOCKS = 8 };
@@ -22,6 +23,7 @@ typedef struct reader {
     char buffer[BUFFER_BLOCKS * SF_BLOCK_BYTES];
     int64_t start; /* of the buffer in the file */
     int64_t held;  /* bytes in it */
+    XXH3_state_t *hash;
 } reader;
 
 /* The whole block at `offset`, or *block = NULL where the file ends before it does. */
@@ -76,10 +78,13 @@ static int take_block(sf_header *h, const char *block, bool *ended, const char *
     return SHEAR_OK;
 }
 
-/* The cards of the header at `offset`, up to END; *end becomes the offset behind its blocks. */
-static int read_cards(reader *r, sf_header *h, int64_t offset, int64_t *end, shear_error *err) {
+/* The cards of the header at `offset`, up to END, and where its blocks and their hash are. */
+static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *hash,
+                      shear_error *err) {
     bool ended = false;
+    int64_t *end = &h->hdu.data_offset;
     *end = offset;
+    XXH3_64bits_reset(hash);
     for (int blocks = 0; !ended; blocks++) {
         const char *block = NULL;
         int rc = read_block(r, *end, &block, err);
@@ -90,19 +95,23 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, int64_t *end, she
             rc = endless(r, h, err);
         }
         if (rc == SHEAR_OK) {
+            XXH3_64bits_update(hash, block, SF_BLOCK_BYTES);
             rc = take_block(h, block, &ended, r->file, err);
         }
         if (rc != SHEAR_OK) {
             return rc;
         }
     }
+    h->hdu.header_offset = offset;
+    h->hdu.header_bytes = *end - offset;
+    h->hdu.header_hash = XXH3_64bits_digest(hash);
     return SHEAR_OK;
 }
 
 /* The HDU at `offset`; *next becomes the offset behind its data. */
 static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
     sf_hdu *hdu = &h->hdu;
-    int rc = read_cards(r, h, offset, &hdu->data_offset, err);
+    int rc = read_cards(r, h, offset, r->hash, err);
     if (rc == SHEAR_OK) {
         rc = sf_header_end(h, r->file, err);
     }
@@ -153,12 +162,13 @@ int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_er
     r->fd = fd;
     r->size = size;
     r->file = file;
+    r->hash = XXH3_createState();
     int64_t offset = 0;
     bool more = true;
-    int rc = SHEAR_OK;
+    int rc = r->hash != NULL ? SHEAR_OK : sf_fail_memory(err, (sf_place){file, NULL});
     while (rc == SHEAR_OK && more) {
         sf_header header;
-        sf_header_init(&header, s->count + 1);
+        sf_header_init(&header, s->count);
         rc = read_hdu(r, &header, offset, &offset, err);
         if (rc == SHEAR_OK) {
             rc = append(s, &header.hdu, err);
@@ -167,6 +177,7 @@ int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_er
             rc = is_extension(r, offset, &more, err);
         }
     }
+    XXH3_freeState(r->hash);
     free(r);
     if (rc != SHEAR_OK) {
         sf_survey_free(s);
@@ -201,7 +212,7 @@ int sf_survey_find(const sf_survey *s, const char *name, bool required, const sf
         }
         if (*hdu != NULL) {
             return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, name}, NULL,
-                           "two HDUs (%d and %d) have this EXTNAME", (*hdu)->number,
+                           "two HDUs (%d and %d, counted from 0) have this EXTNAME", (*hdu)->number,
                            s->hdus[i].number);
         }
         *hdu = &s->hdus[i];

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/survey.h: where the HDUs of a file are and how large, before CFITSIO sees the file.
+/* fits/survey.h: where the HDUs of a file are and how large.
  *
- * CFITSIO believes a header's sizes and allocates for them. The survey reads the headers itself, in
- * fixed memory, and refuses what does not fit into the file. Structural keywords must be there, in
- * range, and only once, so that CFITSIO cannot find another value than the one that was checked.
+ * The survey reads all headers of a file itself, in fixed memory, and refuses what does not fit
+ * into the file. Keywords that say where an HDU ends must be there, in range, and only once.
+ * CFITSIO does not see the file at all: of the HDUs that are read it sees what is made for it
+ * (view.h), and never the others.
  */
 #ifndef SHEAR_FITS_SURVEY_H
 #define SHEAR_FITS_SURVEY_H
@@ -21,15 +22,15 @@ enum { SF_AXES = 3, SF_NAME = 72, SF_BLOCK_BYTES = 2880 };
 enum sf_kind { SF_IMAGE = 0, SF_TABLE, SF_OTHER };
 
 typedef struct sf_hdu {
-    int number;         /* as CFITSIO counts: 1 = primary */
+    int number;         /* 0 = primary */
     int kind;           /* enum sf_kind; a compressed image is a table with zimage */
     char name[SF_NAME]; /* EXTNAME */
     int64_t bitpix, naxis, axes[SF_AXES]; /* axes beyond naxis are 1 */
-    int64_t pcount, gcount, tfields, theap;
+    int64_t pcount, gcount;
+    int64_t header_offset, header_bytes;
+    uint64_t header_hash;            /* of these bytes */
     int64_t data_offset, data_bytes; /* without padding */
     bool zimage, ztable;             /* tile-compressed image, table */
-    int64_t zbitpix, znaxis, zaxes[SF_AXES], ztile[SF_AXES], zval[2];
-    char zcmptype[SF_NAME], zquantiz[SF_NAME];
 } sf_hdu;
 
 typedef struct sf_survey {

@@ -28,6 +28,7 @@ static bool skip_block(sf_bits *b, int64_t pixels, int code_bits, int whole_code
 
 bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, int64_t block,
                    int64_t pixel_bytes) {
+    enum { MAX_REST = 64 }; /* bits */
     const int code_bits = pixel_bytes == 4 ? 5 : pixel_bytes == 2 ? 4 : 3;
     const int whole_code = (pixel_bytes == 4 ? 25 : pixel_bytes == 2 ? 14 : 6) + 1;
     const int pixel_bits = (int)(8 * pixel_bytes);
@@ -41,7 +42,7 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
             return false;
         }
     }
-    return true;
+    return b.count - b.position <= MAX_REST; /* more, and it was packed in other blocks */
 }
 
 int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit) {

@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 /* Rice: `bytes` hold `pixels` differences in blocks of `block` pixels, each pixel of `pixel_bytes`
- * (1, 2, 4). */
+ * (1, 2, 4), and nothing else. */
 bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, int64_t block,
                    int64_t pixel_bytes);
 
@@ -22,10 +22,10 @@ int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit);
 /* PLIO: `count` bytes of big-endian 16-bit instructions. */
 bool sf_plio_sound(const unsigned char *bytes, int64_t count);
 
-/* H-compress (hcompress_stream.c): the stream describes a tile of `pixels` pixels, and holds all
- * bits that it takes to rebuild it; `wide` allows more than 31 bit planes. `work` has room for 3
- * `pixels` bytes. */
-bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, int64_t pixels, bool wide,
-                        unsigned char *work);
+/* H-compress (hcompress_stream.c): the stream describes a tile of these sides, and holds all bits
+ * that it takes to rebuild it; `wide` allows more than 31 bit planes. `work` has room for 3 bytes a
+ * pixel. */
+bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, const int64_t sides[3],
+                        bool wide, unsigned char *work);
 
 #endif

@@ -9,176 +9,17 @@
 #include <string.h>
 #include <unistd.h>
 
-/* CFITSIO holds a tile, and a row of tiles, in memory as doubles. */
-static const int64_t max_tile_pixels = INT64_C(1) << 25;     /* 256 MiB */
-static const int64_t max_tile_row_pixels = INT64_C(1) << 27; /* 1 GiB */
-
 /* A stream longer than this is no compression; it bounds what is read for one tile. */
 static int64_t max_stream_bytes(int64_t pixels) {
     return 16 * pixels + 4096;
 }
 
-static const struct {
-    const char *name;
-    int algorithm;
-} algorithms[] = {{"RICE_1", SF_RICE}, {"RICE_ONE", SF_RICE}, {"GZIP_1", SF_GZIP},
-                  {"GZIP_2", SF_GZIP}, {"PLIO_1", SF_PLIO},   {"HCOMPRESS_1", SF_HCOMPRESS}};
-
-static int algorithm_of(const char *name) {
-    for (size_t i = 0; i < sizeof algorithms / sizeof algorithms[0]; i++) {
-        if (strcmp(name, algorithms[i].name) == 0) {
-            return algorithms[i].algorithm;
-        }
-    }
-    return -1;
-}
-
-static int64_t tile_length(const sf_hdu *hdu, int k) {
-    if (k >= hdu->znaxis) {
-        return 1;
-    }
-    return hdu->ztile[k] != SF_ABSENT ? hdu->ztile[k] : k == 0 ? hdu->zaxes[0] : 1;
-}
-
-static int64_t axis_length(const sf_hdu *hdu, int k) {
-    return k < hdu->znaxis ? hdu->zaxes[k] : 1;
-}
-
-/* Tiles along axis k, pixels of a whole tile. */
-static int64_t tiles_along(const sf_hdu *hdu, int k) {
-    return (axis_length(hdu, k) - 1) / tile_length(hdu, k) + 1;
-}
-
-static int bad(sf_place at, const char *what, shear_error *err) {
-    return sf_fail(err, SHEAR_E_FORMAT, at,
-                   "unpack the file with funpack, or pack it anew with fpack",
-                   "tile compression: %s", what);
-}
-
-static int check_sizes(const sf_hdu *hdu, sf_place at, shear_error *err) {
-    if (hdu->znaxis < 2 || hdu->znaxis > SF_AXES) {
-        return bad(at, "ZNAXIS is missing or not 2 or 3", err);
-    }
-    int64_t rows = 1;
-    int64_t tile = 1;
-    for (int k = 0; k < SF_AXES; k++) {
-        if (axis_length(hdu, k) < 1 || tile_length(hdu, k) < 1) {
-            return bad(at, "a ZNAXISn or ZTILEn is missing or not positive", err);
-        }
-        if (__builtin_mul_overflow(rows, tiles_along(hdu, k), &rows) ||
-            __builtin_mul_overflow(tile, tile_length(hdu, k), &tile) || tile > max_tile_pixels) {
-            return bad(at, "the tiles (ZTILEn) are larger than 256 MiB or too many", err);
-        }
-    }
-    int64_t row_pixels = 0;
-    if (__builtin_mul_overflow(axis_length(hdu, 0), tile / tile_length(hdu, 0), &row_pixels) ||
-        row_pixels > max_tile_row_pixels) {
-        return bad(at, "a row of tiles (NAXIS1 x ZTILE2 x ZTILE3 pixels) is larger than 1 GiB",
-                   err);
-    }
-    if (hdu->naxis != 2 || rows != hdu->axes[1]) {
-        return sf_fail(
-            err, SHEAR_E_FORMAT, at, NULL,
-            "tile compression: ZNAXISn and ZTILEn make %lld tiles, but the table has %lld "
-            "rows",
-            (long long)rows, (long long)hdu->axes[1]);
-    }
-    return SHEAR_OK;
-}
-
-int sf_tiles_check_header(const sf_hdu *hdu, sf_place at, shear_error *err) {
-    const int rc = check_sizes(hdu, at, err);
-    if (rc != SHEAR_OK) {
-        return rc;
-    }
-    const int algorithm = algorithm_of(hdu->zcmptype);
-    if (algorithm < 0) {
-        return sf_fail(err, SHEAR_E_FORMAT, at, NULL,
-                       "tile compression: ZCMPTYPE is '%s', but must be RICE_1, GZIP_1, GZIP_2, "
-                       "PLIO_1 or HCOMPRESS_1",
-                       hdu->zcmptype);
-    }
-    const int64_t z = hdu->zbitpix;
-    if (z != 8 && z != 16 && z != 32 && z != -32 && z != -64) {
-        return bad(at, "ZBITPIX is missing or not one of 8, 16, 32, -32, -64", err);
-    }
-    if (algorithm == SF_RICE && (hdu->zval[0] < 4 || hdu->zval[0] > 1024)) {
-        return bad(at, "RICE needs ZVAL1 (the block size) from 4 to 1024", err);
-    }
-    const int64_t width = hdu->zval[1] == SF_ABSENT ? 4 : hdu->zval[1];
-    if (algorithm == SF_RICE && (width != 4 && (z < 0 || (width != 1 && width != 2)))) {
-        return bad(at, "RICE needs ZVAL2 (bytes per pixel) 1, 2 or 4, and 4 for floating pixels",
-                   err);
-    }
-    /* CFITSIO would take the integers for floating numbers, and read past their end. */
-    if (strcmp(hdu->zquantiz, "NONE") == 0 && (algorithm != SF_GZIP || z > 0)) {
-        return bad(at, "ZQUANTIZ 'NONE' needs floating pixels and GZIP", err);
-    }
-    return SHEAR_OK;
-}
-
-/* A variable-length column of the given element type (0: any number); *col is 0 where there is
- * none. */
-static int find_column(const sf_tiles *t, const char *name, int wanted, int *col, int64_t *bytes,
-                       shear_error *err) {
-    int status = 0;
-    char template[FLEN_VALUE];
-    snprintf(template, sizeof template, "%s", name);
-    *col = 0;
-    fits_get_colnum(t->fits, CASEINSEN, template, col, &status);
-    if (status == COL_NOT_FOUND) {
-        fits_clear_errmsg();
-        *col = 0;
-        return SHEAR_OK;
-    }
-    int type = 0;
-    long repeat = 0;
-    long width = 0;
-    fits_get_coltype(t->fits, *col, &type, &repeat, &width, &status);
-    if (status != 0) {
-        return sf_fail_status(err, t->at, status, "tile compression");
-    }
-    type = -type; /* CFITSIO's mark of a variable length */
-    if (wanted != 0 ? type != wanted
-                    : (type != TBYTE && type != TSHORT && type != TLONG && type != TFLOAT &&
-                       type != TDOUBLE)) {
-        return bad(t->at, "a column of tiles has the wrong type (TFORM)", err);
-    }
-    *bytes = type == TBYTE ? 1 : type == TSHORT ? 2 : type == TDOUBLE ? 8 : 4;
-    return SHEAR_OK;
-}
-
-int sf_tiles_init(sf_tiles *t, const sf_file *file, const sf_hdu *hdu, fitsfile *fits, sf_place at,
-                  shear_error *err) {
-    *t = (sf_tiles){.file = file, .hdu = hdu, .fits = fits, .at = at, .raw_bytes = 1};
-    t->algorithm = algorithm_of(hdu->zcmptype);
-    t->lossless_float = hdu->zbitpix < 0 && strcmp(hdu->zquantiz, "NONE") == 0;
-    for (int k = 0; k < SF_AXES; k++) {
-        t->grid[k] = tiles_along(hdu, k);
-    }
-    const int64_t table = hdu->axes[0] * hdu->axes[1]; /* within data_bytes, which was checked */
-    const int64_t heap = hdu->theap == SF_ABSENT ? table : hdu->theap;
-    if (heap < table || heap > hdu->data_bytes) {
-        return bad(at, "THEAP is out of range", err);
-    }
-    t->heap_offset = hdu->data_offset + heap;
-    t->heap_bytes = hdu->data_bytes - heap;
-    int64_t ignored = 0;
-    int rc = find_column(t, "COMPRESSED_DATA", t->algorithm == SF_PLIO ? TSHORT : TBYTE,
-                         &t->col_data, &ignored, err);
-    if (rc == SHEAR_OK) {
-        rc = find_column(t, "GZIP_COMPRESSED_DATA", TBYTE, &t->col_gzip, &ignored, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = find_column(t, "UNCOMPRESSED_DATA", 0, &t->col_raw, &t->raw_bytes, err);
-    }
-    if (rc == SHEAR_OK && t->col_data == 0) {
-        rc = bad(at, "there is no column COMPRESSED_DATA", err);
-    }
-    if (rc == SHEAR_OK && !sf_bitset_init(&t->sound, hdu->axes[1])) {
-        rc = sf_fail_memory(err, at);
-    }
-    return rc;
+int sf_tiles_init(sf_tiles *t, const sf_table *table, const sf_tiling *tiling, shear_error *err) {
+    *t = (sf_tiles){.table = table, .tiling = tiling};
+    t->heap_offset = table->hdu->data_offset + tiling->heap;
+    t->heap_bytes = table->hdu->data_bytes - tiling->heap;
+    return sf_bitset_init(&t->sound, table->hdu->axes[1]) ? SHEAR_OK
+                                                          : sf_fail_memory(err, table->cards->at);
 }
 
 void sf_tiles_deinit(sf_tiles *t) {
@@ -188,28 +29,46 @@ void sf_tiles_deinit(sf_tiles *t) {
 }
 
 static int bad_tile(const sf_tiles *t, int64_t tile, const char *what, shear_error *err) {
-    return sf_fail(err, SHEAR_E_FORMAT, t->at, "the file is damaged: copy or make it again",
-                   "compressed tile %lld: %s", (long long)tile + 1, what);
+    return sf_fail(err, SHEAR_E_FORMAT, t->table->cards->at,
+                   "the file is damaged: copy or make it again", "compressed tile %lld: %s",
+                   (long long)tile + 1, what);
+}
+
+static uint64_t big_endian(const unsigned char *bytes, int n) {
+    uint64_t v = 0;
+    for (int i = 0; i < n; i++) {
+        v = v << 8 | bytes[i];
+    }
+    return v;
+}
+
+static int64_t element_bytes(char type) {
+    return type == 'B' ? 1 : type == 'I' ? 2 : type == 'D' ? 8 : 4;
 }
 
 /* Elements and place of one tile in one of the columns; 0 elements where the column is not there.
  */
-static int descriptor(const sf_tiles *t, int col, int64_t bytes, int64_t tile, int64_t *count,
-                      int64_t *offset, shear_error *err) {
-    LONGLONG n = 0;
-    LONGLONG at = 0;
-    int status = 0;
-    if (col > 0) {
-        fits_read_descriptll(t->fits, col, tile + 1, &n, &at, &status);
+static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *count, int64_t *offset,
+                      shear_error *err) {
+    const sf_column *c = t->tiling->column[column];
+    *count = *offset = 0;
+    if (c == NULL) {
+        return SHEAR_OK;
     }
-    if (status != 0) {
-        return sf_fail_status(err, t->at, status, "a tile's place cannot be read");
+    unsigned char cell[16];
+    const int width = c->type == 'Q' ? 8 : 4; /* P: CFITSIO takes these, too, for unsigned */
+    const int rc = sf_table_bytes(t->table, tile, c->offset, 2 * width, cell, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (n < 0 || at < 0 || at > t->heap_bytes || n > (t->heap_bytes - at) / bytes) {
+    const uint64_t n = big_endian(cell, width);
+    const uint64_t at = big_endian(cell + width, width);
+    const uint64_t heap = (uint64_t)t->heap_bytes;
+    if (at > heap || n > (heap - at) / (uint64_t)element_bytes(c->element)) {
         return bad_tile(t, tile, "its data lie outside of the HDU", err);
     }
-    *count = n;
-    *offset = at;
+    *count = (int64_t)n;
+    *offset = (int64_t)at;
     return SHEAR_OK;
 }
 
@@ -219,20 +78,20 @@ static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_
         return bad_tile(t, tile, "its data are absurdly long", err);
     }
     const int64_t room =
-        bytes + (t->algorithm == SF_HCOMPRESS ? 3 * pixels : 0); /* and work space */
+        bytes + (t->tiling->algorithm == SF_HCOMPRESS ? 3 * pixels : 0); /* and work space */
     if (room > t->buffer_size) {
         unsigned char *grown = realloc(t->buffer, (size_t)room);
         if (grown == NULL) {
-            return sf_fail_memory(err, t->at);
+            return sf_fail_memory(err, t->table->cards->at);
         }
         t->buffer = grown;
         t->buffer_size = room;
     }
     for (int64_t done = 0; done < bytes;) {
-        const ssize_t n = pread(t->file->source.fd, t->buffer + done, (size_t)(bytes - done),
+        const ssize_t n = pread(t->table->file->source.fd, t->buffer + done, (size_t)(bytes - done),
                                 (off_t)(t->heap_offset + offset + done));
         if (n <= 0) {
-            return n < 0 ? sf_fail_errno(err, t->at, errno, "cannot be read")
+            return n < 0 ? sf_fail_errno(err, t->table->cards->at, errno, "cannot be read")
                          : bad_tile(t, tile, "the file ends before its data do", err);
         }
         done += n;
@@ -243,25 +102,25 @@ static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_
 /* Gzipped pixels must be exactly as many bytes as CFITSIO will take them for. */
 static bool gzip_sound(const sf_tiles *t, int64_t bytes, int64_t pixels) {
     const int64_t size = sf_gzip_size(t->buffer, bytes, 8 * pixels);
-    if (t->lossless_float) { /* doubles also under ZBITPIX -32: CFITSIO tells by the size */
+    if (t->tiling->lossless_float) { /* doubles also under ZBITPIX -32: CFITSIO tells by the size */
         return size == 4 * pixels || size == 8 * pixels;
     }
-    if (t->hdu->zbitpix < 0) { /* quantized to 32-bit integers */
+    if (t->tiling->bitpix < 0) { /* quantized to 32-bit integers */
         return size == 4 * pixels;
     }
     return size == pixels || size == 2 * pixels || size == 4 * pixels;
 }
 
-static bool stream_sound(const sf_tiles *t, int64_t bytes, int64_t pixels) {
-    const sf_hdu *hdu = t->hdu;
-    switch (t->algorithm) {
+static bool stream_sound(const sf_tiles *t, int64_t bytes, const int64_t sides[SF_AXES]) {
+    const sf_tiling *z = t->tiling;
+    const int64_t pixels = sides[0] * sides[1] * sides[2];
+    switch (z->algorithm) {
     case SF_RICE:
-        return sf_rice_sound(t->buffer, bytes, pixels, hdu->zval[0],
-                             hdu->zval[1] == SF_ABSENT ? 4 : hdu->zval[1]);
+        return sf_rice_sound(t->buffer, bytes, pixels, z->block, z->width);
     case SF_PLIO:
         return sf_plio_sound(t->buffer, bytes);
     case SF_HCOMPRESS:
-        return sf_hcompress_sound(t->buffer, bytes, pixels, hdu->zbitpix != 8 && hdu->zbitpix != 16,
+        return sf_hcompress_sound(t->buffer, bytes, sides, z->bitpix != 8 && z->bitpix != 16,
                                   t->buffer + bytes);
     default:
         return gzip_sound(t, bytes, pixels);
@@ -272,13 +131,13 @@ static bool stream_sound(const sf_tiles *t, int64_t bytes, int64_t pixels) {
 static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_error *err) {
     int64_t count = 0;
     int64_t offset = 0;
-    int rc = descriptor(t, t->col_raw, t->raw_bytes, tile, &count, &offset, err);
+    int rc = descriptor(t, SF_RAW_DATA, tile, &count, &offset, err);
     if (rc != SHEAR_OK || count > 0) {
         return rc == SHEAR_OK && count != pixels
                    ? bad_tile(t, tile, "it has the wrong number of pixels", err)
                    : rc;
     }
-    rc = descriptor(t, t->col_gzip, 1, tile, &count, &offset, err);
+    rc = descriptor(t, SF_GZIP_DATA, tile, &count, &offset, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -286,18 +145,19 @@ static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_e
         return bad_tile(t, tile, "it has no data", err);
     }
     rc = load(t, tile, pixels, count, offset, err);
-    const int64_t wanted = pixels * -t->hdu->zbitpix / 8; /* of floating pixels only */
+    const int64_t wanted = pixels * -t->tiling->bitpix / 8; /* of floating pixels only */
     if (rc == SHEAR_OK && (wanted < 0 || sf_gzip_size(t->buffer, count, wanted) != wanted)) {
         rc = bad_tile(t, tile, "its gzip data are damaged", err);
     }
     return rc;
 }
 
-static int check_tile(sf_tiles *t, int64_t tile, int64_t pixels, shear_error *err) {
-    const int64_t element = t->algorithm == SF_PLIO ? 2 : 1;
+static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], shear_error *err) {
+    const int64_t pixels = sides[0] * sides[1] * sides[2];
+    const int64_t element = t->tiling->algorithm == SF_PLIO ? 2 : 1;
     int64_t count = 0;
     int64_t offset = 0;
-    int rc = descriptor(t, t->col_data, element, tile, &count, &offset, err);
+    int rc = descriptor(t, SF_DATA, tile, &count, &offset, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -305,21 +165,18 @@ static int check_tile(sf_tiles *t, int64_t tile, int64_t pixels, shear_error *er
         return check_alternatives(t, tile, pixels, err);
     }
     rc = load(t, tile, pixels, count * element, offset, err);
-    if (rc == SHEAR_OK && !stream_sound(t, count * element, pixels)) {
+    if (rc == SHEAR_OK && !stream_sound(t, count * element, sides)) {
         rc = bad_tile(t, tile, "its data are damaged", err);
     }
     return rc;
 }
 
-/* Pixels of the tile at grid position c: those at the far borders are smaller. */
-static int64_t tile_pixels(const sf_tiles *t, const int64_t c[SF_AXES]) {
-    int64_t pixels = 1;
+/* Sides of the tile at grid position c: those at the far borders are smaller. */
+static void tile_sides(const sf_tiling *z, const int64_t c[SF_AXES], int64_t sides[SF_AXES]) {
     for (int k = 0; k < SF_AXES; k++) {
-        const int64_t length = tile_length(t->hdu, k);
-        const int64_t rest = axis_length(t->hdu, k) - c[k] * length;
-        pixels *= rest < length ? rest : length;
+        const int64_t rest = z->axes[k] - c[k] * z->tile[k];
+        sides[k] = rest < z->tile[k] ? rest : z->tile[k];
     }
-    return pixels;
 }
 
 int sf_tiles_check(sf_tiles *t, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
@@ -327,17 +184,18 @@ int sf_tiles_check(sf_tiles *t, const int64_t first[SF_AXES], const int64_t size
     int64_t lo[SF_AXES];
     int64_t hi[SF_AXES];
     for (int k = 0; k < SF_AXES; k++) {
-        lo[k] = first[k] / tile_length(t->hdu, k);
-        hi[k] = (first[k] + size[k] - 1) / tile_length(t->hdu, k);
+        lo[k] = first[k] / t->tiling->tile[k];
+        hi[k] = (first[k] + size[k] - 1) / t->tiling->tile[k];
     }
     int64_t c[SF_AXES];
     for (c[2] = lo[2]; c[2] <= hi[2]; c[2]++) {
         for (c[1] = lo[1]; c[1] <= hi[1]; c[1]++) {
             for (c[0] = lo[0]; c[0] <= hi[0]; c[0]++) {
-                const int64_t tile = (c[2] * t->grid[1] + c[1]) * t->grid[0] + c[0];
-                const int rc = sf_bitset_has(&t->sound, tile)
-                                   ? SHEAR_OK
-                                   : check_tile(t, tile, tile_pixels(t, c), err);
+                const int64_t tile = (c[2] * t->tiling->grid[1] + c[1]) * t->tiling->grid[0] + c[0];
+                int64_t sides[SF_AXES];
+                tile_sides(t->tiling, c, sides);
+                const int rc =
+                    sf_bitset_has(&t->sound, tile) ? SHEAR_OK : check_tile(t, tile, sides, err);
                 if (rc != SHEAR_OK) {
                     return rc;
                 }

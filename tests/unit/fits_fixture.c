@@ -353,6 +353,20 @@ void fixture_patch(const char *path, const char *hdu, const char *key, const cha
     free(bytes);
 }
 
+bool fixture_string(const char *path, const char *hdu, const char *key, char value[FLEN_VALUE]) {
+    fitsfile *f = NULL;
+    char name[FLEN_VALUE];
+    int status = 0;
+    snprintf(name, sizeof name, "%s", hdu);
+    fits_open_diskfile(&f, path, READONLY, &status);
+    fits_movnam_hdu(f, ANY_HDU, name, 0, &status);
+    fits_read_key(f, TSTRING, key, value, NULL, &status);
+    const bool found = status == 0;
+    status = 0;
+    fits_close_file(f, &status);
+    return found;
+}
+
 size_t fixture_data_offset(const char *path, const char *hdu) {
     size_t size = 0;
     size_t end = 0;

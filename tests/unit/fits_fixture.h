@@ -62,6 +62,8 @@ void fixture_gzip(const char *from, const char *to);
 /* Put a card "KEY     = value" into the header of `hdu` ("" = primary), in place of the one with
  * that key or before END. */
 void fixture_patch(const char *path, const char *hdu, const char *key, const char *value);
+/* The string of a keyword in the header of `hdu`; false where it has none. */
+bool fixture_string(const char *path, const char *hdu, const char *key, char value[FLEN_VALUE]);
 /* Where the data of `hdu` begin in the file. */
 size_t fixture_data_offset(const char *path, const char *hdu);
 

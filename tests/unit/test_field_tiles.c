@@ -23,32 +23,53 @@ static void packed(int algorithm, int bitpix, bool lossy) {
     fixture_write_like(bad(), &image, 5);
 }
 
+/* Give a column of GALAXY another name. */
+static void rename_column(const char *name) {
+    for (int i = 1; i < 9; i++) {
+        char key[16];
+        char value[80] = "";
+        snprintf(key, sizeof key, "TTYPE%d", i);
+        if (fixture_string(bad(), "GALAXY", key, value) && strcmp(value, name) == 0) {
+            fixture_patch(bad(), "GALAXY", key, "'ELSE'");
+        }
+    }
+}
+
 static void header_keywords(void **state) {
     (void)state;
     static const struct {
         const char *key, *value, *word;
-    } cases[] = {{"ZTILE1", "0", "ZTILEn"},
-                 {"ZTILE2", "-9", "ZTILEn"},
+    } cases[] = {{"ZTILE1", "0", "ZTILE1 is 0, but must be an integer from 1"},
+                 {"ZTILE2", "-9", "ZTILE2 is -9"},
                  {"ZTILE3", "2", "3 tiles, but the table has 5 rows"},
-                 {"ZTILE1", "100000000", "256 MiB"},
-                 {"ZTILE1", "9223372036854775807", "256 MiB"},
+                 {"ZTILE1", "9223372036854775807", "ZTILE1"},
                  {"ZNAXIS", "4", "ZNAXIS"},
                  {"ZNAXIS", "1", "ZNAXIS"},
                  {"ZNAXIS", "'3'", "ZNAXIS"},
-                 {"ZNAXIS1", "0", "ZNAXISn"},
+                 {"ZNAXIS1", "0", "ZNAXIS1"},
                  {"ZNAXIS1", "100000000", "1 GiB"},
                  {"ZNAXIS1", "130000", "tiles, but the table has 5 rows"},
-                 {"ZNAXIS2", "9223372036854775807", "tiles"},
+                 {"ZNAXIS2", "9223372036854775807", "ZNAXIS2"},
+                 {"ZNAXIS2", "2147483647", "tiles"},
                  {"ZNAXIS3", "6", "6 tiles, but the table has 5 rows"},
                  {"ZBITPIX", "64", "ZBITPIX"},
                  {"ZBITPIX", "12", "ZBITPIX"},
                  {"ZCMPTYPE", "'LZW'", "ZCMPTYPE is 'LZW'"},
                  {"ZCMPTYPE", "''", "ZCMPTYPE"},
-                 {"ZVAL1", "0", "block size"},
-                 {"ZVAL1", "-32", "block size"},
-                 {"ZVAL1", "1000000", "block size"},
+                 {"ZVAL1", "0", "from 4 to 1024"},
+                 {"ZVAL1", "-32", "from 4 to 1024"},
+                 {"ZVAL1", "1000000", "from 4 to 1024"},
                  {"ZVAL2", "3", "bytes per pixel"},
-                 {"ZVAL2", "8", "bytes per pixel"},
+                 {"ZVAL2", "8", "from 1 to 4"},
+                 {"ZNAME1", "'BYTEPIX'", "belongs there"},
+                 {"ZDITHER0", "0", "from 1 to 10000"},
+                 {"ZDITHER0", "10001", "from 1 to 10000"},
+                 {"ZDITHER0", "2147483647", "from 1 to 10000"},
+                 {"ZQUANTIZ", "'SOMEHOW'", "must be one of NO_DITHER"},
+                 {"ZBLANK", "2147483648", "ZBLANK"},
+                 {"ZSCALE", "0", "ZSCALE is 0"},
+                 {"ZZERO", "'0'", "ZZERO"},
+                 {"GCOUNT", "2", "GCOUNT"},
                  {"ZQUANTIZ", "'NONE'", "ZQUANTIZ"},
                  {"TFORM1", "'1PI(99)'", "wrong type"},
                  {"TTYPE1", "'OTHER'", "COMPRESSED_DATA"},
@@ -64,6 +85,17 @@ static void header_keywords(void **state) {
     packed(RICE_1, -32, true);
     fixture_patch(bad(), "GALAXY", "ZVAL2", "2");
     fixture_expect_open(bad(), SHEAR_E_FORMAT, "HDU GALAXY", "4 for floating", END);
+}
+
+/* CFITSIO takes floating pixels without the columns ZSCALE and ZZERO for unquantized ones: the
+ * integers behind them for floating numbers. */
+static void quantized_without_scale(void **state) {
+    (void)state;
+    packed(RICE_1, -32, true);
+    rename_column("ZSCALE");
+    fixture_expect_open(bad(), SHEAR_E_FORMAT, "HDU GALAXY", "only one of the columns", END);
+    rename_column("ZZERO");
+    fixture_expect_open(bad(), SHEAR_E_FORMAT, "HDU GALAXY", "need GZIP, or the columns", END);
 }
 
 /* Read all stamps, which must fail and say where. */
@@ -199,11 +231,9 @@ static void gzip_of_another_size(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(header_keywords),
-        cmocka_unit_test(descriptors),
-        cmocka_unit_test(streams_that_are_too_short),
-        cmocka_unit_test(streams_that_lie),
-        cmocka_unit_test(gzip_of_another_size),
+        cmocka_unit_test(header_keywords),  cmocka_unit_test(quantized_without_scale),
+        cmocka_unit_test(descriptors),      cmocka_unit_test(streams_that_are_too_short),
+        cmocka_unit_test(streams_that_lie), cmocka_unit_test(gzip_of_another_size),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }
