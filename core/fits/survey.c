@@ -142,15 +142,33 @@ static int append(sf_survey *s, const sf_hdu *hdu, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* FITS allows other records behind the last HDU; only XTENSION begins another one. */
+static bool looks_like_header(const char block[SF_BLOCK_BYTES]) {
+    for (int i = 0; i < SF_BLOCK_BYTES; i += SF_CARD) {
+        if (memcmp(block + i, "BITPIX  = ", 10) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* FITS allows other records behind the last HDU; only XTENSION begins another one. But an HDU whose
+ * XTENSION was lost is not to be lost silently, with the weights that it may hold. */
 static int is_extension(reader *r, int64_t offset, bool *yes, shear_error *err) {
     char head[8];
+    const char *block = NULL;
     const ssize_t n = pread(r->fd, head, sizeof head, (off_t)offset);
     if (n < 0) {
         return sf_fail_errno(err, (sf_place){r->file, NULL}, errno, "cannot be read");
     }
     *yes = n == (ssize_t)sizeof head && memcmp(head, "XTENSION", sizeof head) == 0;
-    return SHEAR_OK;
+    const int rc = *yes ? SHEAR_OK : read_block(r, offset, &block, err);
+    if (rc != SHEAR_OK || block == NULL || !looks_like_header(block)) {
+        return rc;
+    }
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){r->file, NULL},
+                   "the file is damaged: copy or make it again",
+                   "at byte %lld there is a header that does not begin with XTENSION",
+                   (long long)offset);
 }
 
 int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_error *err) {

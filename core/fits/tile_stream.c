@@ -28,7 +28,6 @@ static bool skip_block(sf_bits *b, int64_t pixels, int code_bits, int whole_code
 
 bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, int64_t block,
                    int64_t pixel_bytes) {
-    enum { MAX_REST = 64 }; /* bits */
     const int code_bits = pixel_bytes == 4 ? 5 : pixel_bytes == 2 ? 4 : 3;
     const int whole_code = (pixel_bytes == 4 ? 25 : pixel_bytes == 2 ? 14 : 6) + 1;
     const int pixel_bits = (int)(8 * pixel_bytes);
@@ -42,7 +41,9 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
             return false;
         }
     }
-    return b.count - b.position <= MAX_REST; /* more, and it was packed in other blocks */
+    int rest = 0; /* zeros that fill the last byte; else it was packed in other blocks */
+    const int64_t left = b.count - b.position;
+    return left < 8 && sf_bits_take(&b, (int)left, &rest) && rest == 0;
 }
 
 int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit) {
@@ -69,7 +70,7 @@ static int word(const unsigned char *bytes, int64_t index) {
     return (int16_t)(uint16_t)(bytes[2 * index] << 8 | bytes[2 * index + 1]);
 }
 
-bool sf_plio_sound(const unsigned char *bytes, int64_t count) {
+bool sf_plio_sound(const unsigned char *bytes, int64_t count, int64_t pixels) {
     const int64_t words = count / 2;
     if (words < 3) {
         return false;
@@ -86,10 +87,17 @@ bool sf_plio_sound(const unsigned char *bytes, int64_t count) {
     if (first < 0 || length <= 0 || length > words) {
         return false;
     }
+    int64_t seen = 0;
     for (int64_t i = first; i < length; i++) {
-        if (word(bytes, i) / 4096 == 1 && ++i >= length) { /* the only instruction of two words */
+        const int instruction = word(bytes, i) / 4096;
+        if (word(bytes, i) < 0) {
+            return false;
+        }
+        const bool run = instruction == 0 || instruction == 4 || instruction == 5;
+        seen += run ? word(bytes, i) % 4096 : instruction >= 6 ? 1 : 0;
+        if (instruction == 1 && ++i >= length) { /* the only instruction of two words */
             return false;
         }
     }
-    return true;
+    return seen == pixels;
 }

@@ -19,8 +19,8 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
 /* The size that a gzip stream unpacks to; -1 where it is damaged or larger than `limit`. */
 int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit);
 
-/* PLIO: `count` bytes of big-endian 16-bit instructions. */
-bool sf_plio_sound(const unsigned char *bytes, int64_t count);
+/* PLIO: `count` bytes of big-endian 16-bit instructions, for `pixels` pixels. */
+bool sf_plio_sound(const unsigned char *bytes, int64_t count, int64_t pixels);
 
 /* H-compress (hcompress_stream.c): the stream describes a tile of these sides, and holds all bits
  * that it takes to rebuild it; `wide` allows more than 31 bit planes. `work` has room for 3 bytes a

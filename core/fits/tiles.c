@@ -118,7 +118,7 @@ static bool stream_sound(const sf_tiles *t, int64_t bytes, const int64_t sides[S
     case SF_RICE:
         return sf_rice_sound(t->buffer, bytes, pixels, z->block, z->width);
     case SF_PLIO:
-        return sf_plio_sound(t->buffer, bytes);
+        return sf_plio_sound(t->buffer, bytes, pixels);
     case SF_HCOMPRESS:
         return sf_hcompress_sound(t->buffer, bytes, sides, z->bitpix != 8 && z->bitpix != 16,
                                   t->buffer + bytes);

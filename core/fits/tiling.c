@@ -144,9 +144,9 @@ static int take_parameter(const sf_table *table, int i, const char *name, int64_
 
 static int take_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
     bool found = false;
-    int rc = take_parameter(table, 1, "BLOCKSIZE", 4, 1024, &t->block, &found, err);
-    if (rc == SHEAR_OK && !found) {
-        return bad(table, "RICE needs ZVAL1 (the block size) from 4 to 1024", err);
+    int rc = take_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err);
+    if (rc == SHEAR_OK && (!found || (t->block != 16 && t->block != 32))) {
+        return bad(table, "RICE needs ZVAL1 (the block size) 16 or 32", err);
     }
     t->width = 4;
     if (rc == SHEAR_OK) {

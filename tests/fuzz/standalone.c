@@ -5,8 +5,10 @@
  * always the same ones fuzz_field --corpus DIRECTORY the good files themselves, to begin a
  * libFuzzer run with A mutant that crashes is named on standard error; --mutants with its number
  * alone repeats it. */
+#include "cards.h"
 #include "fits_fixture.h"
 #include "fuzz_field.h"
+#include "seeds.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -15,114 +17,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SEEDS = 9, BLOCK = 2880, CARD = 80, SECONDS = 20 };
+enum { SECONDS = 20 };
 
-typedef struct bytes {
-    unsigned char *data;
-    size_t size;
-} bytes;
+typedef fuzz_bytes bytes;
 
-/* splitmix64: the draw depends on the mutant's number only. */
+/* The draw depends on the mutant's number only. */
 static uint64_t state;
-static uint64_t draw(void) {
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
 static size_t below(size_t n) {
-    return n == 0 ? 0 : (size_t)(draw() % n);
-}
-
-static void write_seed(int i, const char *path) {
-    static const struct {
-        int algorithm, bitpix;
-    } packed[] = {{RICE_1, 16}, {GZIP_2, -32}, {PLIO_1, 16}, {HCOMPRESS_1, 16}, {RICE_1, -32}};
-    shear_field_spec s = fixture_spec();
-    if (i == 1 || i == 8) {
-        s.layout = SHEAR_LAYOUT_MOSAIC;
-        s.n_psf = 4;
-        s.columns = SHEAR_COL_PSF_ID | SHEAR_COL_ID | SHEAR_COL_X | SHEAR_COL_FLAGS;
-    }
-    if (i == 2) {
-        s.bitpix = -64;
-        s.n_psf = s.n_stamps;
-        s.columns = SHEAR_COL_WEIGHT;
-    }
-    if (i < 3) {
-        fixture_write(path, &s);
-    } else if (i < 8) {
-        const fixture_image image = {.bitpix = packed[i - 3].bitpix,
-                                     .axes = {13, 9},
-                                     .compression = packed[i - 3].algorithm,
-                                     .lossy = i == 7,
-                                     .tile = {13, 9, 1}};
-        fixture_write_like(path, &image, 5);
-    } else {
-        const char *plain = fixture_path("plain.fits");
-        fixture_write(plain, &s);
-        fixture_gzip(plain, path);
-    }
-}
-
-/* A card of some header: they are all at multiples of 80, and mostly letters. */
-static unsigned char *any_card(bytes b) {
-    for (int tries = 0; tries < 1000; tries++) {
-        unsigned char *card = b.data + below(b.size / CARD) * CARD;
-        if (card[8] == '=' && card[0] >= 'A' && card[0] <= 'Z') {
-            return card;
-        }
-    }
-    return b.data;
-}
-
-static void mutate_card(bytes b) {
-    static const char *const values[] = {"0",
-                                         "-1",
-                                         "1",
-                                         "2",
-                                         "3",
-                                         "7",
-                                         "255",
-                                         "1000",
-                                         "65536",
-                                         "2147483647",
-                                         "2147483648",
-                                         "-2147483648",
-                                         "4294967296",
-                                         "100000000",
-                                         "9223372036854775807",
-                                         "-9223372036854775808",
-                                         "1E308",
-                                         "1E-320",
-                                         "NaN",
-                                         "T",
-                                         "F",
-                                         "'NONE'",
-                                         "'RICE_1'",
-                                         "'GZIP_1'",
-                                         "'PLIO_1'",
-                                         "'HCOMPRESS_1'",
-                                         "'1PB'",
-                                         "'1QD'",
-                                         "'1000000000D'",
-                                         "'GALAXY'",
-                                         "'COMPRESSED_DATA'",
-                                         "'BINTABLE'",
-                                         "'",
-                                         "",
-                                         "/"};
-    unsigned char *card = any_card(b);
-    if (b.size < CARD) {
-        return;
-    }
-    if (below(4) == 0) { /* another card's content, or another keyword's name */
-        memcpy(card, any_card(b), below(2) == 0 ? CARD : 8);
-        return;
-    }
-    char text[CARD + 1];
-    snprintf(text, sizeof text, " %-69s", values[below(sizeof values / sizeof values[0])]);
-    memcpy(card + 9, text, CARD - 10);
+    return fuzz_below(&state, n);
 }
 
 static void mutate_bytes(bytes b) {
@@ -133,7 +35,7 @@ static void mutate_bytes(bytes b) {
         b.data[at] ^= (unsigned char)(1u << below(8));
         break;
     case 1:
-        b.data[at] = (unsigned char)draw();
+        b.data[at] = (unsigned char)fuzz_draw(&state);
         break;
     default:
         for (size_t k = 0; k < 1 + below(8) && at + k < b.size; k++) {
@@ -150,14 +52,15 @@ static void mutate(bytes *b) {
             b->size = below(b->size + 1);
             break;
         case 1: { /* one block over another */
-            const size_t n = b->size / BLOCK;
-            memmove(b->data + below(n) * BLOCK, b->data + below(n) * BLOCK, n > 0 ? BLOCK : 0);
+            const size_t n = b->size / FUZZ_BLOCK;
+            memmove(b->data + below(n) * FUZZ_BLOCK, b->data + below(n) * FUZZ_BLOCK,
+                    n > 0 ? FUZZ_BLOCK : 0);
             break;
         }
         case 2:
         case 3:
         case 4:
-            mutate_card(*b);
+            fuzz_mutate_card(b->data, b->size, &state);
             break;
         default:
             mutate_bytes(*b);
@@ -197,17 +100,17 @@ static int open_descriptors(void) {
     return n;
 }
 
-static int run_mutants(const bytes seeds[SEEDS], int from, int to) {
+static int run_mutants(const bytes seeds[FUZZ_SEEDS], int from, int to) {
     unsigned char *copy = malloc(1 << 20);
     const int descriptors = open_descriptors();
     int failed = copy == NULL;
     for (int i = from; i < to && !failed; i++) {
-        const bytes *seed = &seeds[i % SEEDS];
+        const bytes *seed = &seeds[i % FUZZ_SEEDS];
         current = i;
         state = (uint64_t)i;
         bytes b = {copy, seed->size};
         memcpy(copy, seed->data, seed->size);
-        if (i >= SEEDS) { /* the first ones are the good files themselves */
+        if (i >= FUZZ_SEEDS) { /* the first ones are the good files themselves */
             mutate(&b);
         }
         alarm(SECONDS);
@@ -242,16 +145,16 @@ static bool is_good(const char *path) {
 }
 
 static int run_seeds(const char *option, int argc, char **argv) {
-    bytes seeds[SEEDS];
+    bytes seeds[FUZZ_SEEDS];
     if (fixture_setup(NULL) != 0) {
         return 1;
     }
     bool good = true;
     const int corpus = strcmp(option, "--corpus") == 0;
-    for (int i = 0; i < SEEDS; i++) {
-        const char *path = fixture_path("seed.fits");
-        write_seed(i, path);
-        seeds[i].data = fixture_load(path, &seeds[i].size);
+    for (int i = 0; i < FUZZ_SEEDS; i++) {
+        const char *path = fixture_path("good.fits");
+        seeds[i] = fuzz_seed(i);
+        fixture_save(path, seeds[i].data, seeds[i].size);
         good = good && is_good(path);
         if (corpus && argc > 0) {
             char out[600];
@@ -264,7 +167,7 @@ static int run_seeds(const char *option, int argc, char **argv) {
     const int rc = !good    ? 1
                    : corpus ? 0
                             : run_mutants(seeds, argc > 1 ? first : 0, argc > 1 ? last : first);
-    for (int i = 0; i < SEEDS; i++) {
+    for (int i = 0; i < FUZZ_SEEDS; i++) {
         free(seeds[i].data);
     }
     fixture_teardown(NULL);

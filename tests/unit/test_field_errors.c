@@ -11,6 +11,8 @@
 
 #define END ((const char *)NULL)
 
+enum { BLOCK = 2880 };
+
 static const char *bad(void) {
     return fixture_path("bad.fits");
 }
@@ -165,6 +167,18 @@ static void cards_out_of_order(void **state) {
         exchange_cards(pairs[i][0], pairs[i][1]);
         fixture_expect_open(bad(), SHEAR_E_FORMAT, "GALAXY", "must be card", END);
     }
+}
+
+/* A header whose first card is damaged is not taken for what may stand behind the last HDU. */
+static void lost_extension(void **state) {
+    (void)state;
+    size_t size = 0;
+    with_catalog();
+    unsigned char *bytes = fixture_load(bad(), &size);
+    memcpy(bytes + fixture_data_offset(bad(), "CATALOG") - BLOCK, "XTENSIOM", 8);
+    fixture_save(bad(), bytes, size);
+    free(bytes);
+    fixture_expect_open(bad(), SHEAR_E_FORMAT, "does not begin with XTENSION", END);
 }
 
 /* CFITSIO 4.2 overruns a buffer over such values. It never sees them: where the keyword means
@@ -470,6 +484,7 @@ int main(void) {
         cmocka_unit_test(missing_hdus),
         cmocka_unit_test(structural_keywords),
         cmocka_unit_test(cards_out_of_order),
+        cmocka_unit_test(lost_extension),
         cmocka_unit_test(long_numbers),
         cmocka_unit_test(absurd_sizes),
         cmocka_unit_test(endless_header),

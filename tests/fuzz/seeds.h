@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* seeds.h: small good field files of every kind, to be spoiled. */
+#ifndef TEST_FUZZ_SEEDS_H
+#define TEST_FUZZ_SEEDS_H
+
+#include <stddef.h>
+
+typedef struct fuzz_bytes {
+    unsigned char *data; /* malloc'd */
+    size_t size;
+} fuzz_bytes;
+
+enum { FUZZ_SEEDS = 18 };
+
+/* "rice16", "lossy+front" ... */
+const char *fuzz_seed_name(int i);
+/* Needs fixture_setup(). */
+fuzz_bytes fuzz_seed(int i);
+
+#endif
