@@ -74,6 +74,9 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
     shear_text_line(out, "plans", "%" PRId64 " kept (%s), %" PRId64 " hits, %" PRId64 " misses",
                     s->plans.kept, human_bytes(s->plans.bytes, bytes), s->plans.hits,
                     s->plans.misses);
+    shear_text_line(out, "memory", "%s of %s%s", human_bytes(s->memory.used, bytes),
+                    human_bytes(s->memory.budget, left),
+                    s->memory.waiting > 0 ? ", jobs wait for more" : "");
     print_spool(&s->spool, out);
     shear_text_line(out, "state", "%s, %s, %s free, schema %" PRId64 ", %" PRId64 " commits",
                     s->store.path ? s->store.path : "-", human_bytes(s->store.bytes, bytes),

@@ -84,6 +84,20 @@ const sheard_setting config_bound_rows[] = {
      .min = SECOND,
      .max = 7 * DAY,
      .help = "A wait request is answered at the latest after this time, whatever it asks for."},
+    {.section = "limits",
+     .key = "memory",
+     .type = SHEARD_T_BYTES,
+     AT(limits.memory_bytes),
+     .initial = "auto",
+     .min = MiB,
+     .max = 1024 * TiB,
+     .word = "auto",
+     .help =
+         "Memory that the jobs under way and the kept plans may take together. What a job needs "
+         "is known before it starts; it waits until there is so much, and one that needs more "
+         "than this is refused. auto: a quarter of the machine's memory, or of what the service's "
+         "control groups (MemoryMax, MemoryHigh) and RLIMIT_AS leave it. What reader processes "
+         "take besides is bounded by reader.memory."},
 
     {.section = "reader",
      .key = "memory",

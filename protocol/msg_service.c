@@ -39,6 +39,13 @@ static const msg_member plans_members[] = {
 };
 static const msg_table plans = {MSG_TABLE_(shear_msg_plans, plans_members), .check = NULL};
 
+static const msg_member memory_members[] = {
+    MSG_COUNT_(shear_msg_memory, budget, 0),
+    MSG_COUNT_(shear_msg_memory, used, 0),
+    MSG_COUNT_(shear_msg_memory, waiting, 0),
+};
+static const msg_table memory = {MSG_TABLE_(shear_msg_memory, memory_members), .check = NULL};
+
 static const msg_member states_members[] = {
     MSG_COUNT_(shear_msg_states, queued, 0),  MSG_COUNT_(shear_msg_states, running, 0),
     MSG_COUNT_(shear_msg_states, waiting, 0), MSG_COUNT_(shear_msg_states, done, 0),
@@ -108,6 +115,7 @@ static const msg_member status_members[] = {
     MSG_OBJECT_(shear_msg_status, workers, "workers", shear_msg_workers, &workers, 0),
     MSG_OBJECT_(shear_msg_status, queue, "queue", shear_msg_queue, &queue, 0),
     MSG_OBJECT_(shear_msg_status, plans, "plans", shear_msg_plans, &plans, 0),
+    MSG_OBJECT_(shear_msg_status, memory, "memory", shear_msg_memory, &memory, 0),
     MSG_OBJECT_(shear_msg_status, states, "states", shear_msg_states, &states, 0),
     MSG_OBJECT_(shear_msg_status, totals, "totals", shear_msg_totals, &totals, 0),
     MSG_OBJECT_(shear_msg_status, rates, "rates", shear_msg_rates, &rates, 0),

@@ -99,6 +99,12 @@ static bool make_other(fft_plan *plan) {
     return plan->other != NULL;
 }
 
+size_t fft_plan_bytes(int n) {
+    fft_plan plan = {.n = n};
+    const int passes = find_passes(&plan) ? plan.n_passes : 1;
+    return sizeof plan + (size_t)passes * 2 * (size_t)n * sizeof(double);
+}
+
 fft_plan *fft_plan_new(int n) {
     fft_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL) {

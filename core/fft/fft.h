@@ -33,6 +33,8 @@ void fft_lanes_free(fft_lanes lanes);
 typedef struct fft_plan fft_plan;
 fft_plan *fft_plan_new(int n); /* n >= 2 numbers a line; NULL when memory is out */
 void fft_plan_free(fft_plan *plan);
+/* What a plan takes; of lengths that FFTW does, about. */
+size_t fft_plan_bytes(int n);
 
 /* The forward transform of eight lines. Input: element e of lane l at re[e step + l], im[e step +
  * l], with step >= FFT_LANES. `a` and `b` come from fft_lanes_new, for n or more; the one that is

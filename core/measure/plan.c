@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/plan_impl.h"
 
+#include "measure/memory.h"
 #include "measure/psf.h"
 
 #include <math.h>
@@ -259,6 +260,36 @@ int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear
     }
     *out = plan;
     return SHEAR_OK;
+}
+
+int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
+                      const shear_geometry *geometry, const double *psf, double r_psf_px,
+                      bool has_r_gal, shear_error *err) {
+    shear_plan plan = {.settings = *settings, .info = {.geometry = *geometry}};
+    int psf_factor = 1;
+    const int code = resolve(&plan, psf, r_psf_px, has_r_gal, &psf_factor, err);
+    const memory_of m = {.settings = settings, .info = &plan.info, .has_psf = psf != NULL};
+    *memory = (shear_memory){0};
+    if (code == SHEAR_OK) {
+        memory->plan = memory_of_plan(&m);
+        memory->planning = memory_of_planning(&m);
+        memory->workspace = memory_of_workspace(&m, memory_last_row(&plan.info));
+    }
+    return code;
+}
+
+static memory_of memory_of_made(const shear_plan *plan) {
+    return (memory_of){.settings = &plan->settings, .info = &plan->info, .has_psf = plan->has_psf};
+}
+
+int64_t shear_plan_bytes(const shear_plan *plan) {
+    const memory_of m = memory_of_made(plan);
+    return memory_of_plan(&m);
+}
+
+int64_t shear_workspace_bytes(const shear_plan *plan) {
+    const memory_of m = memory_of_made(plan);
+    return memory_of_workspace(&m, plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy);
 }
 
 void shear_plan_free(shear_plan *plan) {

@@ -121,6 +121,12 @@ int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size
     return SHEAR_OK;
 }
 
+int64_t shear_worker_bytes(const shear_plan *plan, shear_turn_size size) {
+    return shear_workspace_bytes(plan) +
+           (int64_t)((size_t)size.stamps * sizeof(shear_row) +
+                     (size_t)size.blocks * sizeof(shear_block_sums) + sizeof(shear_worker));
+}
+
 void shear_worker_free(shear_worker *worker) {
     if (worker != NULL) {
         shear_workspace_free(worker->ws);

@@ -34,7 +34,7 @@ static void be_measured(engine *e, job *j) {
     if (j->stop_asked) {
         shear_work_stop(j->work);
     }
-    pthread_cond_signal(&e->work_there);
+    workers_call(e, j);
     while (!course_is_measured(j)) {
         pthread_cond_wait(&e->moved, &e->lock);
     }

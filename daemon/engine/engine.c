@@ -92,6 +92,7 @@ int engine_new(engine **out, const engine_options *options, shear_error *err) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
     }
     e->options = *options;
+    e->budget.total = options->memory_bytes;
     events_init(&e->events);
     pthread_mutex_init(&e->lock, NULL);
     pthread_cond_init(&e->moved, NULL);
@@ -255,12 +256,16 @@ static int64_t blocks_left(const job *j) {
 engine_load engine_get_load(engine *e) {
     pthread_mutex_lock(&e->lock);
     engine_load load = {.workers = e->n_threads, .busy = e->busy, .stamps_total = e->stamps_total};
+    load.memory_total = e->budget.total;
+    load.memory_used = e->budget.reserved;
     for (const job *j = e->jobs; j != NULL; j = j->next) {
         load.jobs++;
+        load.memory_waiting += j->waiting_since > 0 && j->stage == ENGINE_WAITING_MEMORY;
         load.blocks_left += blocks_left(j);
     }
     pthread_mutex_unlock(&e->lock);
     load.plans = plans_get_statistics(e->plans);
+    load.memory_used += load.plans.bytes;
     return load;
 }
 
@@ -268,6 +273,13 @@ void engine_limit_readers(engine *e, const reader_limits *limits) {
     e->options.limits = *limits;
     e->options.limits.program = e->program;
     e->options.limits.scratch = e->scratch;
+}
+
+void engine_limit_memory(engine *e, int64_t bytes) {
+    pthread_mutex_lock(&e->lock);
+    e->budget.total = bytes;
+    pthread_cond_broadcast(&e->moved);
+    pthread_mutex_unlock(&e->lock);
 }
 
 void engine_limit_plans(engine *e, int64_t count, int64_t bytes) {

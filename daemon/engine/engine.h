@@ -33,7 +33,8 @@
 typedef struct engine engine;
 
 enum engine_code {
-    ENGINE_E_CHANGED = 120 /* a file changed between its hash and the last block */
+    ENGINE_E_CHANGED = 120, /* a file changed between its hash and the last block */
+    ENGINE_E_MEMORY = 121   /* the job needs more memory than all may have together */
 };
 
 typedef struct engine_options {
@@ -42,6 +43,7 @@ typedef struct engine_options {
     int64_t checkpoint_ms; /* least time between two checkpoints of a job */
     int64_t plans_count;   /* plans kept at most for later jobs: engine/plans.h */
     int64_t plans_bytes;
+    int64_t memory_bytes; /* that jobs and plans may take together: engine/budget.h */
     void (*wake)(void *context);
     void *context;
 } engine_options;
@@ -113,8 +115,9 @@ bool engine_next_event(engine *e, engine_event *event);
 
 /* What a job is at. */
 enum engine_stage {
-    ENGINE_OPENING,   /* its reader starts, and opens (and unpacks) the files */
-    ENGINE_HASHING,   /* the reader reads them whole, for their hash */
+    ENGINE_OPENING, /* its reader starts, and opens (and unpacks) the files */
+    ENGINE_HASHING, /* the reader reads them whole, for their hash */
+    ENGINE_WAITING_MEMORY,
     ENGINE_PREPARING, /* its plan is made; then it waits for the owner's word */
     ENGINE_MEASURING,
     ENGINE_FINISHING
@@ -136,12 +139,17 @@ typedef struct engine_load {
     int jobs;             /* in the engine */
     int64_t stamps_total; /* measured since the start */
     int64_t blocks_left;  /* of the jobs that are being measured: not yet measured */
+    int64_t memory_total; /* the budget */
+    int64_t memory_used;  /* of it, by jobs and plans */
+    int memory_waiting;   /* jobs that wait for some */
     plans_statistics plans;
 } engine_load;
 engine_load engine_get_load(engine *e);
 
 /* Other limits for the readers of jobs that are added from now on; the paths stay. */
 void engine_limit_readers(engine *e, const reader_limits *limits);
+/* Another budget, from now on. */
+void engine_limit_memory(engine *e, int64_t bytes);
 /* Other bounds for the kept plans, from now on. */
 void engine_limit_plans(engine *e, int64_t count, int64_t bytes);
 

@@ -22,14 +22,18 @@ struct engine {
     char *program, *scratch;
     pthread_t *threads; /* workers */
     int n_threads;
-    plans *plans;  /* has a lock of its own */
+    plans *plans;  /* has a lock of its own, which is taken under this one's, never the other way */
     events events; /* as well */
 
     pthread_mutex_t lock;
     pthread_cond_t work_there; /* for workers: a job may have something to do, or `ending` */
-    pthread_cond_t moved;      /* for the jobs' threads: a job has come on; and for engine_free */
+    pthread_cond_t moved; /* for the jobs' threads: a job has come on, or memory is free; and for
+                             engine_free */
     bool ending;
     job *jobs;
+    struct {
+        int64_t total, reserved, tickets;
+    } budget;    /* budget.h */
     int courses; /* threads of jobs */
     int busy;
     int64_t stamps_total;
@@ -42,6 +46,9 @@ int engine_thread(pthread_t *thread, void *(*start)(void *), void *argument);
 void engine_emit(engine *e, const engine_event *event, const pthread_t *ending);
 
 /* ---- workers.c ---- */
+
+/* Under the lock: a job may have something for a worker. */
+void workers_call(engine *e, const job *j);
 
 /* The workers' thread; the argument is a worker_start, which is freed. */
 typedef struct worker_start {

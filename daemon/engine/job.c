@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "engine/budget.h"
 #include "engine/inner.h"
 
 #include <stdlib.h>
@@ -32,8 +33,9 @@ job *job_new(const engine_job *spec, engine *e) {
         j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
         j->team = calloc((size_t)options->workers, sizeof(shear_worker *));
         j->entering = calloc((size_t)options->workers, sizeof *j->entering);
+        j->is_member = calloc((size_t)options->workers, sizeof *j->is_member);
     }
-    if (j == NULL || !taken || j->team == NULL || j->entering == NULL ||
+    if (j == NULL || !taken || j->team == NULL || j->entering == NULL || j->is_member == NULL ||
         (spec->catalogue != NULL && j->catalogue_path == NULL)) {
         if (j == NULL) {
             job_files_close(&files);
@@ -53,6 +55,7 @@ void job_free(job *j) {
     }
     free(j->team);
     free(j->entering);
+    free(j->is_member);
     free(j->sums_before);
     shear_work_free(j->work);
     reader_stop(j->reader);
@@ -61,61 +64,10 @@ void job_free(job *j) {
     shear_symmetry_free(j->terms_before);
     pthread_mutex_destroy(&j->saving);
     plans_give_back(j->engine->plans, j->plan);
+    budget_change(j, 0);
     job_files_close(&j->files);
     free(j->catalogue_path);
     free(j);
-}
-
-/* PSFs through the reader, in the form that the library asks for. */
-static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
-    job *j = self;
-    const shear_geometry *g = &reader_get_info(j->reader)->geometry;
-    const double *psf = NULL;
-    const int code = reader_read_psf(j->reader, index, &psf, err);
-    if (code == SHEAR_OK) {
-        memcpy(out, psf, (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *out);
-    }
-    return code;
-}
-
-static int open_file(job *j, engine_event *event, shear_error *err) {
-    int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
-    if (code == SHEAR_OK) {
-        event->info = *reader_get_info(j->reader);
-        atomic_store(&j->stage, ENGINE_HASHING);
-        code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
-        memcpy(event->checksum, j->checksum, sizeof event->checksum);
-    }
-    atomic_store(&j->stage, ENGINE_PREPARING);
-    if (code == SHEAR_OK) {
-        j->size = shear_turn_size_for(&event->info, j->workers);
-        code = reader_map(j->reader, j->workers, j->size.stamps, err);
-    }
-    if (code == SHEAR_OK) {
-        const shear_psf_source psfs = {.self = j, .read = read_psf};
-        code = plans_take(j->engine->plans, &j->settings, &event->info, psfs, &j->plan, err);
-    }
-    if (code == SHEAR_OK) {
-        event->plan = *shear_plan_get_info(j->plan);
-    }
-    return code;
-}
-
-/* How a job ends that cannot go on. That a file has changed is the better reason. */
-static int kind_of(const job *j, shear_error *err) {
-    if (err->code == READER_E_STOPPED) {
-        return ENGINE_STOPPED;
-    }
-    job_files_check(&j->files, err);
-    return ENGINE_FAILED;
-}
-
-void job_prepare(job *j, engine_event *event) {
-    *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
-    atomic_store(&j->stage, ENGINE_OPENING);
-    if (open_file(j, event, &event->error) != SHEAR_OK) {
-        event->kind = kind_of(j, &event->error);
-    }
 }
 
 static int write_rows(void *self, int64_t first, int count, const shear_row *rows,
@@ -324,7 +276,7 @@ void job_finish(job *j, engine_event *event) {
         code = complete(j, event, &event->error);
     }
     if (code != SHEAR_OK) {
-        event->kind = kind_of(j, &event->error);
+        event->kind = job_end_of(j, &event->error);
         engine_event_deinit(event);
     }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* engine/job.h: one job inside the engine: its reader, plan and work. The engine's lock guards the
- * members from `phase` to `entering`; the rest belongs to the job's own thread, or is thread-safe
- * by itself. */
+ * members from `phase` to `waiting_since`; the rest belongs to the job's own thread, or is
+ * thread-safe by itself. */
 #ifndef SHEARD_ENGINE_JOB_H
 #define SHEARD_ENGINE_JOB_H
 
@@ -28,14 +28,19 @@ typedef struct job {
     int priority;
     int phase; /* enum job_phase */
     bool go, stop_asked;
-    atomic_bool stopping; /* stop_asked, for the reader, which does not know the lock */
-    atomic_int stage;     /* enum engine_stage, for who looks on */
-    atomic_llong hashed;  /* bytes of the files */
-    int64_t bytes;        /* of the files, in all */
-    int64_t served;       /* stamps measured, for fairness */
-    int holders;          /* workers inside this job's turns */
-    int reading;          /* of those, the ones that read, or are about to */
-    bool *entering;       /* [workers] about to read for the first time in its turn */
+    atomic_bool stopping;  /* stop_asked, for the reader, which does not know the lock */
+    atomic_int stage;      /* enum engine_stage, for who looks on */
+    atomic_llong hashed;   /* bytes of the files */
+    int64_t bytes;         /* of the files, in all */
+    int64_t served;        /* stamps measured, for fairness */
+    int holders;           /* workers inside this job's turns */
+    int reading;           /* of those, the ones that read, or are about to */
+    bool *entering;        /* [workers] about to read for the first time in its turn */
+    int team_size;         /* workers that may serve it: memory is reserved for so many */
+    int members;           /* those that do, up to now */
+    bool *is_member;       /* [workers] */
+    int64_t reserved;      /* bytes of the budget */
+    int64_t waiting_since; /* it waits for memory: its ticket; else 0 */
 
     job_files files;
     char *catalogue_path;
@@ -66,8 +71,11 @@ typedef struct job {
 job *job_new(const engine_job *spec, engine *e);
 void job_free(job *j);
 
-/* Hash, open, plan: fills OPENED, or FAILED, into *event. */
+/* prepare.c: open, hash, reserve memory, plan: fills OPENED, FAILED or STOPPED into *event. */
 void job_prepare(job *j, engine_event *event);
+/* How a job ends that cannot go on: enum engine_event_kind. That a file has changed is the better
+ * reason. */
+int job_end_of(const job *j, shear_error *err);
 /* Make its work, from the checkpoint where there is one, and the rows before it are in the
  * catalogue. SHEAR_OK or an error. */
 int job_begin(job *j, shear_error *err);

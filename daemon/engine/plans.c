@@ -64,16 +64,6 @@ static bool key_equal(const key *a, const key *b) {
     return a->n == b->n && memcmp(a->bytes, b->bytes, a->n) == 0;
 }
 
-/* What a plan and its key take: filter maps and tables on the stamp's fine grid, the transfer on
- * its modes. An estimate: the allocations' own overhead is not in it. */
-static int64_t bytes_of(const shear_plan_info *info, const key *k) {
-    const int64_t fine = (int64_t)info->fine_nx * info->fine_ny;
-    const int64_t side =
-        info->oversample < info->psf_oversample ? info->oversample : info->psf_oversample;
-    const int64_t modes = info->geometry.nx * side * info->geometry.ny * side / 2;
-    return 8 * (2 * fine + modes) + (int64_t)k->n + 4096;
-}
-
 /* ---- under the lock ---- */
 
 static kept_plan *find(plans *p, const key *k) {
@@ -100,11 +90,11 @@ static void kept_free(kept_plan *kept) {
 
 /* Give up idle plans, the one that was used longest ago first, until the rest is within the bounds.
  */
-static void shrink(plans *p) {
+static void shrink(plans *p, int64_t max_count, int64_t max_bytes) {
     kept_plan *next = NULL;
     for (kept_plan *kept = TAILQ_LAST(&p->list, plan_list_head); kept != NULL; kept = next) {
         next = TAILQ_PREV(kept, plan_list_head, link);
-        if (p->statistics.count <= p->max_count && p->statistics.bytes <= p->max_bytes) {
+        if (p->statistics.count <= max_count && p->statistics.bytes <= max_bytes) {
             return;
         }
         if (kept->users == 0) {
@@ -133,7 +123,7 @@ void plans_limit(plans *p, int64_t max_count, int64_t max_bytes) {
     pthread_mutex_lock(&p->lock);
     p->max_count = max_count;
     p->max_bytes = max_bytes;
-    shrink(p);
+    shrink(p, p->max_count, p->max_bytes);
     pthread_mutex_unlock(&p->lock);
 }
 
@@ -159,7 +149,7 @@ static int make(plans *p, key *k, const shear_settings *settings, const shear_ge
     }
     fresh->key = *k;
     *k = (key){0};
-    fresh->bytes = bytes_of(shear_plan_get_info(fresh->plan), &fresh->key);
+    fresh->bytes = shear_plan_bytes(fresh->plan) + (int64_t)fresh->key.n;
     pthread_mutex_lock(&p->lock);
     kept_plan *kept = find(p, &fresh->key);
     if (kept == NULL) {
@@ -170,7 +160,7 @@ static int make(plans *p, key *k, const shear_settings *settings, const shear_ge
         p->statistics.bytes += kept->bytes;
     }
     use(p, kept);
-    shrink(p);
+    shrink(p, p->max_count, p->max_bytes);
     *plan = kept->plan;
     pthread_mutex_unlock(&p->lock);
     if (fresh != NULL) {
@@ -191,26 +181,29 @@ static const shear_plan *take_kept(plans *p, const key *k) {
     return kept != NULL ? kept->plan : NULL;
 }
 
-int plans_take(plans *p, const shear_settings *settings, const shear_field_info *info,
-               shear_psf_source psfs, const shear_plan **plan, shear_error *err) {
-    shear_plan_basis basis;
+int plans_take(plans *p, const shear_settings *settings, const shear_geometry *geometry,
+               const shear_plan_basis *basis, const shear_plan **plan, shear_error *err) {
     key k = {0};
+    int code = SHEAR_OK;
     *plan = NULL;
-    int code = shear_plan_basis_read(&basis, info, psfs, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    if (!key_make(&k, settings, &info->geometry, &basis)) {
+    if (!key_make(&k, settings, geometry, basis)) {
         code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     } else {
         *plan = take_kept(p, &k);
     }
     if (code == SHEAR_OK && *plan == NULL) {
-        code = make(p, &k, settings, &info->geometry, &basis, plan, err);
+        code = make(p, &k, settings, geometry, basis, plan, err);
     }
     free(k.bytes);
-    shear_plan_basis_deinit(&basis);
     return code;
+}
+
+int64_t plans_shrink_to(plans *p, int64_t bytes) {
+    pthread_mutex_lock(&p->lock);
+    shrink(p, INT64_MAX, bytes);
+    const int64_t left = p->statistics.bytes;
+    pthread_mutex_unlock(&p->lock);
+    return left;
 }
 
 void plans_give_back(plans *p, const shear_plan *plan) {
@@ -225,7 +218,7 @@ void plans_give_back(plans *p, const shear_plan *plan) {
             break;
         }
     }
-    shrink(p);
+    shrink(p, p->max_count, p->max_bytes);
     pthread_mutex_unlock(&p->lock);
 }
 

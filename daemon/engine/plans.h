@@ -26,14 +26,18 @@ void plans_free(plans *p);
 /* Other bounds, from now on. */
 void plans_limit(plans *p, int64_t max_count, int64_t max_bytes);
 
-/* The plan for a field, kept or new; its PSF is read either way. *plan is NULL on an error: those
- * of shear_plan_for_psfs. To be given back by plans_give_back, which NULL is accepted by. */
-int plans_take(plans *p, const shear_settings *settings, const shear_field_info *info,
-               shear_psf_source psfs, const shear_plan **plan, shear_error *err);
+/* Give up idle plans, the longest unused first, until all take at most `bytes`, or none is idle.
+ * What they take then. */
+int64_t plans_shrink_to(plans *p, int64_t bytes);
+
+/* The plan for these, kept or new. *plan is NULL on an error: those of shear_plan_new. To be given
+ * back by plans_give_back, which NULL is accepted by. */
+int plans_take(plans *p, const shear_settings *settings, const shear_geometry *geometry,
+               const shear_plan_basis *basis, const shear_plan **plan, shear_error *err);
 void plans_give_back(plans *p, const shear_plan *plan);
 
 typedef struct plans_statistics {
-    int64_t count, bytes; /* now, with those in use; bytes as estimated from the grids */
+    int64_t count, bytes; /* now, with those in use; bytes as of shear_plan_bytes */
     int64_t hits, misses; /* since the start */
 } plans_statistics;
 plans_statistics plans_get_statistics(plans *p);

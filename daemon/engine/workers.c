@@ -8,21 +8,32 @@
 
 /* Whether a worker could measure something of the job now. While another one reads, it could only
  * wait for the reader, and if that hangs, for long: there may be other jobs. */
-static bool wants_worker(const job *j) {
+static bool wants_worker(const job *j, int slot) {
     return j->phase == JOB_MEASURING && j->reading == 0 &&
+           (j->is_member[slot] || j->members < j->team_size) &&
            !shear_work_get_status(j->work).exhausted;
 }
 
 /* The job to serve next: highest priority, then the one that was served least. */
-static job *choose(engine *e) {
+static job *choose(engine *e, int slot) {
     job *best = NULL;
     for (job *j = e->jobs; j != NULL; j = j->next) {
-        if (wants_worker(j) && (best == NULL || j->priority > best->priority ||
-                                (j->priority == best->priority && j->served < best->served))) {
+        if (wants_worker(j, slot) &&
+            (best == NULL || j->priority > best->priority ||
+             (j->priority == best->priority && j->served < best->served))) {
             best = j;
         }
     }
     return best;
+}
+
+/* One will do, unless it may be one that the job has no memory for. */
+void workers_call(engine *e, const job *j) {
+    if (j->team_size < j->workers) {
+        pthread_cond_broadcast(&e->work_there);
+    } else {
+        pthread_cond_signal(&e->work_there);
+    }
 }
 
 /* ---- measuring ---- */
@@ -66,7 +77,7 @@ void job_read_ends(job *j) {
     engine *e = j->engine;
     pthread_mutex_lock(&e->lock);
     j->reading--;
-    pthread_cond_signal(&e->work_there);
+    workers_call(e, j);
     pthread_mutex_unlock(&e->lock);
 }
 
@@ -78,6 +89,8 @@ static void serve(engine *e, job *j, int slot) {
     j->holders++;
     j->reading++;
     j->entering[slot] = true;
+    j->members += !j->is_member[slot];
+    j->is_member[slot] = true;
     e->busy++;
     pthread_mutex_unlock(&e->lock);
     job_step(j, slot, &err);
@@ -101,7 +114,7 @@ void *worker_main(void *argument) {
     engine *e = start.e;
     pthread_mutex_lock(&e->lock);
     while (!e->ending) {
-        job *j = choose(e);
+        job *j = choose(e, start.slot);
         if (j != NULL) {
             serve(e, j, start.slot);
         } else {

@@ -385,6 +385,10 @@ int reader_map(reader *r, int slots, int capacity, shear_error *err) {
     return ask(r, &request, "share memory", &reply, err);
 }
 
+int64_t reader_shared_bytes(const reader *r) {
+    return (int64_t)r->memory_bytes;
+}
+
 int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *err) {
     const reader_request request = {
         .version = READER_WIRE_VERSION, .op = READER_PSF, .first = index};

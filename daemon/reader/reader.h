@@ -58,6 +58,8 @@ int reader_checksum(reader *r, char out[SHEAR_CHECKSUM_SIZE], atomic_llong *hash
 
 /* Share memory for `slots` blocks of at most `capacity` pairs. Once, before the calls below. */
 int reader_map(reader *r, int slots, int capacity, shear_error *err);
+/* What it shares then. */
+int64_t reader_shared_bytes(const reader *r);
 /* PSF image `index`; *psf [psf_ny][psf_nx] is valid until the next call. */
 int reader_read_psf(reader *r, int64_t index, const double **psf, shear_error *err);
 /* Pairs [first, first+count) into `slot`; *block is valid until the slot is read again. The form of

@@ -53,6 +53,8 @@ ending_reason ending_reason_of(const shear_error *error) {
         return (ending_reason){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_CRASHED)->name};
     case ENGINE_E_CHANGED:
         return (ending_reason){STORE_TRANSIENT, shear_rpc_code_get(SHEAR_RPC_FILE_CHANGED)->name};
+    case ENGINE_E_MEMORY:
+        return (ending_reason){STORE_DATA, shear_rpc_code_get(SHEAR_RPC_MEMORY_BUDGET)->name};
     case READER_E_MEMORY:
         return (ending_reason){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_MEMORY)->name};
     case READER_E_HUNG:

@@ -291,6 +291,7 @@ int reload_access(const sheard_config *c, access_list **admins, access_list **su
 int reload_hurried(const sheard_config *c, access_list **hurried, shear_error *err);
 server_limits reload_server_limits(const sheard_config *c);
 spool_tuning reload_spool_tuning(const sheard_config *c);
+int64_t reload_memory(const sheard_config *c);              /* the jobs' budget, in bytes */
 reader_limits reload_reader_limits(const sheard_config *c); /* but its paths */
 
 #endif

@@ -15,6 +15,8 @@ static int phase_of(const engine_progress *at) {
         return SHEAR_PHASE_OPENING;
     case ENGINE_HASHING:
         return SHEAR_PHASE_HASHING;
+    case ENGINE_WAITING_MEMORY:
+        return SHEAR_PHASE_WAITING_MEMORY;
     case ENGINE_PREPARING:
         return SHEAR_PHASE_PREPARING;
     case ENGINE_MEASURING:

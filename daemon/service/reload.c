@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The configuration anew, while the service runs. */
+#include "engine/machine.h"
 #include "service/inner.h"
 
 #include <stdlib.h>
@@ -30,6 +31,15 @@ server_limits reload_server_limits(const sheard_config *c) {
     return limits;
 }
 
+int64_t reload_memory(const sheard_config *c) {
+    const int64_t machine = machine_memory();
+    if (c->limits.memory_bytes > machine) {
+        log_warning("[limits] memory is %lld bytes, but this service can have no more than %lld",
+                    (long long)c->limits.memory_bytes, (long long)machine);
+    }
+    return c->limits.memory_bytes > 0 ? c->limits.memory_bytes : machine / 4;
+}
+
 reader_limits reload_reader_limits(const sheard_config *c) {
     return (reader_limits){.memory_bytes = c->reader.memory_bytes,
                            .cpu_seconds = (c->reader.cpu_time_ms + 999) / 1000,
@@ -54,6 +64,7 @@ static void apply(service *s) {
     server_set_defaults(s->server, &c->measure);
     const reader_limits readers = reload_reader_limits(c);
     engine_limit_readers(s->engine, &readers);
+    engine_limit_memory(s->engine, reload_memory(c));
     engine_limit_plans(s->engine, c->plans.max_count, c->plans.max_bytes);
     log_set_level(c->daemon.log_level);
     if (s->spool != NULL) {

@@ -80,6 +80,7 @@ static int open_engine(service *s, shear_error *err) {
                                                                      : (int)(cores > 0 ? cores : 1),
                                     .limits = limits,
                                     .checkpoint_ms = CHECKPOINT_MS,
+                                    .memory_bytes = reload_memory(c),
                                     .plans_count = c->plans.max_count,
                                     .plans_bytes = c->plans.max_bytes,
                                     .wake = wake,

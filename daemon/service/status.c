@@ -93,6 +93,9 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
                   .bytes = load.plans.bytes,
                   .hits = load.plans.hits,
                   .misses = load.plans.misses},
+        .memory = {.budget = load.memory_total,
+                   .used = load.memory_used,
+                   .waiting = load.memory_waiting},
         .states = {.queued = counts.jobs[STORE_QUEUED],
                    .running = counts.jobs[STORE_RUNNING],
                    .waiting = counts.jobs[STORE_WAITING],
@@ -179,6 +182,12 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
            (double)st->queue.blocks);
     metric(out, "plans", "gauge", "Plans kept in memory.", (double)st->plans.kept);
     metric(out, "plans_bytes", "gauge", "Memory that they take.", (double)st->plans.bytes);
+    metric(out, "memory_budget_bytes", "gauge", "Memory that jobs and plans may take together.",
+           (double)st->memory.budget);
+    metric(out, "memory_used_bytes", "gauge", "What they have reserved of it.",
+           (double)st->memory.used);
+    metric(out, "jobs_waiting_for_memory", "gauge", "Running jobs that wait for memory.",
+           (double)st->memory.waiting);
     metric(out, "plan_hits_total", "counter", "Jobs that found their plan.",
            (double)st->plans.hits);
     metric(out, "plan_misses_total", "counter", "Jobs whose plan had to be made.",

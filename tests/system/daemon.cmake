@@ -18,6 +18,7 @@ endif()
 set(names # one a line: whoever adds one does not get into another's way
   access
   basic
+  budget
   clock
   crash
   disk

@@ -46,6 +46,7 @@ def status(**other):
             "uptime_s": 7384.0, "connections": 2, "subscribers": 1,
             "workers": {"total": 4, "busy": 3, "readers": 2}, "queue": {"length": 12, "capacity": 1000, "blocks": 5},
             "plans": {"kept": 2, "bytes": 1 << 20, "hits": 38, "misses": 2},
+            "memory": {"budget": 6 << 30, "used": 3 << 30, "waiting": 0},
             "states": {"queued": 9, "running": 2, "waiting": 1, "done": 40, "failed": 3, "cancelled": 0},
             "totals": {"submitted": 55, "counted": 39, "duplicates": 1, "failed": 3, "cancelled": 0, "stamps": 40000,
                        "fields": 7},

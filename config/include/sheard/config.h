@@ -89,6 +89,7 @@ typedef struct sheard_config {
         int64_t unsent_bytes;
         int64_t idle_timeout_ms; /* 0 = never */
         int64_t wait_timeout_ms;
+        int64_t memory_bytes; /* 0 = a quarter of what there is */
     } limits;
     struct {
         int64_t memory_bytes; /* of addresses, the shared memory included */

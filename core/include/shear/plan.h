@@ -61,6 +61,20 @@ const shear_settings *shear_plan_get_settings(const shear_plan *plan);
 int shear_workspace_new(shear_workspace **ws, const shear_plan *plan, shear_error *err);
 void shear_workspace_free(shear_workspace *ws);
 
+/* What they take, in bytes; allocations' own overhead and small things are not counted. */
+int64_t shear_plan_bytes(const shear_plan *plan);
+int64_t shear_workspace_bytes(const shear_plan *plan);
+/* The same of a plan that is not made yet, without taking much. A workspace may turn out smaller:
+ * how much is known once the plan is made. Arguments and errors as of shear_plan_new. */
+typedef struct shear_memory {
+    int64_t plan;
+    int64_t planning;  /* beside it, while it is made */
+    int64_t workspace; /* at most */
+} shear_memory;
+int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
+                      const shear_geometry *geometry, const double *psf, double r_psf_px,
+                      bool has_r_gal, shear_error *err);
+
 /* Measure pair number i of `stamps` into *row. The shape must be the plan's.
  * Returns SHEAR_OK, also for a flagged row; SHEAR_E_NEGATIVE where a log method meets negative
  * pixels (names the stamp); SHEAR_E_INTERNAL for a shape that is not the plan's. */

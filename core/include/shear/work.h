@@ -64,6 +64,7 @@ typedef struct shear_worker shear_worker;
 int shear_worker_new(shear_worker **worker, const shear_plan *plan, shear_turn_size size, int slot,
                      shear_error *err);
 void shear_worker_free(shear_worker *worker);
+int64_t shear_worker_bytes(const shear_plan *plan, shear_turn_size size); /* what one takes */
 
 /* Take and finish one turn. Thread-safe. Returns false where nothing is left to take, or the work
  * has failed or was stopped; turns of other threads may still be under way. */

@@ -339,6 +339,11 @@ typedef struct shear_msg_plans {
     int64_t hits, misses; /* jobs since the start that found theirs, and that did not */
 } shear_msg_plans;
 
+typedef struct shear_msg_memory {
+    int64_t budget, used; /* bytes, of jobs and plans */
+    int64_t waiting;      /* running jobs that wait for some */
+} shear_msg_memory;
+
 typedef struct shear_msg_spool {
     const char *path; /* NULL: no watch folder */
     bool watching;
@@ -368,6 +373,7 @@ typedef struct shear_msg_status {
     shear_msg_workers workers;
     shear_msg_queue queue;
     shear_msg_plans plans;
+    shear_msg_memory memory;
     shear_msg_states states;
     shear_msg_totals totals;
     shear_msg_rates rates;

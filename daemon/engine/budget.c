@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "engine/budget.h"
+
+#include "engine/inner.h"
+
+/* ---- under the lock ---- */
+
+static bool comes_first(const engine *e, const job *j) {
+    for (const job *other = e->jobs; other != NULL; other = other->next) {
+        const bool waits = other->waiting_since > 0 && other != j;
+        if (waits && (other->priority > j->priority || (other->priority == j->priority &&
+                                                        other->waiting_since < j->waiting_since))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether so much more may be reserved; idle plans give way to it. */
+static bool has_room(engine *e, int64_t more) {
+    const int64_t left = e->budget.total - e->budget.reserved - more;
+    return left >= 0 && plans_shrink_to(e->plans, left) <= left;
+}
+
+static void reserve(engine *e, job *j, int64_t bytes) {
+    e->budget.reserved += bytes - j->reserved;
+    j->reserved = bytes;
+    pthread_cond_broadcast(&e->moved);
+}
+
+/* ---- the calls ---- */
+
+int budget_wait(job *j, int64_t bytes) {
+    engine *e = j->engine;
+    int answer = BUDGET_RESERVED;
+    pthread_mutex_lock(&e->lock);
+    const int stage = atomic_load(&j->stage);
+    reserve(e, j, 0);
+    j->waiting_since = ++e->budget.tickets;
+    while (answer == BUDGET_RESERVED && !(comes_first(e, j) && has_room(e, bytes))) {
+        if (bytes > e->budget.total) {
+            answer = BUDGET_NEVER;
+        } else if (j->stop_asked) {
+            answer = BUDGET_STOP;
+        } else {
+            atomic_store(&j->stage, ENGINE_WAITING_MEMORY);
+            pthread_cond_wait(&e->moved, &e->lock);
+        }
+    }
+    j->waiting_since = 0;
+    atomic_store(&j->stage, stage);
+    reserve(e, j, answer == BUDGET_RESERVED ? bytes : 0);
+    pthread_mutex_unlock(&e->lock);
+    return answer;
+}
+
+bool budget_change(job *j, int64_t bytes) {
+    engine *e = j->engine;
+    pthread_mutex_lock(&e->lock);
+    const bool possible = bytes <= j->reserved || has_room(e, bytes - j->reserved);
+    if (possible) {
+        reserve(e, j, bytes);
+    }
+    pthread_mutex_unlock(&e->lock);
+    return possible;
+}
+
+int64_t budget_total(const job *j) {
+    engine *e = j->engine;
+    pthread_mutex_lock(&e->lock);
+    const int64_t total = e->budget.total;
+    pthread_mutex_unlock(&e->lock);
+    return total;
+}

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "engine/machine.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum { PATH_SIZE = 4300 };
+
+static int64_t least(int64_t a, int64_t b) {
+    return a < b ? a : b;
+}
+
+/* "max", or a number. */
+static int64_t read_limit(const char *group, const char *name) {
+    char path[PATH_SIZE + 512];
+    int64_t bytes = 0;
+    snprintf(path, sizeof path, "%s/%s", group, name);
+    FILE *f = fopen(path, "re");
+    const int got = f != NULL ? fscanf(f, "%" SCNd64, &bytes) : 0;
+    if (f != NULL) {
+        fclose(f);
+    }
+    return got == 1 && bytes > 0 ? bytes : INT64_MAX;
+}
+
+/* The line "0::/path" of version 2. */
+static void read_group(const char *membership, char *group, size_t size) {
+    char line[PATH_SIZE];
+    FILE *f = fopen(membership, "re");
+    group[0] = '\0';
+    while (f != NULL && fgets(line, sizeof line, f) != NULL) {
+        if (strncmp(line, "0::", 3) == 0) {
+            line[strcspn(line, "\n")] = '\0';
+            snprintf(group, size, "%s", line + 3);
+        }
+    }
+    if (f != NULL) {
+        fclose(f);
+    }
+}
+
+int64_t machine_cgroup_memory(const char *membership, const char *root) {
+    char group[PATH_SIZE];
+    char path[PATH_SIZE + 256];
+    int64_t bytes = INT64_MAX;
+    read_group(membership, group, sizeof group);
+    snprintf(path, sizeof path, "%s%s", root, group);
+    for (const size_t top = strlen(root); strlen(path) >= top;) {
+        bytes =
+            least(bytes, least(read_limit(path, "memory.max"), read_limit(path, "memory.high")));
+        char *slash = strrchr(path, '/');
+        if (slash == NULL) {
+            break;
+        }
+        *slash = '\0';
+    }
+    return bytes;
+}
+
+int64_t machine_memory(void) {
+    const long pages = sysconf(_SC_PHYS_PAGES);
+    const long page = sysconf(_SC_PAGESIZE);
+    struct rlimit space;
+    int64_t bytes = machine_cgroup_memory("/proc/self/cgroup", "/sys/fs/cgroup");
+    if (pages > 0 && page > 0) {
+        bytes = least(bytes, (int64_t)pages * page);
+    }
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur < INT64_MAX) {
+        bytes = least(bytes, (int64_t)space.rlim_cur);
+    }
+    return bytes;
+}

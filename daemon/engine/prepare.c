@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A job until it can be measured: its files are open in its reader, hashed, and there are memory
+ * and a plan for it. */
+#include "engine/budget.h"
+#include "engine/inner.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* Terms of a stamp are in memory three times when a job ends: the work's, all of them together, and
+ * as bytes for the store. */
+enum { TERMS_COPIES = 3 };
+
+/* PSFs through the reader, in the form that the library asks for. */
+static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
+    job *j = self;
+    const shear_geometry *g = &reader_get_info(j->reader)->geometry;
+    const double *psf = NULL;
+    const int code = reader_read_psf(j->reader, index, &psf, err);
+    if (code == SHEAR_OK) {
+        memcpy(out, psf, (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *out);
+    }
+    return code;
+}
+
+/* ---- memory ---- */
+
+/* What the job takes beside its plan, with so many workers. */
+static int64_t beside_plan(const job *j, int team) {
+    int64_t bytes = reader_shared_bytes(j->reader) + team * shear_worker_bytes(j->plan, j->size);
+    if (shear_estimator_is_symmetric(j->settings.estimator)) {
+        bytes += TERMS_COPIES * reader_get_info(j->reader)->n_stamps * SHEAR_SYMMETRY_BYTES;
+    }
+    return bytes;
+}
+
+/* As many workers as there can ever be memory for; 0: not even for one. */
+static int team_for(const job *j) {
+    const int64_t left = budget_total(j) - shear_plan_bytes(j->plan);
+    int team = j->workers;
+    while (team > 0 && beside_plan(j, team) > left) {
+        team--;
+    }
+    return team;
+}
+
+static int refuse(const job *j, int64_t needed, shear_error *err) {
+    const shear_geometry *g = &reader_get_info(j->reader)->geometry;
+    return shear_fail(err, ENGINE_E_MEMORY,
+                      "cut smaller stamps, oversample less, or have [limits] memory raised",
+                      "stamps of %d x %d px with these settings need %" PRId64
+                      " bytes of memory, and [limits] memory allows %" PRId64 " for all jobs",
+                      g->nx, g->ny, needed, budget_total(j));
+}
+
+static int reserve(job *j, int64_t bytes, shear_error *err) {
+    switch (budget_wait(j, bytes)) {
+    case BUDGET_RESERVED:
+        return SHEAR_OK;
+    case BUDGET_NEVER:
+        return refuse(j, bytes, err);
+    default:
+        return shear_fail(err, READER_E_STOPPED, NULL, "stopped while it waited for memory");
+    }
+}
+
+/* Memory for planning, and the plan; then it is known what the rest takes. Where there is no room
+ * for that now, the plan is given back, and both are waited for together. */
+static int plan_within_budget(job *j, const shear_plan_basis *basis, shear_error *err) {
+    const shear_geometry *g = &reader_get_info(j->reader)->geometry;
+    shear_memory memory;
+    int code = shear_plan_memory(&memory, &j->settings, g, basis->psf, basis->r_psf_px,
+                                 basis->has_r_gal, err);
+    const int64_t planning = memory.plan + memory.planning;
+    for (int64_t bytes = planning; code == SHEAR_OK;) {
+        code = reserve(j, bytes, err);
+        if (code == SHEAR_OK) {
+            code = plans_take(j->engine->plans, &j->settings, g, basis, &j->plan, err);
+        }
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        j->team_size = team_for(j);
+        if (j->team_size == 0) {
+            return refuse(j, memory.plan + beside_plan(j, 1), err);
+        }
+        const int64_t rest = beside_plan(j, j->team_size);
+        if (budget_change(j, rest)) {
+            return SHEAR_OK;
+        }
+        plans_give_back(j->engine->plans, j->plan);
+        j->plan = NULL;
+        bytes = memory.plan + rest > planning ? memory.plan + rest : planning;
+    }
+    return code;
+}
+
+/* The PSF is read into memory that is reserved only then: it is no more than the shared memory. */
+static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
+    shear_plan_basis basis;
+    const shear_psf_source psfs = {.self = j, .read = read_psf};
+    int code = shear_plan_basis_read(&basis, info, psfs, err);
+    if (code == SHEAR_OK) {
+        code = plan_within_budget(j, &basis, err);
+        shear_plan_basis_deinit(&basis);
+    }
+    return code;
+}
+
+/* ---- the whole ---- */
+
+static int prepare(job *j, engine_event *event, shear_error *err) {
+    int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
+    if (code == SHEAR_OK) {
+        event->info = *reader_get_info(j->reader);
+        atomic_store(&j->stage, ENGINE_HASHING);
+        code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
+        memcpy(event->checksum, j->checksum, sizeof event->checksum);
+    }
+    atomic_store(&j->stage, ENGINE_PREPARING);
+    if (code == SHEAR_OK) {
+        j->size = shear_turn_size_for(&event->info, j->workers);
+        code = reader_map(j->reader, j->workers, j->size.stamps, err);
+    }
+    if (code == SHEAR_OK) {
+        code = make_plan(j, &event->info, err);
+    }
+    if (code == SHEAR_OK) {
+        event->plan = *shear_plan_get_info(j->plan);
+    }
+    return code;
+}
+
+int job_end_of(const job *j, shear_error *err) {
+    if (err->code == READER_E_STOPPED) {
+        return ENGINE_STOPPED;
+    }
+    job_files_check(&j->files, err);
+    return ENGINE_FAILED;
+}
+
+void job_prepare(job *j, engine_event *event) {
+    *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
+    atomic_store(&j->stage, ENGINE_OPENING);
+    if (prepare(j, event, &event->error) != SHEAR_OK) {
+        event->kind = job_end_of(j, &event->error);
+    }
+}
