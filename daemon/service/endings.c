@@ -5,7 +5,7 @@
 #include <string.h>
 
 void ending_tell(service *s, const store_job *job) {
-    catalogue_forget(s, job->id);
+    catalogue_forget(s, job);
     waits_job_ended(s, job->id);
     server_end_job(s->server, job->id);
 }

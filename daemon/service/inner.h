@@ -188,9 +188,12 @@ void spooled_end(service *s, store_job *job);
 int spooled_take_back(service *s, const store_job *job, shear_error *err);
 
 /* catalogues.c */
-char *catalogue_path(const service *s, int64_t job);  /* malloc'd; NULL where there are none */
-void catalogue_forget(const service *s, int64_t job); /* the temporary file of a job that is over */
-void catalogues_sweep(service *s); /* at the start: those of jobs that are over by now */
+char *catalogue_path(const service *s, int64_t job); /* malloc'd; NULL where there are none */
+/* A job is over: its temporary file, and a catalogue that it did not end with, go. */
+void catalogue_forget(const service *s, const store_job *job);
+/* At the start: their directory is made this database's, and what nobody needs goes. SHEAR_E_EXISTS
+ * where it is another's. */
+int catalogues_open(service *s, shear_error *err);
 
 /* submit.c */
 typedef struct submission {

@@ -57,7 +57,7 @@ static int open_store(service *s, shear_error *err) {
                    (long long)store_opened(s->store)->requeued);
     }
     if (code == SHEAR_OK) {
-        catalogues_sweep(s);
+        code = catalogues_open(s, err);
     }
     return code;
 }

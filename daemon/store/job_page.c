@@ -22,6 +22,15 @@ void store_job_page_deinit(store_job_page *page) {
     *page = (store_job_page){0};
 }
 
+int store_last_job(store *s, int64_t *id, shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_LAST_JOB);
+    const int code = query_step(&q, &row, err);
+    *id = row ? query_get_int(&q) : 0;
+    query_end(&q);
+    return code;
+}
+
 static enum sql statement_for(const store_job_filter *f) {
     if (f->field != NULL) {
         return f->by_owner ? SQL_JOBS_BY_BOTH : SQL_JOBS_BY_FIELD;

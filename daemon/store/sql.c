@@ -117,6 +117,7 @@ const char *const sql_texts[SQL_N] = {
                         " CROSS JOIN contribution_terms t ON t.contribution = c.id"
                         " WHERE c.field = ?1 ORDER BY c.id, t.part",
 
+    [SQL_LAST_JOB] = "SELECT seq FROM sqlite_sequence WHERE name = 'jobs'",
     /* The order of store_job's members. */
     [SQL_JOB_GET] =
         "SELECT id, state, outcome, origin, priority, forced, cancel_asked, owner,"

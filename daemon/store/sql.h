@@ -60,6 +60,7 @@ enum sql {
     SQL_TERMS_ADD,
     SQL_FIELD_TERMS,
 
+    SQL_LAST_JOB,
     SQL_JOB_GET,
     SQL_JOBS_BY_STATE,
     SQL_JOBS_BY_OWNER,

@@ -359,6 +359,8 @@ int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err);
 
 /* ---- Looking at jobs ---- */
 
+int store_last_job(store *s, int64_t *id, shear_error *err); /* the newest ever; 0: none yet */
+
 int store_job_get(store *s, int64_t id, store_job *job, shear_error *err); /* STORE_NOT_FOUND */
 
 typedef struct store_job_filter {

@@ -19,6 +19,7 @@ set(names # one a line: whoever adds one does not get into another's way
   access
   basic
   budget
+  catalogues
   clock
   crash
   disk
