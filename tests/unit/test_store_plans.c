@@ -10,7 +10,8 @@
 
 /* The tables and indices that have few rows however many jobs have finished: those of unfinished
  * jobs, and the six counts. */
-static const char *const small[] = {"SCAN sqlite_sequence", "SCAN counts",
+static const char *const small[] = {"SCAN sqlite_sequence",
+                                    "SCAN counts",
                                     "SCAN jobs USING INDEX jobs_queue",
                                     "SCAN jobs USING COVERING INDEX jobs_queue",
                                     "SCAN jobs USING INDEX jobs_waiting",
