@@ -195,7 +195,7 @@ class Checkpoint(DaemonTest):
 
     def kept(self, daemon):
         """Temporary files of catalogues."""
-        return [n for n in os.listdir(daemon.path("catalogues")) if n.startswith(".")]
+        return [n for n in os.listdir(daemon.path("catalogues")) if n.endswith(".part")]
 
     def test_resume_with_catalogue(self):
         """The rows of before the kill are on disk: the catalogue is that of an uninterrupted run,
