@@ -87,6 +87,9 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
     }
     shear_text_line(out, "config", "%s, as user %s", s->config ? s->config : "-",
                     s->user ? s->user : "-");
-    shear_text_line(out, "clients", "%" PRId64 " connected, %" PRId64 " subscribed", s->connections,
-                    s->subscribers);
+    shear_text_line(out, "clients",
+                    "%" PRId64 " connected, %" PRId64 " subscribed, %" PRId64
+                    " dropped, %s not read, longest turn %.0f ms",
+                    s->connections, s->subscribers, s->loop.dropped,
+                    human_bytes(s->loop.unsent_bytes, bytes), s->loop.longest_minute_ms);
 }

@@ -67,6 +67,14 @@ static const msg_member rates_members[] = {
 };
 static const msg_table rates = {MSG_TABLE_(shear_msg_rates, rates_members), .check = NULL};
 
+static const msg_member loop_members[] = {
+    MSG_REAL_(shear_msg_loop, longest_ms, 0, 0),
+    MSG_REAL_(shear_msg_loop, longest_minute_ms, 0, 0),
+    MSG_COUNT_(shear_msg_loop, unsent_bytes, 0),
+    MSG_COUNT_(shear_msg_loop, dropped, 0),
+};
+static const msg_table loop = {MSG_TABLE_(shear_msg_loop, loop_members), .check = NULL};
+
 static const msg_member workers_members[] = {
     MSG_COUNT_(shear_msg_workers, total, 0),
     MSG_COUNT_(shear_msg_workers, busy, 0),
@@ -119,6 +127,7 @@ static const msg_member status_members[] = {
     MSG_OBJECT_(shear_msg_status, states, "states", shear_msg_states, &states, 0),
     MSG_OBJECT_(shear_msg_status, totals, "totals", shear_msg_totals, &totals, 0),
     MSG_OBJECT_(shear_msg_status, rates, "rates", shear_msg_rates, &rates, 0),
+    MSG_OBJECT_(shear_msg_status, loop, "loop", shear_msg_loop, &loop, 0),
     MSG_OBJECT_(shear_msg_status, spool, "spool", shear_msg_spool, &spool, MSG_NULLABLE),
     MSG_OBJECT_(shear_msg_status, store, "store", shear_msg_store, &store, 0),
     MSG_SAID_(shear_msg_status, config, 0),

@@ -15,6 +15,7 @@
 #include "spool/spool.h"
 #include "store/store.h"
 
+#include <sys/queue.h>
 #include <uv.h>
 
 /* ---- group.c ---- */
@@ -57,17 +58,24 @@ typedef struct active_job {
     bool ended;             /* the engine's last event of it needs no more attention */
 } active_job;
 
-/* A client that waits for jobs to end (wait, submit with wait). */
-typedef struct waiter {
-    struct waiter *next;
-    server_handle to;
-    int method;
-    bool known;       /* of submit: the key had been seen */
-    int64_t until_ms; /* loop time; INT64_MAX: for ever */
-    size_t n_ids;
-    int64_t *ids;
-    size_t left; /* of them, not final when they were last looked at, less those that ended since */
-} waiter;
+/* ---- waits.c ---- */
+
+typedef struct waiter waiter;
+typedef TAILQ_HEAD(waiter_list, waiter) waiter_list;
+typedef struct wait_user {
+    TAILQ_ENTRY(wait_user) link;
+    uid_t uid;
+    size_t ids; /* that its waits name */
+} wait_user;
+
+/* ---- users.c ---- */
+
+enum { KNOWN_USERS = 64 };
+typedef struct known_user {
+    int64_t until_ms; /* loop time; 0: nothing is known */
+    uid_t uid;
+    char name[64]; /* empty: none */
+} known_user;
 
 /* ---- clock.c ---- */
 
@@ -111,8 +119,12 @@ struct service {
 
     active_job *active;
     int n_active;
-    waiter *waiters;
+    waiter_list waiters; /* asleep */
+    TAILQ_HEAD(, wait_user) wait_users;
+    size_t wait_ids; /* of all users */
     changed_field *news;
+    uv_timer_t news_soon;
+    int64_t news_round;
     solutions *solutions;
 
     int state; /* enum shear_server_state */
@@ -124,6 +136,9 @@ struct service {
     service_clock clock;
     int64_t stamps_at[RATE_SLOTS], jobs_at[RATE_SLOTS]; /* a ring of the last minute */
     int64_t ticks, jobs_ended;
+    known_user known_users[KNOWN_USERS];
+    uv_prepare_t mark; /* see pace.c */
+    int64_t marked_ns, longest_ns, longest_at[RATE_SLOTS];
     int64_t store_trouble_ms; /* loop time of the last failed commit; 0: none lately */
     char trouble[200];
 };
@@ -226,8 +241,9 @@ void publish_job(service *s, const store_job *job);
 int solutions_new(solutions **all, shear_error *err);
 void solutions_free(solutions *all);
 /* Are the results of these fields at hand (of those with this digest; NULL: all)? Where not, the
- * request is taken over, to be run again when they are solved: return without a reply. */
-bool solutions_ready(service *s, const server_request *r, const store_field_page *page,
+ * request's work is to pause: it is woken when they are solved, and asks again. They are kept, or
+ * solved, for it until solutions_forget. Where memory is out, the request has been answered. */
+bool solutions_ready(service *s, server_handle to, const store_field_page *page,
                      const char *digest);
 /* The same of one field, for whom it is enough to ask again later. */
 bool solutions_at_hand(service *s, const store_field *f);
@@ -240,11 +256,21 @@ void solutions_since(service *s, int64_t begun);
  * of what was counted. */
 int solutions_get(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
                   int64_t *jobs, shear_error *err);
-void solutions_forget(service *s, uint64_t connection);
+/* The request asks for nothing any more. */
+void solutions_forget(service *s, server_handle to);
+
+/* users.c: NULL: it has none. Borrowed until the next call. */
+const char *user_name(service *s, uid_t uid);
+
+/* pace.c */
+void pace_start(service *s);
+void pace_tick(service *s); /* once a second, when `ticks` has moved on */
+shear_msg_loop pace_tell(const service *s);
 
 /* news.c */
 void news_field_changed(service *s, const char *name, const char *digest); /* NULL: no name yet */
-void news_publish(service *s);                                             /* once a second */
+void news_publish(service *s); /* once a second: soon, a few at a time */
+void news_publish_all(service *s);
 void news_free(service *s);
 
 /* methods.c */
@@ -259,12 +285,9 @@ void metrics_reply(service *s, server_handle to);
 void status_tick(service *s);
 
 /* waits.c */
-void waits_add(service *s, server_handle to, int method, bool known, const int64_t *ids, size_t n,
-               double timeout_s);
+void waits_for_submitted(service *s, server_handle to, bool known, int64_t id);
 void waits_job_ended(service *s, int64_t id);
-void waits_forget(service *s, uint64_t connection);
 void waits_expire(service *s);
-void waits_free(service *s);
 
 /* life.c */
 void life_start(service *s); /* signals and timers */

@@ -25,6 +25,8 @@ static void server_closed(void *context) {
     close_handle((uv_handle_t *)&s->commit_check);
     close_handle((uv_handle_t *)&s->commit_now);
     close_handle((uv_handle_t *)&s->tick);
+    close_handle((uv_handle_t *)&s->news_soon);
+    close_handle((uv_handle_t *)&s->mark);
     close_handle((uv_handle_t *)&s->drain_end);
     for (int i = 0; i < 3; i++) {
         close_handle((uv_handle_t *)&s->signals[i]);
@@ -83,7 +85,7 @@ void life_check(service *s) {
         return;
     }
     s->closing = true;
-    news_publish(s);
+    news_publish_all(s);
     spool_close(s->spool);
     s->spool = NULL;
     life_close(s, FLUSH_MS);
@@ -182,6 +184,9 @@ void life_start(service *s) {
     uv_timer_init(&s->loop, &s->drain_end);
     s->engine_wake.data = s->tick.data = s->drain_end.data = s;
     uv_timer_start(&s->tick, on_tick, 1000, 1000);
+    uv_timer_init(&s->loop, &s->news_soon);
+    s->news_soon.data = s;
+    pace_start(s);
     for (int i = 0; i < 3; i++) {
         uv_signal_init(&s->loop, &s->signals[i]);
         s->signals[i].data = s;

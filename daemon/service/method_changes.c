@@ -3,7 +3,6 @@
 #include "service/methods.h"
 #include "service/source.h"
 
-#include <math.h>
 #include <string.h>
 
 /* The change is on disk: reply with the job as it is now. */
@@ -40,7 +39,7 @@ static void reply_when_ended(service *s, after *a, int code, const shear_error *
     if (code != SHEAR_OK) {
         method_refuse_store(s, a->to, code, err);
     } else {
-        waits_add(s, a->to, SHEAR_METHOD_SUBMIT, a->flag, &a->job, 1, NAN);
+        waits_for_submitted(s, a->to, a->flag, a->job);
     }
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* field, fields: looking at fields. */
+#include "service/listing.h"
 #include "service/methods.h"
 
 #include <stdlib.h>
@@ -28,50 +29,111 @@ static int list_contributions(service *s, const shear_msg_field *p, shear_msg_fi
     return code;
 }
 
-void method_field(service *s, const server_request *r) {
-    const shear_msg_field *p = &r->request->params.field;
-    store_field_page page = {0};
+/* ---- field: a row in each step ---- */
+
+typedef struct field_rows {
+    listing list;          /* first */
+    int64_t since;         /* see solutions_since */
+    store_field_page page; /* once all results are at hand */
+    bool ready;
+    size_t next;
+} field_rows;
+
+/* The rows, and their results. */
+static int find_rows(field_rows *w) {
+    service *s = w->list.s;
+    const shear_msg_field *p = &w->list.request.params.field;
     shear_error err = {0};
-    int code = store_field_get(s->store, p->field, &page, &err);
+    int code = store_field_get(s->store, p->field, &w->page, &err);
     if (code == STORE_NOT_FOUND) {
-        method_refuse(s, r->handle, SHEAR_RPC_NO_SUCH_FIELD, err.message);
-        return;
+        listing_refuse(&w->list, SHEAR_RPC_NO_SUCH_FIELD, err.message);
+        return SERVER_PAUSE;
     }
     if (code == SHEAR_OK) {
-        code = present_begun(s, p->field, &page, &err);
+        code = present_begun(s, p->field, &w->page, &err);
     }
-    if (code == SHEAR_OK && !solutions_ready(s, r, &page, p->digest)) {
-        store_field_page_deinit(&page);
-        return;
+    if (code != SHEAR_OK) {
+        listing_refuse_store(&w->list, code, &err);
+        return SERVER_PAUSE;
     }
-    shear_msg_field_row *rows = code == SHEAR_OK ? calloc(page.n + 1, sizeof *rows) : NULL;
-    store_contribution_page *lists = rows != NULL ? calloc(page.n + 1, sizeof *lists) : NULL;
-    size_t n = 0;
-    for (size_t i = 0; lists != NULL && i < page.n && code == SHEAR_OK; i++) {
-        if (p->digest == NULL || strcmp(p->digest, page.fields[i].settings_digest) == 0) {
-            code = present_field(s, &page.fields[i], &rows[n], &err);
-            if (code == SHEAR_OK) {
-                code = list_contributions(s, p, &rows[n], &lists[n], &err);
-                n++;
-            }
+    w->ready = solutions_ready(s, w->list.to, &w->page, p->digest);
+    if (w->ready) {
+        return SERVER_MORE;
+    }
+    store_field_page_deinit(&w->page);
+    return SERVER_PAUSE;
+}
+
+static bool add_row(field_rows *w, const store_field *f) {
+    shear_msg_field_row row = {0};
+    store_contribution_page contributions = {0};
+    shear_error err = {0};
+    bool good = false;
+    int code = present_field(w->list.s, f, &row, &err);
+    if (code == SHEAR_OK) {
+        code = list_contributions(w->list.s, &w->list.request.params.field, &row, &contributions,
+                                  &err);
+    }
+    if (code != SHEAR_OK) {
+        listing_refuse_store(&w->list, code, &err);
+    } else {
+        good = listing_add(&w->list, &row);
+    }
+    free((shear_msg_contribution *)row.contributions);
+    store_contribution_page_deinit(&contributions);
+    present_field_free(&row);
+    return good;
+}
+
+static int rows_step(void *context) {
+    field_rows *w = context;
+    service *s = w->list.s;
+    const shear_msg_field *p = &w->list.request.params.field;
+    int next = SERVER_MORE;
+    solutions_since(s, w->since);
+    if (!w->ready) {
+        next = find_rows(w);
+    } else if (w->next == w->page.n) {
+        const shear_reply rest = {.field = {.field = p->field, .mixed = w->page.n > 1}};
+        listing_reply(&w->list, &rest);
+    } else {
+        const store_field *f = &w->page.fields[w->next++];
+        if (p->digest == NULL || strcmp(p->digest, f->settings_digest) == 0) {
+            (void)add_row(w, f);
         }
     }
-    if (lists == NULL || code != SHEAR_OK) {
-        method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
-    } else {
-        const shear_reply reply = {
-            .field = {.field = p->field, .mixed = page.n > 1, .rows = rows, .n_rows = n}};
-        server_reply(s->server, r->handle, &reply);
-    }
-    for (size_t i = 0; i < n; i++) {
-        free((shear_msg_contribution *)rows[i].contributions);
-        store_contribution_page_deinit(&lists[i]);
-        present_field_free(&rows[i]);
-    }
-    free(rows);
-    free(lists);
-    store_field_page_deinit(&page);
+    solutions_since(s, INT64_MAX);
+    return next;
 }
+
+static void rows_drop(void *context) {
+    field_rows *w = context;
+    solutions_forget(w->list.s, w->list.to);
+    store_field_page_deinit(&w->page);
+    listing_deinit(&w->list);
+    free(w);
+}
+
+void method_field(service *s, const server_request *r) {
+    field_rows *w = calloc(1, sizeof *w);
+    if (w == NULL) {
+        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a field");
+        return;
+    }
+    w->since = solutions_begun(s);
+    listing_begin(&w->list, s, r, rows_step, rows_drop);
+}
+
+/* ---- fields: some of them in each step ---- */
+
+enum { FIELDS_A_STEP = 16 };
+
+typedef struct field_list {
+    listing list;        /* first */
+    int64_t since;       /* see solutions_since */
+    size_t left;         /* of the limit */
+    char *name, *digest; /* of the last one; NULL: none yet */
+} field_list;
 
 /* A cursor of fields is the digest (32 hex digits), a blank and the name of the last one. */
 static bool read_cursor(const char *cursor, char *digest, const char **name) {
@@ -86,43 +148,99 @@ static bool read_cursor(const char *cursor, char *digest, const char **name) {
     return true;
 }
 
-void method_fields(service *s, const server_request *r) {
-    const shear_msg_fields *p = &r->request->params.fields;
+static bool add_summary(field_list *w, const store_field_page *page, size_t i) {
+    const char *name = page->fields[i].name;
+    const char *before = i > 0 ? page->fields[i - 1].name : w->name;
+    shear_msg_summary summary;
+    present_summary(w->list.s, &page->fields[i], &summary);
+    summary.mixed = (before != NULL && strcmp(before, name) == 0) ||
+                    (i + 1 < page->n && strcmp(page->fields[i + 1].name, name) == 0);
+    return listing_add(&w->list, &summary);
+}
+
+/* The page has one field more than are taken of it: whether the last one is mixed. */
+static bool take_fields(field_list *w, const store_field_page *page, size_t n) {
+    for (size_t i = 0; i < n; i++) {
+        if (!add_summary(w, page, i)) {
+            return false;
+        }
+    }
+    w->left -= n;
+    if (n > 0) {
+        free(w->name);
+        free(w->digest);
+        w->name = strdup(page->fields[n - 1].name);
+        w->digest = strdup(page->fields[n - 1].settings_digest);
+        if (w->name == NULL || w->digest == NULL) {
+            listing_refuse(&w->list, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a list of fields");
+            return false;
+        }
+    }
+    return true;
+}
+
+static void reply_with_fields(field_list *w, bool more) {
+    char cursor[SHEAR_MSG_CURSOR_MAX];
+    if (more) {
+        snprintf(cursor, sizeof cursor, "%s %s", w->digest, w->name);
+    }
+    const shear_reply rest = {.fields.cursor = more ? cursor : NULL};
+    listing_reply(&w->list, &rest);
+}
+
+static int fields_step(void *context) {
+    field_list *w = context;
+    service *s = w->list.s;
+    const size_t most = w->left < FIELDS_A_STEP ? w->left : FIELDS_A_STEP;
+    const store_field_filter filter = {.prefix = w->list.request.params.fields.prefix,
+                                       .after_name = w->name,
+                                       .after_digest = w->digest};
     store_field_page page = {0};
     shear_error err = {0};
-    char digest[STORE_DIGEST_MAX + 1];
-    char cursor[SHEAR_MSG_CURSOR_MAX];
-    store_field_filter filter = {.prefix = p->prefix};
-    if (p->cursor != NULL) {
-        if (!read_cursor(p->cursor, digest, &filter.after_name)) {
-            method_refuse(s, r->handle, SHEAR_RPC_BAD_CURSOR, "the cursor is none of this service");
-            return;
-        }
-        filter.after_digest = digest;
+    int next = SERVER_MORE;
+    const int code = store_fields(s->store, &filter, most + 1, &page, &err);
+    solutions_since(s, w->since);
+    if (code != SHEAR_OK) {
+        listing_refuse_store(&w->list, code, &err);
+    } else if (!solutions_ready(s, w->list.to, &page, NULL)) {
+        next = SERVER_PAUSE;
+    } else if (take_fields(w, &page, page.n < most ? page.n : most) &&
+               (page.n <= most || w->left == 0)) {
+        reply_with_fields(w, page.n > most);
     }
-    const int code = store_fields(s->store, &filter, (size_t)p->limit, &page, &err);
-    if (code == SHEAR_OK && !solutions_ready(s, r, &page, NULL)) {
-        store_field_page_deinit(&page);
+    solutions_since(s, INT64_MAX);
+    store_field_page_deinit(&page);
+    return next;
+}
+
+static void fields_drop(void *context) {
+    field_list *w = context;
+    solutions_forget(w->list.s, w->list.to);
+    listing_deinit(&w->list);
+    free(w->name);
+    free(w->digest);
+    free(w);
+}
+
+void method_fields(service *s, const server_request *r) {
+    const shear_msg_fields *p = &r->request->params.fields;
+    char digest[STORE_DIGEST_MAX + 1];
+    const char *name = NULL;
+    if (p->cursor != NULL && !read_cursor(p->cursor, digest, &name)) {
+        method_refuse(s, r->handle, SHEAR_RPC_BAD_CURSOR, "the cursor is none of this service");
         return;
     }
-    shear_msg_summary *list = code == SHEAR_OK ? calloc(page.n + 1, sizeof *list) : NULL;
-    if (list == NULL) {
-        method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
-    } else {
-        for (size_t i = 0; i < page.n; i++) {
-            present_summary(s, &page.fields[i], &list[i]);
-            list[i].mixed =
-                (i > 0 && strcmp(page.fields[i - 1].name, page.fields[i].name) == 0) ||
-                (i + 1 < page.n && strcmp(page.fields[i + 1].name, page.fields[i].name) == 0);
-        }
-        if (page.n > 0) {
-            const store_field *last = &page.fields[page.n - 1];
-            snprintf(cursor, sizeof cursor, "%s %s", last->settings_digest, last->name);
-        }
-        const shear_reply reply = {
-            .fields = {.fields = list, .n_fields = page.n, .cursor = page.more ? cursor : NULL}};
-        server_reply(s->server, r->handle, &reply);
+    field_list *w = calloc(1, sizeof *w);
+    if (w != NULL && name != NULL) {
+        w->name = strdup(name);
+        w->digest = strdup(digest);
     }
-    free(list);
-    store_field_page_deinit(&page);
+    if (w == NULL || (name != NULL && (w->name == NULL || w->digest == NULL))) {
+        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a list of fields");
+        free(w);
+        return;
+    }
+    w->since = solutions_begun(s);
+    w->left = (size_t)p->limit;
+    listing_begin(&w->list, s, r, fields_step, fields_drop);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* job, jobs, wait: looking at jobs. */
+#include "service/listing.h"
 #include "service/methods.h"
 
 #include <inttypes.h>
@@ -39,45 +40,72 @@ void method_job(service *s, const server_request *r) {
     store_job_deinit(&job);
 }
 
-void method_jobs(service *s, const server_request *r) {
-    const shear_msg_jobs *p = &r->request->params.jobs;
+/* ---- jobs: pages of it, each no longer than a step may take ---- */
+
+enum { JOBS_A_STEP = 16 };
+
+typedef struct job_list {
+    listing list; /* first */
+    store_job_filter filter;
+    size_t left; /* of the limit */
+} job_list;
+
+static bool add_jobs(job_list *w, const store_job_page *page) {
+    bool good = true;
+    for (size_t i = 0; good && i < page->n; i++) {
+        shear_msg_job job;
+        present_job(w->list.s, &page->jobs[i], &job);
+        job.result = NULL;
+        good = listing_add(&w->list, &job);
+        present_job_free(&job);
+    }
+    w->filter.before = page->n > 0 ? page->jobs[page->n - 1].id : w->filter.before;
+    w->left -= page->n;
+    return good;
+}
+
+static int jobs_step(void *context) {
+    job_list *w = context;
     store_job_page page = {0};
     shear_error err = {0};
     char cursor[32];
+    const int code = store_jobs(w->list.s->store, &w->filter,
+                                w->left < JOBS_A_STEP ? w->left : JOBS_A_STEP, &page, &err);
+    if (code != SHEAR_OK) {
+        listing_refuse_store(&w->list, code, &err);
+    } else if (add_jobs(w, &page) && (!page.more || w->left == 0)) {
+        snprintf(cursor, sizeof cursor, "%" PRId64, w->filter.before);
+        const shear_reply rest = {.jobs.cursor = page.more ? cursor : NULL};
+        listing_reply(&w->list, &rest);
+    }
+    store_job_page_deinit(&page);
+    return SERVER_MORE;
+}
+
+static void jobs_drop(void *context) {
+    job_list *w = context;
+    listing_deinit(&w->list);
+    free(w);
+}
+
+void method_jobs(service *s, const server_request *r) {
+    const shear_msg_jobs *p = &r->request->params.jobs;
     char *end = NULL;
-    store_job_filter filter = {.states = p->states,
-                               .field = p->field,
-                               .by_owner = p->owner >= 0,
-                               .owner = (uint32_t)(p->owner >= 0 ? p->owner : 0)};
-    filter.before = p->cursor != NULL ? strtoll(p->cursor, &end, 10) : 0;
-    if (p->cursor != NULL && (*end != '\0' || filter.before <= 0)) {
+    const int64_t before = p->cursor != NULL ? strtoll(p->cursor, &end, 10) : 0;
+    if (p->cursor != NULL && (*end != '\0' || before <= 0)) {
         method_refuse(s, r->handle, SHEAR_RPC_BAD_CURSOR, "the cursor is none of this service");
         return;
     }
-    const int code = store_jobs(s->store, &filter, (size_t)p->limit, &page, &err);
-    shear_msg_job *jobs = code == SHEAR_OK ? calloc(page.n + 1, sizeof *jobs) : NULL;
-    if (jobs == NULL) {
-        method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
-    } else {
-        for (size_t i = 0; i < page.n; i++) {
-            present_job(s, &page.jobs[i], &jobs[i]);
-            jobs[i].result = NULL;
-        }
-        snprintf(cursor, sizeof cursor, "%" PRId64, page.n > 0 ? page.jobs[page.n - 1].id : 0);
-        const shear_reply reply = {
-            .jobs = {.jobs = jobs, .n_jobs = page.n, .cursor = page.more ? cursor : NULL}};
-        server_reply(s->server, r->handle, &reply);
-        for (size_t i = 0; i < page.n; i++) {
-            present_job_free(&jobs[i]);
-        }
+    job_list *w = calloc(1, sizeof *w);
+    if (w == NULL) {
+        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a list of jobs");
+        return;
     }
-    free(jobs);
-    store_job_page_deinit(&page);
-}
-
-void method_wait(service *s, const server_request *r) {
-    const shear_msg_wait *p = &r->request->params.wait;
-    if (method_jobs_known(s, r, p->ids, p->n_ids)) {
-        waits_add(s, r->handle, SHEAR_METHOD_WAIT, false, p->ids, p->n_ids, p->timeout_s);
-    }
+    w->filter = (store_job_filter){.states = p->states,
+                                   .field = p->field,
+                                   .by_owner = p->owner >= 0,
+                                   .owner = (uint32_t)(p->owner >= 0 ? p->owner : 0),
+                                   .before = before};
+    w->left = (size_t)p->limit;
+    listing_begin(&w->list, s, r, jobs_step, jobs_drop);
 }

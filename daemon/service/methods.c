@@ -48,12 +48,11 @@ static void do_hello(service *s, const server_request *r) {
 }
 
 /* Where one of the jobs is unknown, the reply has been given. */
-bool method_jobs_known(service *s, const server_request *r, const int64_t *ids, size_t n) {
+static bool jobs_known(service *s, const server_request *r, const int64_t *ids, size_t n) {
     for (size_t i = 0; i < n; i++) {
-        store_job job = {0};
         shear_error err = {0};
-        const int code = store_job_get(s->store, ids[i], &job, &err);
-        store_job_deinit(&job);
+        int state;
+        const int code = store_job_state(s->store, ids[i], &state, &err);
         if (code != SHEAR_OK) {
             method_refuse_store(s, r->handle, code, &err);
             return false;
@@ -66,15 +65,14 @@ bool method_jobs_known(service *s, const server_request *r, const int64_t *ids, 
 static void leave_final(service *s, uint64_t connection, const shear_msg_subscribe *what,
                         shear_msg_subscribed *now) {
     for (size_t i = 0; i < what->n_jobs; i++) {
-        store_job job = {0};
+        int state;
         shear_error ignored;
         shear_rpc_error error;
-        if (store_job_get(s->store, what->jobs[i], &job, &ignored) == SHEAR_OK &&
-            shear_job_state_is_final(job.state)) {
+        if (store_job_state(s->store, what->jobs[i], &state, &ignored) == SHEAR_OK &&
+            shear_job_state_is_final(state)) {
             const shear_msg_subscribe one = {.jobs = &what->jobs[i], .n_jobs = 1};
             server_unsubscribe(s->server, connection, &one, now, &error);
         }
-        store_job_deinit(&job);
     }
 }
 
@@ -83,7 +81,7 @@ static void do_subscribe(service *s, const server_request *r, bool add) {
     shear_reply reply = {0};
     const uint64_t connection = r->handle.connection;
     const shear_msg_subscribe *what = &r->request->params.subscribe;
-    if (add && !method_jobs_known(s, r, what->jobs, what->n_jobs)) {
+    if (add && !jobs_known(s, r, what->jobs, what->n_jobs)) {
         return;
     }
     const int code =

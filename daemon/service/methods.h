@@ -14,6 +14,8 @@ void method_retry(service *s, const server_request *r);
 /* method_jobs.c */
 void method_job(service *s, const server_request *r);
 void method_jobs(service *s, const server_request *r);
+
+/* waits.c */
 void method_wait(service *s, const server_request *r);
 
 /* method_fields.c */
@@ -24,7 +26,5 @@ void method_fields(service *s, const server_request *r);
 void method_refuse(service *s, server_handle to, int code, const char *message);
 void method_refuse_new(service *s, server_handle to); /* draining or stopping */
 void method_refuse_store(service *s, server_handle to, int code, const shear_error *err);
-/* Where one of the jobs is unknown, the reply has been given. */
-bool method_jobs_known(service *s, const server_request *r, const int64_t *ids, size_t n);
 
 #endif

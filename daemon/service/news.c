@@ -12,6 +12,7 @@ struct changed_field {
     int64_t since;     /* solutions_since */
     bool being_solved; /* it waits for its result */
     bool again;        /* and has changed meanwhile */
+    int64_t round;     /* the last one that it had its turn in */
 };
 
 static void changed_free(changed_field *f) {
@@ -78,9 +79,27 @@ static bool publish(service *s, const changed_field *f) {
     return at_hand;
 }
 
-void news_publish(service *s) {
+enum { SLICE_NS = 2000000, PAUSE_MS = 5 };
+
+static void publish_some(service *s, uint64_t end);
+
+static void on_soon(uv_timer_t *timer) {
+    publish_some(timer->data, uv_hrtime() + SLICE_NS);
+}
+
+/* Those that have not had their turn in this round, until the time is over: the rest soon. */
+static void publish_some(service *s, uint64_t end) {
     for (changed_field **at = &s->news; *at != NULL;) {
         changed_field *f = *at;
+        if (f->round == s->news_round) {
+            at = &f->next;
+            continue;
+        }
+        if (uv_hrtime() >= end) {
+            uv_timer_start(&s->news_soon, on_soon, PAUSE_MS, 0);
+            return;
+        }
+        f->round = s->news_round;
         f->being_solved = !publish(s, f);
         if (f->being_solved || f->again) {
             f->since = f->being_solved ? f->since : solutions_begun(s);
@@ -91,6 +110,16 @@ void news_publish(service *s) {
             changed_free(f);
         }
     }
+}
+
+void news_publish(service *s) {
+    s->news_round++;
+    publish_some(s, uv_hrtime() + SLICE_NS);
+}
+
+void news_publish_all(service *s) {
+    s->news_round++;
+    publish_some(s, UINT64_MAX);
 }
 
 void news_free(service *s) {

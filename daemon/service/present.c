@@ -5,7 +5,6 @@
 #include "sheard/report.h"
 
 #include <math.h>
-#include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -60,7 +59,7 @@ static void present_progress(service *s, const store_job *job, shear_msg_progres
 
 void present_job(service *s, const store_job *job, shear_msg_job *out) {
     shear_rpc_error ignored;
-    const struct passwd *user = getpwuid(job->owner);
+    const char *user = user_name(s, job->owner);
     *out = (shear_msg_job){.id = job->id,
                            .state = job->state,
                            .job_class = job->failure_class,
@@ -69,7 +68,7 @@ void present_job(service *s, const store_job *job, shear_msg_job *out) {
                            .advice = job->advice,
                            .field = job->field,
                            .owner = job->owner,
-                           .user = user != NULL ? strdup(user->pw_name) : NULL,
+                           .user = user != NULL ? strdup(user) : NULL,
                            .origin = job->origin,
                            .priority = job->priority,
                            .force = job->force,

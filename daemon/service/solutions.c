@@ -22,6 +22,8 @@ typedef struct solution {
     int64_t asked;                  /* ... in askings */
     struct solution *next;          /* in the queue */
     int64_t wanted;                 /* its number there; 0: it does not wait */
+    size_t wanters;                 /* requests that wait for it */
+    bool for_news;                  /* news wait for it too */
     bool begun;                     /* it is being solved */
     int64_t number;                 /* of the solving that made what follows, from 1; 0: nothing */
     int64_t jobs;                   /* that were counted: contributions come, and never go ... */
@@ -30,14 +32,14 @@ typedef struct solution {
     shear_result result;
 } solution;
 
-/* A request that waits. */
+/* A request that has asked for fields, until it is dropped. */
 typedef struct asked {
     struct asked *next;
     server_handle to;
-    shear_request request;
-    int64_t since; /* solvings that had begun when it came: later ones are good enough for it */
-    int64_t until; /* the last field that it wants: its number in the queue */
-    int64_t first; /* askings before its own: what was asked for since is kept for it */
+    int64_t first;        /* askings before its own: what was asked for since is kept for it */
+    size_t left;          /* of those it waits for, not solved yet */
+    solution **waits_for; /* [n] NULL: solved */
+    size_t n;
 } asked;
 
 /* The solving that is under way. */
@@ -60,8 +62,8 @@ struct solutions {
     solution *first, **last; /* the queue */
     int64_t n_wanted, n_begun;
     task task;
-    asked *waiting; /* the newest first */
-    int64_t since;  /* see solutions_since */
+    asked *asked;  /* the newest first */
+    int64_t since; /* see solutions_since */
 };
 
 int solutions_new(solutions **all, shear_error *err) {
@@ -111,7 +113,7 @@ static void solution_free(solution *one) {
 /* Forget the oldest that nobody needs. */
 static void shrink(solutions *all) {
     int64_t needed = INT64_MAX;
-    for (const asked *a = all->waiting; a != NULL; a = a->next) {
+    for (const asked *a = all->asked; a != NULL; a = a->next) {
         needed = a->first < needed ? a->first : needed;
     }
     while (all->n > KEPT && all->oldest->wanted == 0 && !all->oldest->begun &&
@@ -193,31 +195,18 @@ static int take_up(service *s, task *t, shear_error *err) {
                             : code;
 }
 
-/* The requests that have waited for fields up to `number`, in the order in which they came. */
-static void run_again(service *s, int64_t number) {
-    solutions *all = s->solutions;
-    asked *ready = NULL;
-    for (asked **at = &all->waiting; *at != NULL;) {
-        asked *a = *at;
-        if (a->until <= number) {
-            *at = a->next;
-            a->next = ready;
-            ready = a;
-        } else {
-            at = &a->next;
+/* Those that waited for it, and for nothing else, go on. */
+static void wake_waiting(service *s, const solution *one) {
+    for (asked *a = s->solutions->asked; a != NULL; a = a->next) {
+        for (size_t i = 0; i < a->n; i++) {
+            if (a->waits_for[i] == one) {
+                a->waits_for[i] = NULL;
+                if (--a->left == 0) {
+                    server_wake(s->server, a->to);
+                }
+            }
         }
     }
-    while (ready != NULL) {
-        asked *a = ready;
-        ready = a->next;
-        const server_request request = {.handle = a->to, .request = &a->request};
-        solutions_since(s, a->since);
-        methods_request(s, &request);
-        solutions_since(s, INT64_MAX);
-        shear_request_deinit(&a->request);
-        free(a);
-    }
-    shrink(all);
 }
 
 static void solved(uv_work_t *work, int status);
@@ -252,9 +241,10 @@ static void solved(uv_work_t *work, int status) {
     solutions *all = s->solutions;
     task *t = &all->task;
     solution *one = t->what;
-    const int64_t number = one->wanted;
     (void)status; /* never cancelled */
     one->wanted = 0;
+    one->wanters = 0;
+    one->for_news = false;
     one->begun = false;
     one->number = all->n_begun; /* one at a time */
     one->jobs = t->jobs;
@@ -265,7 +255,8 @@ static void solved(uv_work_t *work, int status) {
     shear_symmetry_free(t->terms);
     t->what = NULL;
     if (s->server != NULL && !s->closing) {
-        run_again(s, number);
+        wake_waiting(s, one);
+        shrink(all);
         begin_next(s);
     }
 }
@@ -279,20 +270,22 @@ static int estimator_of(const store_field *f) {
                                                                           : SHEAR_ESTIMATOR_MEAN;
 }
 
-/* 0: its result is at hand; else its number in the queue; -1: out of memory. One that is being
- * solved may have been taken up before its last job was counted: it is queued again after that. */
-static int64_t want(service *s, const store_field *f) {
+/* *out: what is in the queue, or being solved, for it; NULL: its result is at hand. One that is
+ * being solved may have been taken up before its last job was counted: it is asked for again after
+ * that. False: out of memory. */
+static bool want(service *s, const store_field *f, solution **out) {
     solutions *all = s->solutions;
     const int estimator = estimator_of(f);
+    *out = NULL;
     if (f->jobs == 0 || !shear_estimator_is_symmetric(estimator)) {
-        return 0;
+        return true;
     }
     solution *one = ask_for(all, f);
     if (one == NULL) {
-        return -1;
+        return false;
     }
     if (is_good(s, one, f)) {
-        return 0;
+        return true;
     }
     if (one->wanted == 0) {
         one->estimator = estimator;
@@ -300,52 +293,73 @@ static int64_t want(service *s, const store_field *f) {
         *all->last = one;
         all->last = &one->next;
     }
-    return one->wanted;
+    *out = one;
+    return true;
 }
 
 bool solutions_at_hand(service *s, const store_field *f) {
-    const int64_t number = want(s, f);
+    solution *one = NULL;
+    const bool there = !want(s, f, &one) || one == NULL;
+    if (one != NULL) {
+        one->for_news = true;
+    }
     begin_next(s);
-    return number <= 0;
+    return there;
 }
 
-static void refuse(service *s, server_handle to) {
-    method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for solving a field");
+static asked *find_asked(const solutions *all, server_handle to) {
+    asked *a = all->asked;
+    while (a != NULL && (a->to.connection != to.connection || a->to.request != to.request)) {
+        a = a->next;
+    }
+    return a;
 }
 
-bool solutions_ready(service *s, const server_request *r, const store_field_page *page,
-                     const char *digest) {
-    solutions *all = s->solutions;
-    const int64_t first = all->askings;
-    int64_t until = 0;
-    for (size_t i = 0; i < page->n; i++) {
-        const store_field *f = &page->fields[i];
-        const bool asked_for = digest == NULL || strcmp(digest, f->settings_digest) == 0;
-        const int64_t number = asked_for ? want(s, f) : 0;
-        if (number < 0) {
-            refuse(s, r->handle);
-            return false;
-        }
-        until = number > until ? number : until;
-    }
-    if (until == 0) {
-        return true;
-    }
-    asked *a = calloc(1, sizeof *a);
+/* The request's record, with room to wait for n fields; NULL: out of memory. */
+static asked *note_asked(solutions *all, server_handle to, int64_t first, size_t n) {
+    asked *a = find_asked(all, to);
     if (a == NULL) {
-        refuse(s, r->handle);
+        a = calloc(1, sizeof *a);
+        if (a == NULL) {
+            return NULL;
+        }
+        *a = (asked){.next = all->asked, .to = to, .first = first};
+        all->asked = a;
+    }
+    solution **room = realloc(a->waits_for, (n + 1) * sizeof(*room));
+    a->waits_for = room != NULL ? room : a->waits_for;
+    a->n = a->left = 0;
+    return room != NULL ? a : NULL;
+}
+
+static bool wait_for(service *s, asked *a, const store_field *f) {
+    solution *one;
+    if (!want(s, f, &one)) {
         return false;
     }
-    *a = (asked){.next = all->waiting,
-                 .to = r->handle,
-                 .request = *r->request,
-                 .since = all->since < all->n_begun ? all->since : all->n_begun,
-                 .until = until,
-                 .first = first};
-    *r->request = (shear_request){0}; /* taken over */
-    all->waiting = a;
+    if (one != NULL) {
+        one->wanters++;
+        a->waits_for[a->n++] = one;
+        a->left++;
+    }
+    return true;
+}
+
+bool solutions_ready(service *s, server_handle to, const store_field_page *page,
+                     const char *digest) {
+    solutions *all = s->solutions;
+    asked *a = note_asked(all, to, all->askings, page->n);
+    bool good = a != NULL;
+    for (size_t i = 0; good && i < page->n; i++) {
+        const store_field *f = &page->fields[i];
+        good = (digest != NULL && strcmp(digest, f->settings_digest) != 0) || wait_for(s, a, f);
+    }
+    if (!good) {
+        method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for solving a field");
+        return false;
+    }
     begin_next(s);
-    return false;
+    return a->left == 0;
 }
 
 int solutions_get(service *s, const store_field *f, const shear_field_sums *sums, shear_result *out,
@@ -365,38 +379,43 @@ int solutions_get(service *s, const store_field *f, const shear_field_sums *sums
                                               "field '%s' could not be solved", f->name);
 }
 
-/* Whether there were any. */
-static bool drop_waiting(solutions *all, uint64_t connection, bool every) {
-    bool dropped = false;
-    for (asked **at = &all->waiting; *at != NULL;) {
-        asked *a = *at;
-        if (every || a->to.connection == connection) {
-            *at = a->next;
-            shear_request_deinit(&a->request);
-            free(a);
-            dropped = true;
-        } else {
-            at = &a->next;
-        }
+/* Nobody wants it any more: out of the queue. */
+static void give_up(solutions *all, solution *one) {
+    solution **at = &all->first;
+    while (*at != NULL && *at != one) {
+        at = &(*at)->next;
     }
-    return dropped;
-}
-
-/* What nobody waits for need not be solved; news ask again by themselves. */
-static void clear_queue(solutions *all) {
-    for (solution *one = all->first; one != NULL;) {
-        solution *next = one->next;
+    if (*at == one) {
+        *at = one->next;
+        all->last = one->next == NULL ? at : all->last;
         one->next = NULL;
         one->wanted = 0;
-        one = next;
     }
-    all->first = NULL;
-    all->last = &all->first;
 }
 
-void solutions_forget(service *s, uint64_t connection) {
-    if (drop_waiting(s->solutions, connection, false) && s->solutions->waiting == NULL) {
-        clear_queue(s->solutions);
+static void asked_free(solutions *all, asked *a) {
+    for (size_t i = 0; i < a->n; i++) {
+        solution *one = a->waits_for[i];
+        if (one != NULL && --one->wanters == 0 && !one->for_news && !one->begun) {
+            give_up(all, one);
+        }
+    }
+    free(a->waits_for);
+    free(a);
+}
+
+void solutions_forget(service *s, server_handle to) {
+    solutions *all = s->solutions;
+    asked **at = &all->asked;
+    while (*at != NULL &&
+           ((*at)->to.connection != to.connection || (*at)->to.request != to.request)) {
+        at = &(*at)->next;
+    }
+    if (*at != NULL) {
+        asked *a = *at;
+        *at = a->next;
+        asked_free(all, a);
+        shrink(all);
     }
 }
 
@@ -406,7 +425,11 @@ static void free_node(void *node) {
 
 void solutions_free(solutions *all) {
     if (all != NULL) {
-        (void)drop_waiting(all, 0, true);
+        while (all->asked != NULL) {
+            asked *a = all->asked;
+            all->asked = a->next;
+            asked_free(all, a);
+        }
         tdestroy(all->tree, free_node);
         free(all);
     }

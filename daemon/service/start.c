@@ -18,11 +18,6 @@ static void wake(void *context) {
     uv_async_send(&s->engine_wake);
 }
 
-static void on_closed(void *context, uint64_t connection) {
-    waits_forget(context, connection);
-    solutions_forget(context, connection);
-}
-
 static bool is_admin(void *context, const access_peer *peer) {
     return peer_is_admin(context, peer);
 }
@@ -98,8 +93,7 @@ static int open_server(service *s, shear_error *err) {
         .fds = fds,
         .limits = reload_server_limits(c),
         .defaults = &c->measure,
-        .handlers = {
-            .request = methods_request, .closed = on_closed, .is_admin = is_admin, .context = s}};
+        .handlers = {.request = methods_request, .is_admin = is_admin, .context = s}};
     const int code = server_activation(fds, 8, &options.n_fds, err);
     return code == SHEAR_OK ? server_open(&s->server, &s->loop, &options, err) : code;
 }
@@ -140,6 +134,8 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     s->started_ms = wall_ms();
     s->started_steady_ms = steady_ms();
     s->notify.fd = -1;
+    TAILQ_INIT(&s->waiters);
+    TAILQ_INIT(&s->wait_users);
     int code = SHEAR_OK;
     for (size_t i = 0; i < assignments->n && code == SHEAR_OK; i++) {
         code = sheard_list_append(&s->assignments, assignments->items[i], err);
@@ -197,7 +193,6 @@ void service_close(service *s) {
     life_close(s, 0);
     uv_run(&s->loop, UV_RUN_DEFAULT);
     engine_free(s->engine);
-    waits_free(s);
     news_free(s);
     solutions_free(s->solutions);
     store_close(s->store);

@@ -110,6 +110,7 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
                    .stamps = totals.n_stamps,
                    .fields = totals.fields},
         .rates = rates(s),
+        .loop = pace_tell(s),
         .store = {.path = store_path,
                   .schema = store_opened(s->store)->version,
                   .bytes = file_size(store_path),
@@ -206,6 +207,13 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
            (double)st->totals.fields);
     metric(out, "stamps_per_second", "gauge", "Stamps measured, mean of the last minute.",
            st->rates.stamps_per_s);
+    metric(out, "loop_longest_seconds", "gauge",
+           "Longest turn of the loop in the last minute, processor time.",
+           1e-3 * st->loop.longest_minute_ms);
+    metric(out, "unsent_bytes", "gauge", "Memory of replies and notifications that are not read.",
+           (double)st->loop.unsent_bytes);
+    metric(out, "clients_dropped_total", "counter", "Clients dropped because they did not read.",
+           (double)st->loop.dropped);
     metric(out, "connections", "gauge", "Clients connected.", (double)net->connections);
     metric(out, "connections_accepted_total", "counter", "Clients since the start.",
            (double)net->accepted);
@@ -248,6 +256,7 @@ void metrics_reply(service *s, server_handle to) {
 /* Once a second: rates, and progress to those who asked for it. */
 void status_tick(service *s) {
     s->ticks++;
+    pace_tick(s);
     s->stamps_at[s->ticks % RATE_SLOTS] = engine_get_load(s->engine).stamps_total;
     s->jobs_at[s->ticks % RATE_SLOTS] = s->jobs_ended;
     for (const active_job *j = s->active; j != NULL; j = j->next) {

@@ -59,6 +59,10 @@ void store_job_deinit(store_job *job) {
     *job = (store_job){0};
 }
 
+static int no_job(int64_t id, shear_error *err) {
+    return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
+}
+
 int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
     bool row = false;
     *job = (store_job){0};
@@ -70,12 +74,26 @@ int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
         read_texts(&q, job);
         code = query_got(&q, err);
     } else if (code == SHEAR_OK) {
-        code = shear_fail(err, STORE_NOT_FOUND, NULL, "there is no job %" PRId64, id);
+        code = no_job(id, err);
     }
     query_end(&q);
     if (code != SHEAR_OK) {
         store_job_deinit(job);
     }
+    return code;
+}
+
+int store_job_state(store *s, int64_t id, int *state, shear_error *err) {
+    bool row = false;
+    query q = query_on(s, SQL_JOB_STATE);
+    query_int(&q, id);
+    int code = query_step(&q, &row, err);
+    if (row) {
+        *state = (int)query_get_int(&q);
+    } else if (code == SHEAR_OK) {
+        code = no_job(id, err);
+    }
+    query_end(&q);
     return code;
 }
 
@@ -115,10 +133,8 @@ static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error
 }
 
 static int check_exists(store *s, int64_t id, shear_error *err) {
-    store_job job;
-    const int code = store_job_get(s, id, &job, err);
-    store_job_deinit(&job);
-    return code;
+    int state;
+    return store_job_state(s, id, &state, err);
 }
 
 int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *err) {

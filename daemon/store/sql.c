@@ -66,6 +66,7 @@ const char *const sql_texts[SQL_N] = {
                           " code = ?5, message = ?6"
                           " WHERE job = ?1 AND number = (SELECT attempt FROM jobs WHERE id = ?1)",
 
+    [SQL_JOB_STATE] = "SELECT state FROM jobs WHERE id = ?1",
     [SQL_JOB_BRIEF] = "SELECT state, cancel_asked, forced, field, settings, content"
                       " FROM jobs WHERE id = ?1",
     [SQL_JOB_LEARN] =

@@ -36,6 +36,7 @@ enum sql {
     SQL_ATTEMPT_PRUNE,
     SQL_ATTEMPT_CLOSE,
 
+    SQL_JOB_STATE,
     SQL_JOB_BRIEF,
     SQL_JOB_LEARN,
     SQL_JOB_DONE,

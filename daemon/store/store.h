@@ -362,6 +362,8 @@ int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err);
 int store_last_job(store *s, int64_t *id, shear_error *err); /* the newest ever; 0: none yet */
 
 int store_job_get(store *s, int64_t id, store_job *job, shear_error *err); /* STORE_NOT_FOUND */
+/* Its state alone, a hundred times as fast. STORE_NOT_FOUND. */
+int store_job_state(store *s, int64_t id, int *state, shear_error *err);
 
 typedef struct store_job_filter {
     unsigned states;   /* 1u << STORE_FAILED and so on, or'ed; 0: all */

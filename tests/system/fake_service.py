@@ -51,6 +51,7 @@ def status(**other):
             "totals": {"submitted": 55, "counted": 39, "duplicates": 1, "failed": 3, "cancelled": 0, "stamps": 40000,
                        "fields": 7},
             "rates": {"stamps_per_s": 12345.0, "jobs_per_s": 0.25},
+            "loop": {"longest_ms": 8.5, "longest_minute_ms": 3.2, "unsent_bytes": 0, "dropped": 1},
             "spool": {"path": "/var/spool/sheard", "watching": True, "incoming": 1, "active": 2, "done": 3, "failed": 4,
                       "free_bytes": 5 << 30},
             "store": {"path": "/var/lib/sheard/sheard.db", "schema": 1, "bytes": 2 << 20, "free_bytes": 6 << 30,

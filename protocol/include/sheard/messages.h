@@ -325,6 +325,11 @@ typedef struct shear_msg_rates { /* of the last minute */
     double stamps_per_s, jobs_per_s;
 } shear_msg_rates;
 
+typedef struct shear_msg_loop {
+    double longest_ms, longest_minute_ms; /* turn, in processor time: since the start, lately */
+    int64_t unsent_bytes, dropped;        /* memory of what is not read; clients that did not */
+} shear_msg_loop;
+
 typedef struct shear_msg_workers {
     int64_t total, busy, readers; /* readers: child processes */
 } shear_msg_workers;
@@ -377,6 +382,7 @@ typedef struct shear_msg_status {
     shear_msg_states states;
     shear_msg_totals totals;
     shear_msg_rates rates;
+    shear_msg_loop loop;
     shear_msg_spool spool;
     shear_msg_store store;
     const char *config, *state_dir;

@@ -229,6 +229,14 @@ void shear_request_deinit(shear_request *request); /* zeroed or deinited: fine *
  * SHEAR_RPC_INTERNAL: a raw JSON text in it is none. */
 int shear_reply_line(char **line, size_t *n, const shear_rpc_id *id, int method,
                      const shear_reply *reply, shear_rpc_error *error);
+/* The same, made item by item: the text of an item of the one list in replies of `method` (jobs of
+ * `jobs` and `wait`, fields of `fields`, rows of `field`), without a newline; and the reply `rest`,
+ * whose list is empty, with items[n_items] in it: such texts, with commas between them. The bytes
+ * are those of shear_reply_line. */
+int shear_reply_item(char **text, size_t *n, int method, const void *item, shear_rpc_error *error);
+int shear_reply_list_line(char **line, size_t *n, const shear_rpc_id *id, int method,
+                          const shear_reply *rest, const char *items, size_t n_items,
+                          shear_rpc_error *error);
 /* SHEAR_RPC_OUT_OF_MEMORY: *line is NULL; then shear_rpc_no_memory_line may be sent. */
 int shear_error_line(char **line, size_t *n, const shear_rpc_id *id, const shear_rpc_error *what);
 extern const char shear_rpc_no_memory_line[]; /* id null */

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/listing.h: a request whose reply is a long list: made a few items at a time, in the steps
+ * of deferred work (server.h), so that nobody waits for the whole of it. */
+#ifndef SHEARD_SERVICE_LISTING_H
+#define SHEARD_SERVICE_LISTING_H
+
+#include "service/inner.h"
+
+typedef struct listing {
+    service *s;
+    server_handle to;
+    shear_request request; /* taken over from the one that was given */
+    char *items;           /* [used] of [size]: their texts */
+    size_t used, size;
+} listing;
+
+/* Take the request over, and have it done by `step`, which gets `l`: the first member of what it
+ * works on; `drop` frees that. Where it cannot be, the request has been answered. */
+void listing_begin(listing *l, service *s, const server_request *r, int (*step)(void *),
+                   void (*drop)(void *));
+void listing_deinit(listing *l);
+
+/* The next item, of the request's method. False: the request has been answered with an error. */
+bool listing_add(listing *l, const void *item);
+/* Begin again, without items. */
+void listing_clear(listing *l);
+/* The reply, with the items in its list. */
+void listing_reply(listing *l, const shear_reply *rest);
+/* Answered with an error, of the store or by the protocol's code. */
+void listing_refuse_store(listing *l, int code, const shear_error *err);
+void listing_refuse(listing *l, int code, const char *message);
+
+#endif
