@@ -125,6 +125,10 @@ static void serve(server *s, uint64_t end) {
         s->current = c;
         s->again = false;
         connection_turn(c);
+        if (!s->again && c->unflushed) { /* whoever asked for one thing has it at once */
+            no_flush(s, c);
+            connection_flush(c);
+        }
         s->current = NULL;
         now = uv_hrtime();
         users_charge(c, now - begin);

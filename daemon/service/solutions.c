@@ -62,7 +62,7 @@ struct solutions {
     solution *first, **last; /* the queue */
     int64_t n_wanted, n_begun;
     task task;
-    asked *asked;  /* the newest first */
+    asked *asked;  /* the oldest first */
     int64_t since; /* see solutions_since */
 };
 
@@ -307,25 +307,27 @@ bool solutions_at_hand(service *s, const store_field *f) {
     return there;
 }
 
-static asked *find_asked(const solutions *all, server_handle to) {
-    asked *a = all->asked;
-    while (a != NULL && (a->to.connection != to.connection || a->to.request != to.request)) {
-        a = a->next;
+/* Where the request's record is linked, or would be: behind all others. */
+static asked **find_asked(solutions *all, server_handle to) {
+    asked **at = &all->asked;
+    while (*at != NULL &&
+           ((*at)->to.connection != to.connection || (*at)->to.request != to.request)) {
+        at = &(*at)->next;
     }
-    return a;
+    return at;
 }
 
 /* The request's record, with room to wait for n fields; NULL: out of memory. */
 static asked *note_asked(solutions *all, server_handle to, int64_t first, size_t n) {
-    asked *a = find_asked(all, to);
-    if (a == NULL) {
-        a = calloc(1, sizeof *a);
-        if (a == NULL) {
+    asked **at = find_asked(all, to);
+    if (*at == NULL) {
+        *at = calloc(1, sizeof **at);
+        if (*at == NULL) {
             return NULL;
         }
-        *a = (asked){.next = all->asked, .to = to, .first = first};
-        all->asked = a;
+        **at = (asked){.to = to, .first = first};
     }
+    asked *a = *at;
     solution **room = realloc(a->waits_for, (n + 1) * sizeof(*room));
     a->waits_for = room != NULL ? room : a->waits_for;
     a->n = a->left = 0;
@@ -406,11 +408,7 @@ static void asked_free(solutions *all, asked *a) {
 
 void solutions_forget(service *s, server_handle to) {
     solutions *all = s->solutions;
-    asked **at = &all->asked;
-    while (*at != NULL &&
-           ((*at)->to.connection != to.connection || (*at)->to.request != to.request)) {
-        at = &(*at)->next;
-    }
+    asked **at = find_asked(all, to);
     if (*at != NULL) {
         asked *a = *at;
         *at = a->next;
