@@ -59,7 +59,11 @@ const sheard_setting config_place_rows[] = {
      .unit = "threads",
      .flag = "workers",
      .at_start = true,
-     .help = "Threads that measure stamps. auto: as many as cores may be used."},
+     .help =
+         "Threads that measure stamps. auto: as many as the processors that the service may use: "
+         "its "
+         "affinity and the quotas of its control groups (CPUAffinity=, CPUQuota=, a container's) "
+         "count."},
     {.section = "daemon",
      .key = "max_active_jobs",
      .type = SHEARD_T_INT,

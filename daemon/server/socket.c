@@ -148,8 +148,24 @@ static int find_group(gid_t *gid, const char *group, const char *path, shear_err
     return SHEAR_OK;
 }
 
+/* EPERM: a user may give files to its own groups only, and a unit may forbid that, too. */
+static int cannot_give(const char *path, const char *group, shear_error *err) {
+    char advice[240];
+    const int number = errno;
+    snprintf(advice, sizeof advice,
+             "make the service's user a member of it (usermod -aG %.32s USER; a unit may need "
+             "SystemCallFilter=lchown), or use sheard.socket with SocketGroup=, or leave "
+             "socket_group out",
+             group);
+    return shear_fail(err, number == EPERM ? SHEAR_E_SETTING : SHEAR_E_IO, advice,
+                      "socket '%.200s': the service may not give it to the group '%.64s' "
+                      "([daemon] socket_group): %s",
+                      path, group, strerror(number));
+}
+
 /* The file is there, for nobody. */
-static int give(const char *path, unsigned mode, gid_t gid, socket_file *file, shear_error *err) {
+static int give(const char *path, unsigned mode, const char *group, gid_t gid, socket_file *file,
+                shear_error *err) {
     struct stat st;
     if (lstat(path, &st) != 0 || !S_ISSOCK(st.st_mode)) {
         return failed("it has vanished", path, err);
@@ -161,18 +177,18 @@ static int give(const char *path, unsigned mode, gid_t gid, socket_file *file, s
                           "socket '%s': the system made it with mode %04o instead of none", path,
                           (unsigned)st.st_mode & 07777);
     }
-    if (gid != (gid_t)-1 && lchown(path, (uid_t)-1, gid) != 0) {
-        return failed("cannot give it to its group", path, err);
+    if (gid != (gid_t)-1 && st.st_gid != gid && lchown(path, (uid_t)-1, gid) != 0) {
+        return cannot_give(path, group, err);
     }
     return chmod(path, mode & 0777) == 0 ? SHEAR_OK : failed("cannot set its mode", path, err);
 }
 
-static int bind_quietly(int fd, const struct sockaddr_un *address, unsigned mode, gid_t gid,
-                        socket_file *file, shear_error *err) {
+static int bind_quietly(int fd, const struct sockaddr_un *address, unsigned mode, const char *group,
+                        gid_t gid, socket_file *file, shear_error *err) {
     if (fchmod(fd, 0) != 0 || bind(fd, (const struct sockaddr *)address, sizeof *address) != 0) {
         return failed("cannot make it", address->sun_path, err);
     }
-    int code = give(address->sun_path, mode, gid, file, err);
+    int code = give(address->sun_path, mode, group, gid, file, err);
     if (code == SHEAR_OK && listen(fd, BACKLOG) != 0) {
         code = failed("cannot listen", address->sun_path, err);
     }
@@ -198,7 +214,7 @@ static int make(socket_file *file, int fd, const char *path, unsigned mode, cons
     code = code ? code : name_files(file, path, err);
     code = code ? code : take_lock(file, err);
     code = code ? code : remove_stale(&address, err);
-    return code ? code : bind_quietly(fd, &address, mode, gid, file, err);
+    return code ? code : bind_quietly(fd, &address, mode, group, gid, file, err);
 }
 
 int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode, const char *group,

@@ -2,6 +2,7 @@
 /* How the service is put together, and taken apart. */
 #include "reader/find.h"
 #include "service/inner.h"
+#include "service/processors.h"
 
 #include <errno.h>
 #include <pwd.h>
@@ -70,9 +71,8 @@ static int open_engine(service *s, shear_error *err) {
     reader_limits limits = reload_reader_limits(c);
     limits.program = program;
     limits.scratch = scratch;
-    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     const engine_options options = {.workers = c->daemon.workers > 0 ? (int)c->daemon.workers
-                                                                     : (int)(cores > 0 ? cores : 1),
+                                                                     : processors_count(),
                                     .limits = limits,
                                     .checkpoint_ms = CHECKPOINT_MS,
                                     .memory_bytes = reload_memory(c),

@@ -219,6 +219,42 @@ static void test_socket_of_another_user(void **state) {
     assert_int_equal(look(f->path).st_uid, 12345);
 }
 
+/* As a user that is not in the group: told so, with what to do, and no socket stays. */
+static void test_group_of_others(void **state) {
+    fixture *f = *state;
+    char name[64] = "";
+    const struct group *g;
+    setgrent();
+    while (name[0] == '\0' && (g = getgrent())) {
+        if (g->gr_gid != 0 && g->gr_gid != 65534 && !group_member(g->gr_gid)) {
+            snprintf(name, sizeof name, "%s", g->gr_name);
+        }
+    }
+    endgrent();
+    assert_true(name[0] != '\0');
+    assert_int_equal(chmod(f->dir, 0777), 0);
+    const pid_t pid = fork();
+    assert_true(pid >= 0);
+    if (pid == 0) {
+        shear_error err = {0};
+        const bool me =
+            geteuid() != 0 || (setgroups(0, NULL) == 0 && setgid(65534) == 0 && setuid(65534) == 0);
+        f->options.group = name;
+        const int code = open_server(f, &err);
+        _exit(me && code == SHEAR_E_SETTING && strstr(err.message, name) != NULL &&
+                      strstr(err.message, "socket_group") != NULL &&
+                      strstr(err.advice, "usermod") != NULL
+                  ? 0
+                  : 1);
+    }
+    int status = 0;
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+    struct stat st;
+    assert_int_equal(lstat(f->path, &st), -1);
+}
+
 static void test_bad_places(void **state) {
     fixture *f = *state;
     char path[160];
@@ -331,6 +367,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_lock_keeps_others_out, fx_setup, fx_teardown),
         cmocka_unit_test_setup_teardown(test_other_files_are_left_alone, fx_setup, fx_teardown),
         cmocka_unit_test_setup_teardown(test_socket_of_another_user, fx_setup, fx_teardown),
+        cmocka_unit_test_setup_teardown(test_group_of_others, fx_setup, fx_teardown),
         cmocka_unit_test_setup_teardown(test_bad_places, fx_setup, fx_teardown),
         cmocka_unit_test_setup_teardown(test_only_the_own_file_is_removed, fx_setup, fx_teardown),
         cmocka_unit_test_setup_teardown(test_activation, fx_setup, fx_teardown),

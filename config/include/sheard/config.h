@@ -59,7 +59,7 @@ typedef struct sheard_config {
         char *socket;
         unsigned socket_mode;
         char *socket_group; /* "" = the daemon's own */
-        int64_t workers;    /* 0 = one a core */
+        int64_t workers;    /* 0 = one for each processor that it may use */
         int64_t max_active_jobs;
         int log_level; /* enum sheard_log_level */
         int64_t drain_timeout_ms;
