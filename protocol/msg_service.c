@@ -146,6 +146,17 @@ static const msg_member metrics_members[] = {
 };
 const msg_table msg_metrics = {MSG_TABLE_(shear_msg_metrics, metrics_members), .check = NULL};
 
+static const msg_member probed_members[] = {
+    MSG_BOOL_(shear_msg_probed, ok, MSG_REQUIRED), MSG_SAID_(shear_msg_probed, code, 0),
+    MSG_SAID_(shear_msg_probed, message, 0),       MSG_SAID_(shear_msg_probed, advice, 0),
+    MSG_REAL_(shear_msg_probed, g1, 0, 0),         MSG_REAL_(shear_msg_probed, g1_err, 0, 0),
+    MSG_REAL_(shear_msg_probed, g2, 0, 0),         MSG_REAL_(shear_msg_probed, g2_err, 0, 0),
+    MSG_REAL_(shear_msg_probed, true_g1, 0, 0),    MSG_REAL_(shear_msg_probed, true_g2, 0, 0),
+    MSG_COUNT_(shear_msg_probed, stamps, 0),       MSG_REAL_(shear_msg_probed, seconds, 0, 0),
+    MSG_BOOL_(shear_msg_probed, landlock, 0),
+};
+const msg_table msg_probed = {MSG_TABLE_(shear_msg_probed, probed_members), .check = NULL};
+
 static const msg_member reloaded_members[] = {
     MSG_TEXTS_(shear_msg_reloaded, changed, 0, 0, 0),
     MSG_TEXTS_(shear_msg_reloaded, restart, 0, 0, 0),

@@ -18,6 +18,7 @@ const rpc_method rpc_methods[SHEAR_N_METHODS] = {
     [SHEAR_METHOD_UNSUBSCRIBE] = {"unsubscribe", &msg_unsubscribe, &msg_subscribed, false},
     [SHEAR_METHOD_STATUS] = {"status", &msg_nothing, &msg_status, false},
     [SHEAR_METHOD_METRICS] = {"metrics", &msg_nothing, &msg_metrics, false},
+    [SHEAR_METHOD_PROBE] = {"probe", &msg_nothing, &msg_probed, false},
     [SHEAR_METHOD_RELOAD] = {"reload", &msg_nothing, &msg_reloaded, true},
     [SHEAR_METHOD_DRAIN] = {"drain", &msg_nothing, &msg_stopping, true},
     [SHEAR_METHOD_SHUTDOWN] = {"shutdown", &msg_shutdown, &msg_stopping, true},
@@ -59,8 +60,9 @@ bool shear_method_needs_admin(int method) {
 /* In the order of enum shear_method. */
 const char *const *shear_method_names(size_t *n) {
     static const char *const names[SHEAR_N_METHODS] = {
-        "hello",  "submit",    "job",         "jobs",   "wait",    "cancel", "retry", "field",
-        "fields", "subscribe", "unsubscribe", "status", "metrics", "reload", "drain", "shutdown",
+        "hello",   "submit", "job",    "jobs",      "wait",        "cancel",
+        "retry",   "field",  "fields", "subscribe", "unsubscribe", "status",
+        "metrics", "probe",  "reload", "drain",     "shutdown",
     };
     *n = SHEAR_N_METHODS;
     return names;

@@ -145,6 +145,10 @@ void engine_free(engine *e) {
     free(e);
 }
 
+const char *engine_get_scratch(const engine *e) {
+    return e->scratch;
+}
+
 /* ---- jobs ---- */
 
 int engine_add(engine *e, const engine_job *spec, shear_error *err) {

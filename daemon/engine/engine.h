@@ -82,6 +82,7 @@ typedef struct engine_event {
     char checksum[SHEAR_CHECKSUM_SIZE]; /* OPENED: of the content (shear_input_checksum) */
     shear_field_info info;              /* OPENED */
     shear_plan_info plan;               /* OPENED */
+    bool landlocked;                    /* OPENED: reader_is_landlocked */
     int64_t next_block;                 /* CHECKPOINT, RESUMED */
     char *sums;                         /* CHECKPOINT, DONE: text; freed by engine_event_deinit */
     int64_t from_block;                 /* CHECKPOINT: where its terms begin */
@@ -133,6 +134,9 @@ bool engine_get_progress(engine *e, int64_t job, engine_progress *progress);
 /* Add the sums of the job so far to `sums`, for a field's running average; false as above, or where
  * it has not begun. */
 bool engine_partial(engine *e, int64_t job, shear_field_sums *sums);
+
+/* The directory for unpacked copies, as it was given. */
+const char *engine_get_scratch(const engine *e);
 
 typedef struct engine_load {
     int workers, busy;    /* threads, and those at work now */

@@ -18,6 +18,7 @@
 typedef struct child {
     shear_input input;
     int fds[SHEAR_N_PARTS]; /* -1: none */
+    int landlocked;
     shear_field *field;
     shear_hashing *hashing;
     char *memory; /* PSF area, then slots */
@@ -38,6 +39,7 @@ static int do_open(child *c, reader_reply *reply, shear_error *err) {
     const int code = shear_field_open_input(&c->field, &c->input, c->fds, err);
     if (code == SHEAR_OK) {
         reply->info = *shear_field_get_info(c->field);
+        reply->landlocked = c->landlocked;
     }
     return code;
 }
@@ -151,13 +153,12 @@ int main(int argc, char **argv) {
                                    .cpu_seconds = strtoll(argv[2], NULL, 10),
                                    .file_bytes = strtoll(argv[3], NULL, 10)};
     child c = {0};
-    int landlocked = 0;
     shear_error err = {0};
     read_input(&c, argc, argv);
     close_range(READER_FD_FILE + SHEAR_N_PARTS, ~0U, 0);
     setenv("TMPDIR", scratch, 1);
     setenv("SHEAR_UNPACK_LIMIT", argv[3], 1);
-    if (sandbox_enter(&limits, c.fds, SHEAR_N_PARTS, scratch, &landlocked, &err) != SHEAR_OK) {
+    if (sandbox_enter(&limits, c.fds, SHEAR_N_PARTS, scratch, &c.landlocked, &err) != SHEAR_OK) {
         const reader_reply reply = {
             .version = READER_WIRE_VERSION, .op = READER_OPEN, .code = err.code, .error = err};
         send(READER_FD_SOCKET, &reply, sizeof reply, MSG_NOSIGNAL);

@@ -30,6 +30,7 @@ struct reader {
     int failed; /* enum reader_code after the first failure of the child itself */
     shear_error failure;
     shear_field_info info;
+    bool landlocked;
     char *memory;
     size_t memory_bytes, psf_bytes, slot_bytes;
     int slots, capacity;
@@ -281,6 +282,7 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
         return code;
     }
     r->info = reply.info;
+    r->landlocked = reply.landlocked != 0;
     *out = r;
     return SHEAR_OK;
 }
@@ -305,6 +307,10 @@ void reader_stop(reader *r) {
 
 const shear_field_info *reader_get_info(const reader *r) {
     return &r->info;
+}
+
+bool reader_is_landlocked(const reader *r) {
+    return r->landlocked;
 }
 
 static bool is_checksum(const char text[SHEAR_CHECKSUM_SIZE]) {

@@ -49,6 +49,9 @@ int reader_start(reader **r, const shear_input *input, const int *fds, const rea
 void reader_stop(reader *r);
 
 const shear_field_info *reader_get_info(const reader *r);
+/* Is the file system closed to the child? Where the kernel lacks Landlock, seccomp alone guards it.
+ */
+bool reader_is_landlocked(const reader *r);
 
 /* The content's hash (shear_input_checksum), which the child reads; in slices, so that it may take
  * as long as it has to, and be stopped. *hashed, where not NULL: bytes so far, for others to watch.

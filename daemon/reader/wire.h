@@ -47,6 +47,7 @@ typedef struct reader_reply {
     uint32_t version;
     uint32_t op;
     int32_t code;                       /* enum shear_code */
+    int32_t landlocked;                 /* READER_OPEN: is the file system closed to it? */
     int32_t n_psf;                      /* READER_STAMPS: images in the slot */
     int64_t hashed;                     /* READER_HASH: bytes so far */
     char checksum[SHEAR_CHECKSUM_SIZE]; /* READER_HASH: of all; "": there is more to read */

@@ -179,6 +179,10 @@ static int save(service *s, const active_job *j, const engine_event *e, shear_er
 static void take_event(service *s, engine_event *e) {
     active_job *j = jobs_find(s, e->job);
     shear_error err = {0};
+    if (e->job == PROBE_JOB) {
+        probe_event(s, e);
+        return;
+    }
     if (j == NULL) {
         return;
     }

@@ -23,6 +23,7 @@
 typedef struct changed_field changed_field; /* news.c */
 typedef struct solutions solutions;         /* solutions.c */
 typedef struct data_roots data_roots;       /* roots.c */
+typedef struct probe probe;                 /* probe.c */
 
 /* What is to happen once the group is on disk (code SHEAR_OK) or has failed. Freed after its run.
  */
@@ -102,6 +103,7 @@ struct service {
     access_list *hurried; /* who may give priorities above 0 */
     access_roots *roots;
     data_roots *data_roots; /* which of them are there */
+    probe *probe;           /* NULL: nobody has asked for one */
     char user[64];          /* that this process runs as */
     notify notify;
 
@@ -298,6 +300,11 @@ void life_drain(service *s, double timeout_s);
 void life_stop_now(service *s);
 void life_announce(service *s); /* the state, to those who watch */
 void life_check(service *s);    /* has the last job ended while draining? */
+
+/* probe.c */
+enum { PROBE_JOB = -1 }; /* the engine's name for it: no job of the store has it */
+void probe_event(service *s, const engine_event *e);
+void probe_free(service *s);
 
 /* roots.c */
 /* Those of the configuration, looked at; missing ones are warned of. On an error: as before. */

@@ -168,6 +168,9 @@ void methods_request(void *context, const server_request *r) {
     case SHEAR_METHOD_STATUS:
         status_reply(s, r->handle);
         break;
+    case SHEAR_METHOD_PROBE:
+        method_probe(s, r);
+        break;
     case SHEAR_METHOD_METRICS:
         metrics_reply(s, r->handle);
         break;

@@ -22,6 +22,9 @@ void method_wait(service *s, const server_request *r);
 void method_field(service *s, const server_request *r);
 void method_fields(service *s, const server_request *r);
 
+/* probe.c */
+void method_probe(service *s, const server_request *r);
+
 /* methods.c: error replies */
 void method_refuse(service *s, server_handle to, int code, const char *message);
 void method_refuse_new(service *s, server_handle to); /* draining or stopping */

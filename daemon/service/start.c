@@ -201,6 +201,7 @@ void service_close(service *s) {
     access_list_free(s->hurried);
     access_roots_free(s->roots);
     roots_free(s);
+    probe_free(s);
     notify_deinit(&s->notify);
     uv_loop_close(&s->loop);
     sheard_list_free(&s->assignments);

@@ -50,11 +50,11 @@ static void test_requests(void **state) {
 static void test_defaults(void **state) {
     (void)state;
     static const char *const lines[SHEAR_N_METHODS] = {
-        [SHEAR_METHOD_HELLO] = "{}",       [SHEAR_METHOD_JOBS] = "{}",
-        [SHEAR_METHOD_FIELDS] = "{}",      [SHEAR_METHOD_STATUS] = "{}",
-        [SHEAR_METHOD_METRICS] = "{}",     [SHEAR_METHOD_RELOAD] = "{}",
-        [SHEAR_METHOD_DRAIN] = "{}",       [SHEAR_METHOD_SHUTDOWN] = "{}",
-        [SHEAR_METHOD_UNSUBSCRIBE] = "{}",
+        [SHEAR_METHOD_HELLO] = "{}",    [SHEAR_METHOD_JOBS] = "{}",
+        [SHEAR_METHOD_FIELDS] = "{}",   [SHEAR_METHOD_STATUS] = "{}",
+        [SHEAR_METHOD_PROBE] = "{}",    [SHEAR_METHOD_METRICS] = "{}",
+        [SHEAR_METHOD_RELOAD] = "{}",   [SHEAR_METHOD_DRAIN] = "{}",
+        [SHEAR_METHOD_SHUTDOWN] = "{}", [SHEAR_METHOD_UNSUBSCRIBE] = "{}",
     };
     for (int method = 0; method < SHEAR_N_METHODS; method++) {
         shear_params params;

@@ -399,6 +399,16 @@ typedef struct shear_msg_metrics {
     const char *content_type, *text;
 } shear_msg_metrics;
 
+typedef struct shear_msg_probed {
+    bool ok;                             /* a tiny field was measured, and its shear is right */
+    const char *code, *message, *advice; /* why not */
+    double g1, g1_err, g2, g2_err;       /* NaN: not measured */
+    double true_g1, true_g2;
+    int64_t stamps;
+    double seconds;
+    bool landlock; /* the file system was closed to its reader */
+} shear_msg_probed;
+
 typedef struct shear_msg_reloaded {
     const char *const *changed; /* [n_changed] settings that are in force now */
     size_t n_changed;

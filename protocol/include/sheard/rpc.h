@@ -132,6 +132,7 @@ enum shear_method {
     SHEAR_METHOD_UNSUBSCRIBE,
     SHEAR_METHOD_STATUS,
     SHEAR_METHOD_METRICS,
+    SHEAR_METHOD_PROBE,
     SHEAR_METHOD_RELOAD,
     SHEAR_METHOD_DRAIN,
     SHEAR_METHOD_SHUTDOWN,
@@ -177,6 +178,7 @@ typedef union shear_reply {
     shear_msg_subscribed subscribe, unsubscribe;
     shear_msg_status status;
     shear_msg_metrics metrics;
+    shear_msg_probed probe;
     shear_msg_reloaded reload;
     shear_msg_stopping drain, shutdown;
 } shear_reply;

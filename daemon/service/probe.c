@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The method probe: can this service measure? A tiny field of known shear goes the way of every
+ * job through the engine (reader, sandbox, plan, workers), and past the store. One at a time: who
+ * asks meanwhile gets the same answer. */
+#include "service/methods.h"
+#include "service/probe_field.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { ASKING_MAX = 16 };
+
+typedef struct asking {
+    server_handle to[ASKING_MAX];
+    size_t n; /* > 0: a probe is under way */
+} asking;
+
+struct probe {
+    asking asking;
+    uv_work_t work;
+    int fd, code; /* of the field's file */
+    shear_error err;
+    double begun_s;
+    bool landlocked;
+};
+
+static double now_s(void) {
+    return 1e-9 * (double)uv_hrtime();
+}
+
+static void answer(service *s, const shear_msg_probed *what) {
+    probe *p = s->probe;
+    const asking all = p->asking;
+    p->asking.n = 0;
+    for (size_t i = 0; i < all.n; i++) {
+        const shear_reply reply = {.probe = *what};
+        server_reply(s->server, all.to[i], &reply);
+    }
+}
+
+static void answer_failed(service *s, const char *code, const shear_error *err) {
+    const shear_msg_probed what = {.code = code,
+                                   .message = err->message,
+                                   .advice = err->advice[0] != '\0' ? err->advice : NULL,
+                                   .g1 = NAN,
+                                   .g1_err = NAN,
+                                   .g2 = NAN,
+                                   .g2_err = NAN,
+                                   .true_g1 = PROBE_G1,
+                                   .true_g2 = PROBE_G2,
+                                   .seconds = now_s() - s->probe->begun_s};
+    log_warning("probe: %s", err->message);
+    answer(s, &what);
+}
+
+static void answer_measured(service *s, const shear_result *r) {
+    char text[200];
+    shear_msg_probed what = {.ok = fabs(r->g1 - PROBE_G1) < PROBE_TOLERANCE &&
+                                   fabs(r->g2 - PROBE_G2) < PROBE_TOLERANCE,
+                             .g1 = r->g1,
+                             .g1_err = r->g1_err,
+                             .g2 = r->g2,
+                             .g2_err = r->g2_err,
+                             .true_g1 = PROBE_G1,
+                             .true_g2 = PROBE_G2,
+                             .stamps = r->n_used,
+                             .seconds = now_s() - s->probe->begun_s,
+                             .landlock = s->probe->landlocked};
+    if (!what.ok) {
+        snprintf(text, sizeof text, "the probe's shear is measured as %.6f, %.6f; it is %.6f, %.6f",
+                 r->g1, r->g2, PROBE_G1, PROBE_G2);
+        what.code = shear_rpc_code_get(SHEAR_RPC_INTERNAL)->name;
+        what.message = text;
+        log_error("%s", text);
+    }
+    answer(s, &what);
+}
+
+static void make_field(uv_work_t *work) {
+    const service *s = work->data;
+    probe *p = s->probe;
+    p->err = (shear_error){0};
+    p->code = probe_field_make(engine_get_scratch(s->engine), &p->fd, &p->err);
+}
+
+/* The field is there: a job for the engine, as any, but none of the store's. */
+static void made(uv_work_t *work, int status) {
+    service *s = work->data;
+    probe *p = s->probe;
+    shear_settings settings;
+    (void)status; /* never cancelled */
+    if (s->server == NULL || s->closing) {
+        if (p->fd >= 0) {
+            close(p->fd);
+        }
+        return;
+    }
+    if (p->code == SHEAR_OK) {
+        const shear_input input = shear_input_of_file("probe.fits");
+        int fds[SHEAR_N_PARTS] = {p->fd, -1, -1, -1};
+        shear_settings_init(&settings);
+        const engine_job job = {.id = PROBE_JOB,
+                                .priority = SHEAR_MSG_PRIORITY_MAX + 1,
+                                .input = &input,
+                                .fds = fds,
+                                .settings = settings};
+        p->code = engine_add(s->engine, &job, &p->err);
+    }
+    if (p->code != SHEAR_OK) {
+        answer_failed(s, ending_reason_of(&p->err).name, &p->err);
+    }
+}
+
+void probe_event(service *s, const engine_event *e) {
+    switch (e->kind) {
+    case ENGINE_OPENED:
+        s->probe->landlocked = e->landlocked;
+        engine_go(s->engine, PROBE_JOB, NULL);
+        break;
+    case ENGINE_DONE:
+        answer_measured(s, &e->result);
+        break;
+    case ENGINE_FAILED:
+        answer_failed(s, ending_reason_of(&e->error).name, &e->error);
+        break;
+    case ENGINE_STOPPED:
+        answer_failed(s, shear_rpc_code_get(SHEAR_RPC_STOPPING)->name,
+                      &(shear_error){.message = "the service stops"});
+        break;
+    default:
+        break;
+    }
+}
+
+void method_probe(service *s, const server_request *r) {
+    if (s->state == SHEAR_SERVER_STOPPING) {
+        method_refuse(s, r->handle, SHEAR_RPC_STOPPING, "the service is about to exit");
+        return;
+    }
+    if (s->probe == NULL) {
+        s->probe = calloc(1, sizeof *s->probe);
+    }
+    probe *p = s->probe;
+    if (p == NULL) {
+        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a probe");
+        return;
+    }
+    if (p->asking.n == ASKING_MAX) {
+        method_refuse(s, r->handle, SHEAR_RPC_TOO_MANY_REQUESTS,
+                      "as many wait for the probe under way as may");
+        return;
+    }
+    p->asking.to[p->asking.n++] = r->handle;
+    if (p->asking.n > 1) {
+        return;
+    }
+    p->begun_s = now_s();
+    p->work.data = s;
+    p->fd = -1;
+    if (uv_queue_work(&s->loop, &p->work, make_field, made) != 0) {
+        answer_failed(s, shear_rpc_code_get(SHEAR_RPC_INTERNAL)->name,
+                      &(shear_error){.message = "the probe's field cannot be made now"});
+    }
+}
+
+void probe_free(service *s) {
+    free(s->probe);
+    s->probe = NULL;
+}

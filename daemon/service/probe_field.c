@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/probe_field.h"
+
+#include "shear/field.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { SIDE = 32 };
+static const double galaxy_sigma_px = 2.5, psf_sigma_px = 1.5, noise = 1e-3; /* of the peak */
+
+/* -1..1, the same in every process. */
+static double draw(uint64_t *seed) {
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*seed >> 11) * 0x1p-52 - 1.0;
+}
+
+/* A round Gaussian under the shear, seen through the PSF: again one, with its centre off the
+ * stamp's by a part of a pixel. */
+static void draw_galaxy(uint64_t *seed, double out[SIDE * SIDE]) {
+    const double s2 = galaxy_sigma_px * galaxy_sigma_px;
+    const double p2 = psf_sigma_px * psf_sigma_px;
+    const double norm = 1.0 - PROBE_G1 * PROBE_G1 - PROBE_G2 * PROBE_G2;
+    const double a = (1.0 + PROBE_G1) / norm;
+    const double b = PROBE_G2 / norm;
+    const double d = (1.0 - PROBE_G1) / norm;
+    const double xx = s2 * (a * a + b * b) + p2;
+    const double yy = s2 * (b * b + d * d) + p2;
+    const double xy = s2 * b * (a + d);
+    const double det = xx * yy - xy * xy;
+    const double x0 = 0.5 * (SIDE + draw(seed));
+    const double y0 = 0.5 * (SIDE + draw(seed));
+    for (int j = 0; j < SIDE; j++) {
+        for (int i = 0; i < SIDE; i++) {
+            const double x = i - x0;
+            const double y = j - y0;
+            const double r2 = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / det;
+            out[j * SIDE + i] = exp(-0.5 * r2) + noise * draw(seed);
+        }
+    }
+}
+
+static void draw_psf(double out[SIDE * SIDE]) {
+    const double p2 = psf_sigma_px * psf_sigma_px;
+    for (int j = 0; j < SIDE; j++) {
+        for (int i = 0; i < SIDE; i++) {
+            const double x = i - SIDE / 2;
+            const double y = j - SIDE / 2;
+            out[j * SIDE + i] = exp(-0.5 * (x * x + y * y) / p2);
+        }
+    }
+}
+
+static int write_all(shear_field_writer *w, shear_error *err) {
+    double galaxy[SIDE * SIDE];
+    double blank[SIDE * SIDE];
+    uint64_t seed = 1;
+    int code = SHEAR_OK;
+    for (int i = 0; i < PROBE_STAMPS && code == SHEAR_OK; i++) {
+        draw_galaxy(&seed, galaxy);
+        for (int k = 0; k < SIDE * SIDE; k++) {
+            blank[k] = noise * draw(&seed);
+        }
+        code = shear_field_write(w, i, 1, galaxy, blank, NULL, err);
+    }
+    draw_psf(galaxy);
+    return code == SHEAR_OK ? shear_field_write_psf(w, 0, galaxy, err) : code;
+}
+
+int probe_field_make(const char *directory, int *fd, shear_error *err) {
+    char path[4300];
+    shear_field_writer *w = NULL;
+    const shear_field_spec spec = {.name = "probe",
+                                   .pixscale = NAN,
+                                   .has_truth = true,
+                                   .sim_g1 = PROBE_G1,
+                                   .sim_g2 = PROBE_G2,
+                                   .geometry = {SIDE, SIDE, SIDE, SIDE, 1},
+                                   .n_stamps = PROBE_STAMPS,
+                                   .n_psf = 1,
+                                   .layout = SHEAR_LAYOUT_CUBE,
+                                   .bitpix = -64,
+                                   .overwrite = true};
+    *fd = -1;
+    snprintf(path, sizeof path, "%s/probe.fits", directory);
+    int code = shear_field_create(&w, path, &spec, err);
+    if (code == SHEAR_OK) {
+        code = write_all(w, err);
+    }
+    if (code != SHEAR_OK) {
+        shear_field_abort(w);
+        return code;
+    }
+    code = shear_field_finish(w, err);
+    if (code == SHEAR_OK) {
+        *fd = open(path, O_RDONLY | O_CLOEXEC);
+        code = *fd >= 0 ? SHEAR_OK
+                        : shear_fail(err, SHEAR_E_IO, NULL, "%.300s: cannot be opened: %s", path,
+                                     strerror(errno));
+    }
+    unlink(path);
+    return code;
+}
