@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The directories of the service: are they there, is there room, do their clocks agree. */
+/* The directories of the service, with our own eyes: are they there, can they be written to, is
+ * there room, do their clocks agree. */
 #include "doctor.h"
 #include "human.h"
 
@@ -19,15 +20,8 @@ static const int64_t too_little_bytes = INT64_C(100) << 20;
 static const double clock_tolerance_s = 2.0; /* some file systems have whole seconds */
 enum { CIFS_MAGIC = (int)0xFF534D42 };       /* not in linux/magic.h of all versions */
 
-static void check_room(struct doctor *d, const char *subject, const char *path) {
-    struct statvfs fs;
+void doctor_say_room(struct doctor *d, const char *subject, const char *path, int64_t left) {
     char bytes[HUMAN_SIZE];
-    if (statvfs(path, &fs) != 0) {
-        doctor_say(d, subject, SHEAR_FINDING_WARN, "run doctor as root or as the service's user",
-                   "%s cannot be looked at: %s", path, strerror(errno));
-        return;
-    }
-    const int64_t left = (int64_t)fs.f_bavail * (int64_t)fs.f_frsize;
     human_bytes(left, bytes);
     if (left < little_bytes) {
         doctor_say(d, subject, left < too_little_bytes ? SHEAR_FINDING_FAIL : SHEAR_FINDING_WARN,
@@ -37,8 +31,18 @@ static void check_room(struct doctor *d, const char *subject, const char *path) 
     }
 }
 
+static void check_room(struct doctor *d, const char *subject, const char *path) {
+    struct statvfs fs;
+    if (statvfs(path, &fs) != 0) {
+        doctor_say(d, subject, SHEAR_FINDING_WARN, "run doctor as root or as the service's user",
+                   "%s cannot be looked at: %s", path, strerror(errno));
+        return;
+    }
+    doctor_say_room(d, subject, path, (int64_t)fs.f_bavail * (int64_t)fs.f_frsize);
+}
+
 /* The database's write-ahead log needs shared memory that no network file system has. */
-static void check_local(struct doctor *d, const char *path) {
+void doctor_check_local(struct doctor *d, const char *path) {
     struct statfs fs;
     if (statfs(path, &fs) != 0) {
         return; /* check_room has said why */
@@ -87,13 +91,13 @@ static void check_folders(struct doctor *d) {
             doctor_say(d, "spool", SHEAR_FINDING_FAIL,
                        "all four folders must be on the disk of the spool",
                        "%s is on another file system", path);
-        } else {
+        } else if (doctor_try_write(d, "spool", path)) {
             good++;
         }
     }
     if (good == sizeof names / sizeof *names) {
         doctor_say(d, "spool", SHEAR_FINDING_OK, NULL,
-                   "incoming, active, done and failed are there");
+                   "incoming, active, done and failed are there, and can be written to");
     }
 }
 
@@ -140,18 +144,11 @@ static void check_lock(struct doctor *d) {
 }
 
 /* The times of a file server decide when a file has stood still. */
-static void check_clock(struct doctor *d) {
+void doctor_check_clock(struct doctor *d) {
     char path[4400];
     struct stat st;
     snprintf(path, sizeof path, "%s/incoming", d->spool);
-    int fd = open(path, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
-    if (fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR)) {
-        snprintf(path, sizeof path, "%s/incoming/.doctor-XXXXXX", d->spool);
-        fd = mkostemp(path, O_CLOEXEC);
-        if (fd >= 0) {
-            unlink(path);
-        }
-    }
+    const int fd = doctor_scratch_file(path);
     if (fd < 0 || write(fd, "x", 1) != 1 || fstat(fd, &st) != 0) {
         doctor_say(d, "clock", SHEAR_FINDING_WARN, "run doctor as someone who may drop files",
                    "the clock of the spool's file system cannot be read: %s", strerror(errno));
@@ -182,11 +179,15 @@ static void check_root(struct doctor *d, const char *path) {
     }
 }
 
+void doctor_say_no_roots(struct doctor *d) {
+    doctor_say(d, "data root", SHEAR_FINDING_WARN,
+               "set [access] data_roots, if files are to be submitted by name",
+               "none: files are taken from the watch folder alone");
+}
+
 static void check_roots(struct doctor *d) {
     if (!d->roots || !*d->roots) {
-        doctor_say(d, "data root", SHEAR_FINDING_WARN,
-                   "set [access] data_roots, if files are to be submitted by name",
-                   "none: files are taken from the watch folder alone");
+        doctor_say_no_roots(d);
         return;
     }
     for (char *at = d->roots; at;) {
@@ -203,12 +204,15 @@ void doctor_check_disks(struct doctor *d) {
     struct stat st;
     if (d->state_dir && check_directory(d, "state", d->state_dir, &st)) {
         check_room(d, "state", d->state_dir);
-        check_local(d, d->state_dir);
+        if (doctor_try_write(d, "state", d->state_dir)) {
+            doctor_say(d, "state", SHEAR_FINDING_OK, NULL, "%s can be written to", d->state_dir);
+        }
+        doctor_check_local(d, d->state_dir);
     }
     if (d->spool && d->has_spool) {
         check_folders(d);
         check_lock(d);
-        check_clock(d);
+        doctor_check_clock(d);
     }
     if (d->state_dir) { /* the configuration is known */
         check_roots(d);

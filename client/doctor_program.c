@@ -6,8 +6,10 @@
 #include "run_program.h"
 #include "shear/version.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static int ask(const char *config, const char *program, const char *what, char **text) {
     const char *argv[] = {program, what, config ? "--config" : NULL, config, NULL};
@@ -44,27 +46,37 @@ static void check_version(struct doctor *d, const char *program) {
     free(text);
 }
 
-static void check_config(struct doctor *d, const char *program) {
+void doctor_check_config(struct doctor *d) {
     char line[400];
     char *text = NULL;
-    const int code = ask(d->config, program, "--check-config", &text);
+    if (!d->program) {
+        return;
+    }
+    if (d->told && access(d->config, R_OK) != 0) {
+        doctor_say(d, "config", SHEAR_FINDING_WARN, "run doctor as root",
+                   "%s, which the service uses, cannot be read by you: %s", d->config,
+                   strerror(errno));
+        return;
+    }
+    const int code = ask(d->config, d->program, "--check-config", &text);
     const char *said = text ? text : "";
+    const char *name = d->config ? d->config : "the configuration";
     if (code != 0) {
         const char *why = line_with(said, "error", line, sizeof line);
         doctor_say(d, "config", SHEAR_FINDING_FAIL,
                    "correct the file; sheard --check-config tells all that is wrong in it",
-                   "the configuration is not valid: %s", why ? why : "no reason was given");
+                   "%s is not valid: %s", name, why ? why : "no reason was given");
     } else if (line_with(said, "warning", line, sizeof line)) {
         doctor_say(d, "config", SHEAR_FINDING_WARN, "sheard --check-config tells more", "%s", line);
     } else {
-        doctor_say(d, "config", SHEAR_FINDING_OK, NULL, "the configuration is valid");
+        doctor_say(d, "config", SHEAR_FINDING_OK, NULL, "%s is valid", name);
     }
     free(text);
 }
 
-static void read_config(struct doctor *d, const char *program) {
+static void read_config(struct doctor *d) {
     char *text = NULL;
-    if (ask(d->config, program, "--print-config", &text) == 0 && text) {
+    if (ask(d->config, d->program, "--print-config", &text) == 0 && text) {
         d->state_dir = conf_text_value(text, "daemon", "state_dir");
         d->socket = conf_text_value(text, "daemon", "socket");
         d->spool = conf_text_value(text, "spool", "directory");
@@ -77,15 +89,13 @@ static void read_config(struct doctor *d, const char *program) {
 }
 
 void doctor_check_program(struct doctor *d) {
-    char *program = run_program_find("sheard");
-    if (!program) {
+    d->program = run_program_find("sheard");
+    if (!d->program) {
         doctor_say(d, "program", SHEAR_FINDING_WARN,
                    "install sheard, or run doctor where the service runs",
                    "sheard is not installed here: its configuration cannot be looked at");
         return;
     }
-    check_version(d, program);
-    check_config(d, program);
-    read_config(d, program);
-    free(program);
+    check_version(d, d->program);
+    read_config(d);
 }

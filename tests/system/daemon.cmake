@@ -27,6 +27,7 @@ set(names # one a line: whoever adds one does not get into another's way
   faults
   hostile
   memory
+  probe
   reader
   roots
   sources

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the service that answers sees of its directories, and whether it can measure: its own word,
+ * for it may have another configuration, other rights, and other file systems than we (PrivateTmp,
+ * ProtectHome). */
+#include "doctor.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char *copy(const char *text) {
+    return text ? strdup(text) : NULL;
+}
+
+void doctor_take_paths(struct doctor *d) {
+    const shear_msg_status *s = &d->status.status;
+    if (!s->config || !s->state_dir) {
+        return; /* of an older release: it does not tell */
+    }
+    free(d->state_dir);
+    free(d->spool);
+    free(d->roots);
+    d->told = true;
+    d->state_dir = copy(s->state_dir);
+    d->spool = copy(s->spool.path);
+    d->has_spool = s->spool.path != NULL;
+    d->roots = NULL;
+    if (!d->config) {
+        d->config = s->config;
+    } else if (strcmp(d->config, s->config) != 0) {
+        doctor_say(d, "config", SHEAR_FINDING_WARN,
+                   "leave --config out to look at the one of the service that answers",
+                   "the service that answers was configured by %s", s->config);
+    }
+}
+
+static void tell_root(struct doctor *d, const shear_msg_root *r) {
+    if (r->missing) {
+        doctor_say(d, "data root", SHEAR_FINDING_FAIL,
+                   "mount it, or make it, where the service sees it (home-data.conf, where it is "
+                   "beneath /home); jobs beneath it wait",
+                   "%s", r->reason ? r->reason : r->path);
+    } else if (access(r->path, R_OK | X_OK) != 0) {
+        doctor_say(d, "data root", SHEAR_FINDING_WARN, "ask for read permission on it",
+                   "%s is there for the service, but you may not read it, so no file in it will "
+                   "be measured for you",
+                   r->path);
+    } else {
+        doctor_say(d, "data root", SHEAR_FINDING_OK, NULL,
+                   "%s is there for the service, and readable for you", r->path);
+    }
+}
+
+void doctor_check_told(struct doctor *d) {
+    const shear_msg_status *s = &d->status.status;
+    doctor_say_room(d, "state", s->state_dir, s->store.free_bytes);
+    doctor_check_local(d, s->state_dir);
+    if (s->spool.path) {
+        doctor_say_room(d, "spool", s->spool.path, s->spool.free_bytes);
+        doctor_check_clock(d);
+    }
+    for (size_t i = 0; i < s->n_roots; i++) {
+        tell_root(d, &s->roots[i]);
+    }
+    if (s->n_roots == 0) {
+        doctor_say_no_roots(d);
+    }
+}
+
+/* ---- can it measure? ---- */
+
+static void tell_probe(struct doctor *d, const shear_msg_probed *p) {
+    if (!p->ok) {
+        doctor_say(d, "probe", SHEAR_FINDING_FAIL, p->advice,
+                   "the service cannot measure a tiny field of its own: %s%s%s%s",
+                   p->message ? p->message : "no reason was given", p->code ? " [" : "",
+                   p->code ? p->code : "", p->code ? "]" : "");
+        return;
+    }
+    doctor_say(d, "probe", SHEAR_FINDING_OK, NULL,
+               "the service measures: g1 %+.5f (is %+.5f), g2 %+.5f (is %+.5f), %.2f s", p->g1,
+               p->true_g1, p->g2, p->true_g2, p->seconds);
+    doctor_say(d, "sandbox", p->landlock ? SHEAR_FINDING_OK : SHEAR_FINDING_WARN,
+               p->landlock ? NULL
+                           : "boot with landlock among the security modules (lsm=landlock,...)",
+               p->landlock ? "the service's readers have system calls filtered and the file "
+                             "system closed (seccomp, Landlock)"
+                           : "no Landlock: seccomp alone guards the service's readers");
+}
+
+bool doctor_check_probe(struct doctor *d) {
+    shear_rpc_error error = {0};
+    shear_reply reply = {0};
+    const int status = connection_call(d->service.connection, SHEAR_METHOD_PROBE, NULL,
+                                       d->service.reply_timeout_s, &reply, NULL, &error);
+    if (status == CONNECTION_OK) {
+        tell_probe(d, &reply.probe);
+        shear_reply_deinit(&reply, SHEAR_METHOD_PROBE);
+        return true;
+    }
+    const bool old = status == CONNECTION_REFUSED && error.code == SHEAR_RPC_UNKNOWN_METHOD;
+    doctor_say(d, "probe", old ? SHEAR_FINDING_WARN : SHEAR_FINDING_FAIL,
+               old ? "install one release, and restart the service" : error.advice,
+               old ? "the service is too old to be asked whether it can measure"
+                   : "the service does not tell whether it can measure: %s",
+               error.message);
+    return false;
+}
