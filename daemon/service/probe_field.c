@@ -49,8 +49,8 @@ static void draw_psf(double out[SIDE * SIDE]) {
     const double p2 = psf_sigma_px * psf_sigma_px;
     for (int j = 0; j < SIDE; j++) {
         for (int i = 0; i < SIDE; i++) {
-            const double x = i - SIDE / 2;
-            const double y = j - SIDE / 2;
+            const double x = i - 0.5 * SIDE;
+            const double y = j - 0.5 * SIDE;
             out[j * SIDE + i] = exp(-0.5 * (x * x + y * y) / p2);
         }
     }

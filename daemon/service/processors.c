@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -12,16 +13,20 @@ enum { PATH_SIZE = 4096 };
 /* "QUOTA PERIOD", or "max PERIOD". */
 static int read_quota(const char *group) {
     char path[2 * PATH_SIZE + 16];
-    long long quota = 0;
-    long long period = 0;
+    char text[64] = "";
+    char *end = text;
     snprintf(path, sizeof path, "%s/cpu.max", group);
     FILE *file = fopen(path, "re");
     if (file == NULL) {
         return 0;
     }
-    const bool limited = fscanf(file, "%lld %lld", &quota, &period) == 2 && quota > 0 && period > 0;
+    const bool got = fgets(text, sizeof text, file) != NULL;
     fclose(file);
-    return limited && quota / period < 1000000 ? (int)((quota + period - 1) / period) : 0;
+    const long long quota = got ? strtoll(text, &end, 10) : 0;
+    const long long period = strtoll(end, NULL, 10);
+    return quota > 0 && period > 0 && quota / period < 1000000
+               ? (int)((quota + period - 1) / period)
+               : 0;
 }
 
 /* The path of our group in the one hierarchy of version 2: "0::PATH". */
