@@ -115,8 +115,9 @@ class MissingRoot(DaemonTest):
         d = self.daemon_with(self.missing)
         d.drop(None, "k.json", json.dumps({"path": os.path.join(self.missing, "a.fits")}).encode())
         until(lambda: d.dropped("active"), "it is taken")
-        os.mkdir(self.missing)
-        mock(os.path.join(self.missing, "a.fits"))
+        os.mkdir(self.away)
+        mock(os.path.join(self.away, "a.fits"))
+        os.rename(self.away, self.missing)
         until(lambda: "k.json.json" in d.dropped("done"), "its job is done")
 
 
