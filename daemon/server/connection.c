@@ -260,13 +260,14 @@ static void on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *buf) {
     if (n > 0) {
         c->server->statistics.bytes_in += (uint64_t)n;
         keep_input(c, buf->base, (size_t)n);
+        settle(c);
     } else if (n == UV_EOF) {
         c->ended = true;
         c->doomed = c->doomed || has_gone(c);
+        server_schedule(c->server, c); /* in its turn: a thousand may go at once */
     } else if (n < 0) {
         connection_doom(c);
     }
-    settle(c);
 }
 
 /* Close it, or read on, or not; and come back where there are lines left. */

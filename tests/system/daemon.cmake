@@ -25,6 +25,7 @@ set(names # one a line: whoever adds one does not get into another's way
   disk
   dropped
   faults
+  floods
   hostile
   memory
   probe

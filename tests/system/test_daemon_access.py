@@ -165,6 +165,35 @@ class Access(DaemonTest):
         until(lambda: self.d.job(job["id"])["state"] in FINAL, "root's retry ran")
         self.assertEqual(self.d.call("status")["state"], "running")
 
+    def test_priorities(self):
+        """Above 0 for administrators and those that the configuration names; a job file likewise."""
+        path = self.file("a.fits")
+
+        def hurry(code=None):
+            self.d.submit(path, force=True, priority=-3)
+            if code is None:
+                self.d.submit(path, force=True, priority=1)
+            else:
+                with self.assertRefused(code) as caught:
+                    self.d.submit(path, force=True, priority=1)
+                self.assertIn("[access] priority_users", str(caught.exception))
+        as_user(self, USER, lambda: hurry("priority_not_allowed"))
+        hurry()
+        job = os.path.join(self.directory, "job.json")
+        with open(job, "w", encoding="utf-8") as f:
+            f.write('{"path": "%s", "priority": 5, "force": true}' % path)
+        os.chown(job, USER, USER)
+        os.rename(job, self.d.folder("incoming", "job.json"))
+        until(lambda: "job.json.json" in self.d.dropped("failed"), "the job file is refused")
+        self.assertEqual(self.d.side("failed", "job.json")["code"], "priority_not_allowed")
+        for setting in ("priority_users", "priority_groups"):
+            self.d.settings.pop("access.priority_users", None)
+            self.d.settings[f"access.{setting}"] = USER
+            self.d.write_config()
+            self.d.call("reload")
+            as_user(self, USER, hurry, [USER])
+            as_user(self, OTHER, lambda: hurry("priority_not_allowed"))
+
     def test_keys_belong_to_owners(self):
         path = self.file("a.fits")
         self.assertFalse(self.d.call("submit", path=path, key="k")["known"])

@@ -180,8 +180,10 @@ int64_t fx_done(fixture *f, const char *field, const char *content, unsigned see
 int fx_state(fixture *f, int64_t id) {
     shear_error err = {0};
     store_job job;
+    int state = -1;
     FX_OK(store_job_get(f->s, id, &job, &err));
-    const int state = job.state;
+    FX_OK(store_job_state(f->s, id, &state, &err));
+    assert_int_equal(state, job.state);
     store_job_deinit(&job);
     return state;
 }

@@ -217,6 +217,60 @@ static void test_wire(void **state) {
     free(line);
 }
 
+/* Item by item, the bytes are the same: also where the id and the texts look like the list. */
+static void test_lists_by_items(void **state) {
+    (void)state;
+    static const int methods[] = {SHEAR_METHOD_JOBS, SHEAR_METHOD_WAIT, SHEAR_METHOD_FIELDS,
+                                  SHEAR_METHOD_FIELD};
+    const shear_rpc_id tricky = {.type = SHEAR_ID_TEXT,
+                                 .text = "\"jobs\":[],\"fields\":[],\"rows\":[]"};
+    uint64_t seed = 11;
+    shear_rpc_error error;
+    for (int round = 0; round < 200; round++) {
+        const int method = methods[round % 4];
+        const msg_table *table = rpc_methods[method].reply;
+        shear_reply reply;
+        char *whole;
+        size_t n_whole;
+        fill(&reply, table, &seed);
+        assert_int_equal(shear_reply_line(&whole, &n_whole, &tricky, method, &reply, &error), 0);
+        const msg_member *list = table->members;
+        while (list->type != MSG_OBJECTS) {
+            list++;
+        }
+        size_t *count = (size_t *)((char *)&reply + list->count_offset);
+        const size_t n = *count;
+        char items[1 << 16] = "";
+        size_t used = 0;
+        for (size_t i = 0; i < n; i++) {
+            char *text;
+            size_t length;
+            const char *item = (const char *)msg_pointer(&reply, list->offset);
+            assert_int_equal(
+                shear_reply_item(&text, &length, method, item + i * list->table->size, &error), 0);
+            assert_int_equal(strlen(text), length);
+            used += (size_t)snprintf(items + used, sizeof items - used, "%s%s", i ? "," : "", text);
+            assert_true(used < sizeof items);
+            free(text);
+        }
+        *count = 0;
+        char *line;
+        size_t n_line;
+        assert_int_equal(
+            shear_reply_list_line(&line, &n_line, &tricky, method, &reply, items, used, &error), 0);
+        assert_string_equal(line, whole);
+        assert_int_equal(n_line, n_whole);
+        *count = n;
+        free(line);
+        free(whole);
+        msg_deinit(&reply, table);
+    }
+    char *text;
+    size_t n;
+    assert_int_equal(shear_reply_item(&text, &n, SHEAR_METHOD_HELLO, &seed, &error),
+                     SHEAR_RPC_INTERNAL);
+}
+
 /* Numbers keep their bits; what is not finite is null; texts that are not UTF-8 are said with
  * U+FFFD, but never in a request. */
 static void test_values(void **state) {
@@ -612,6 +666,7 @@ int main(void) {
         cmocka_unit_test(test_notices),
         cmocka_unit_test(test_sources_and_sides),
         cmocka_unit_test(test_wire),
+        cmocka_unit_test(test_lists_by_items),
         cmocka_unit_test(test_values),
         cmocka_unit_test(test_bad_raw),
         cmocka_unit_test(test_settings_have_one_text),
