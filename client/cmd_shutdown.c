@@ -26,6 +26,17 @@ static int handle(int value, void *context) {
     return EXIT_CODE_DONE;
 }
 
+/* Is the socket systemd's? A client that asks now and then would undo the stop. */
+static bool is_activated(struct service *s) {
+    shear_rpc_error error;
+    shear_reply reply = {0};
+    const bool known = connection_call(s->connection, SHEAR_METHOD_STATUS, NULL, s->reply_timeout_s,
+                                       &reply, NULL, &error) == CONNECTION_OK;
+    const bool activated = known && reply.status.activated;
+    shear_reply_deinit(&reply, SHEAR_METHOD_STATUS);
+    return activated;
+}
+
 static int run(int argc, char **argv) {
     struct service s;
     shear_params p;
@@ -37,11 +48,17 @@ static int run(int argc, char **argv) {
     if (code) {
         return code;
     }
+    const bool comes_back = !s.json && is_activated(&s);
     code = service_answer(&s, SHEAR_METHOD_SHUTDOWN, &p, &reply);
     if (!code && !s.json) {
         printf("%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
                shear_server_state_name(reply.shutdown.state), reply.shutdown.running,
                reply.shutdown.queued);
+    }
+    if (!code && comes_back) {
+        puts(
+            "systemd keeps the socket: the next client, or dropped file, starts the service again; "
+            "\"systemctl stop sheard.service\" stops both");
     }
     shear_reply_deinit(&reply, SHEAR_METHOD_SHUTDOWN);
     service_close(&s);

@@ -168,10 +168,12 @@ void doctor_check_clock(struct doctor *d) {
 
 static void check_root(struct doctor *d, const char *path) {
     struct stat st;
-    if (!check_directory(d, "data root", path, &st)) {
-        return;
-    }
-    if (access(path, R_OK | X_OK) != 0) {
+    const int error = stat(path, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
+    if (error != 0) {
+        doctor_say(d, "data root", SHEAR_FINDING_WARN,
+                   "mount it, or make it; jobs beneath it wait until it is there", "%s: %s", path,
+                   strerror(error));
+    } else if (access(path, R_OK | X_OK) != 0) {
         doctor_say(d, "data root", SHEAR_FINDING_WARN, "ask for read permission on it",
                    "%s: you may not read it, so no file in it will be measured for you", path);
     } else {

@@ -16,17 +16,18 @@ static int ask(const char *config, const char *program, const char *what, char *
     return run_program(argv, text);
 }
 
-/* The first line that has `word`, cut; NULL: none. */
-static const char *line_with(const char *text, const char *word, char *buf, size_t size) {
-    const char *at = strstr(text, word);
-    if (!at) {
-        return NULL;
+/* The first line that has `word`, and not `other` (where that is not NULL), cut; NULL: none. */
+static const char *line_with(const char *text, const char *word, const char *other, char *buf,
+                             size_t size) {
+    while (*text) {
+        const size_t n = strcspn(text, "\n");
+        snprintf(buf, size, "%.*s", (int)n, text);
+        if (strstr(buf, word) && (!other || !strstr(buf, other))) {
+            return buf;
+        }
+        text += n + (text[n] == '\n');
     }
-    while (at > text && at[-1] != '\n') {
-        at--;
-    }
-    snprintf(buf, size, "%.*s", (int)strcspn(at, "\n"), at);
-    return buf;
+    return NULL;
 }
 
 static void check_version(struct doctor *d, const char *program) {
@@ -62,11 +63,12 @@ void doctor_check_config(struct doctor *d) {
     const char *said = text ? text : "";
     const char *name = d->config ? d->config : "the configuration";
     if (code != 0) {
-        const char *why = line_with(said, "error", line, sizeof line);
+        const char *why = line_with(said, "error", NULL, line, sizeof line);
         doctor_say(d, "config", SHEAR_FINDING_FAIL,
                    "correct the file; sheard --check-config tells all that is wrong in it",
                    "%s is not valid: %s", name, why ? why : "no reason was given");
-    } else if (line_with(said, "warning", line, sizeof line)) {
+    } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line)) {
+        /* of the data roots, the service's own word comes later */
         doctor_say(d, "config", SHEAR_FINDING_WARN, "sheard --check-config tells more", "%s", line);
     } else {
         doctor_say(d, "config", SHEAR_FINDING_OK, NULL, "%s is valid", name);

@@ -37,7 +37,7 @@ void doctor_take_paths(struct doctor *d) {
 
 static void tell_root(struct doctor *d, const shear_msg_root *r) {
     if (r->missing) {
-        doctor_say(d, "data root", SHEAR_FINDING_FAIL,
+        doctor_say(d, "data root", SHEAR_FINDING_WARN,
                    "mount it, or make it, where the service sees it (home-data.conf, where it is "
                    "beneath /home); jobs beneath it wait",
                    "%s", r->reason ? r->reason : r->path);

@@ -81,7 +81,9 @@ static void warn_roots(struct scene *scene) {
                 "name the directories that hold data",
                 "[access] data_roots: '/' lets clients name every file that they may read");
         } else if (stat(root, &st) != 0) {
-            problems_warn(scene->problems, where(scene, "access", "data_roots"), NULL,
+            problems_warn(scene->problems, where(scene, "access", "data_roots"),
+                          "jobs beneath it wait until it is there, for the service; this is how "
+                          "it looks to who asks",
                           "[access] data_roots: '%s': %s", root, strerror(errno));
         } else if (!S_ISDIR(st.st_mode)) {
             problems_warn(scene->problems, where(scene, "access", "data_roots"), NULL,

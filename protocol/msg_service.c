@@ -134,6 +134,7 @@ static const msg_member status_members[] = {
     MSG_SAID_(shear_msg_status, state_dir, 0),
     MSG_SAID_(shear_msg_status, catalogues, 0),
     MSG_SAID_(shear_msg_status, user, 0),
+    MSG_BOOL_(shear_msg_status, activated, 0),
     MSG_OBJECTS_(shear_msg_status, roots, shear_msg_root, &root),
     MSG_OBJECT_(shear_msg_status, limits, "limits", shear_msg_limits, &msg_limits, 0),
     MSG_TEXTS_(shear_msg_status, problems, 0, 0, 0),

@@ -105,6 +105,7 @@ struct service {
     data_roots *data_roots; /* which of them are there */
     probe *probe;           /* NULL: nobody has asked for one */
     char user[64];          /* that this process runs as */
+    bool activated;         /* the socket is systemd's: the next client starts the service again */
     notify notify;
 
     uv_async_t engine_wake;

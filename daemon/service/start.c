@@ -2,6 +2,7 @@
 /* How the service is put together, and taken apart. */
 #include "reader/find.h"
 #include "service/inner.h"
+#include "service/owner.h"
 #include "service/processors.h"
 
 #include <errno.h>
@@ -31,10 +32,18 @@ static int make_directory(const char *path, mode_t mode, shear_error *err) {
                       "cannot make the directory '%s': %s", path, strerror(errno));
 }
 
+static int check_owner(const service *s, shear_error *err) {
+    const size_t i = (size_t)sheard_setting_find("daemon", "state_dir");
+    return owner_check(s->config.daemon.state_dir, sheard_setting_at(i).initial, "sheard", err);
+}
+
 static int open_store(service *s, shear_error *err) {
     char path[4200];
     const store_options options = {.busy_ms = 5000};
-    int code = make_directory(s->config.daemon.state_dir, 0750, err);
+    int code = check_owner(s, err);
+    if (code == SHEAR_OK) {
+        code = make_directory(s->config.daemon.state_dir, 0750, err);
+    }
     if (code == SHEAR_OK && s->config.catalogues.enabled) {
         code = make_directory(s->config.catalogues.directory, 0750, err);
     }
@@ -95,6 +104,7 @@ static int open_server(service *s, shear_error *err) {
         .defaults = &c->measure,
         .handlers = {.request = methods_request, .is_admin = is_admin, .context = s}};
     const int code = server_activation(fds, 8, &options.n_fds, err);
+    s->activated = s->activated || options.n_fds > 0;
     return code == SHEAR_OK ? server_open(&s->server, &s->loop, &options, err) : code;
 }
 

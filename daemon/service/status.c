@@ -120,6 +120,7 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
         .state_dir = s->config.daemon.state_dir,
         .catalogues = s->config.catalogues.enabled ? s->config.catalogues.directory : NULL,
         .user = s->user,
+        .activated = s->activated,
         .limits = status_limits(s)};
     out->roots = roots_tell(s, &out->n_roots);
     fill_spool(s, &out->spool);

@@ -57,7 +57,7 @@ def status(**other):
             "store": {"path": "/var/lib/sheard/sheard.db", "schema": 1, "bytes": 2 << 20, "free_bytes": 6 << 30,
                       "commits": 99},
             "config": "/etc/sheard/sheard.conf", "state_dir": "/var/lib/sheard", "catalogues": "/var/lib/sheard/catalogues",
-            "user": "sheard", "roots": [{"path": "/data", "missing": False, "reason": None}],
+            "user": "sheard", "activated": False, "roots": [{"path": "/data", "missing": False, "reason": None}],
             "limits": LIMITS, "problems": [], **other}
 
 

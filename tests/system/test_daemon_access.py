@@ -212,5 +212,19 @@ class Access(DaemonTest):
         as_user(self, USER, connect)
 
 
+class RootAndOthers(DaemonTest):
+    @unittest.skipUnless(os.geteuid() == 0, "only root can be refused")
+    def test_root_leaves_nothing_in_anothers_state(self):
+        d = self.daemon(start=False)
+        os.mkdir(d.state)
+        os.chown(d.state, 65534, 65534)
+        d.spawn()
+        self.assertEqual(d.ended(), 1)
+        self.assertIn("runuser -u", d.log_text())
+        self.assertEqual(os.listdir(d.state), [])
+        os.chown(d.state, 0, 0)
+        d.start()
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -85,6 +85,7 @@ class UnderTheUnit(DaemonTest):
         self.assertRow(daemon, "x", measured([plain, packed]), 2)
         names = os.listdir(daemon.settings["catalogues.directory"])
         self.assertEqual(len([n for n in names if n[0] != "."]), 3)
+        self.assertTrue(daemon.call("probe")["ok"])
         self.assertEqual(daemon.call("status")["problems"], [])
         with open(f"/proc/{daemon.process.pid}/status", encoding="ascii") as file:
             self.assertIn("Seccomp:\t2\n", file.read())
@@ -101,6 +102,10 @@ class UnderTheUnit(DaemonTest):
         daemon.start()
         job = daemon.wait_state(daemon.submit(plain)["id"], "waiting", *FINAL)
         self.assertNotEqual(job["state"], "done")
+        probed = daemon.call("probe")
+        self.assertFalse(probed["ok"])
+        for message in (job["message"], probed["message"]):
+            self.assertIn("the reader's sandbox: Landlock: Operation not permitted", message)
 
 
 if __name__ == "__main__":

@@ -386,8 +386,9 @@ typedef struct shear_msg_status {
     shear_msg_spool spool;
     shear_msg_store store;
     const char *config, *state_dir;
-    const char *catalogues;      /* directory; NULL: none are written */
-    const char *user;            /* that the service runs as */
+    const char *catalogues; /* directory; NULL: none are written */
+    const char *user;       /* that the service runs as */
+    bool activated; /* the socket is systemd's, and starts the service when a client comes */
     const shear_msg_root *roots; /* [n_roots] */
     size_t n_roots;
     shear_msg_limits limits;

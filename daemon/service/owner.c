@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/owner.h"
+
+#include <pwd.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int refuse(const char *state_dir, const char *user, shear_error *err) {
+    char advice[240];
+    snprintf(advice, sizeof advice,
+             "systemctl start sheard; without systemd: systemd-tmpfiles --create, then runuser -u "
+             "%.32s -- sheard; or give root a state_dir of its own",
+             user);
+    return shear_fail(err, SHEAR_E_SETTING, advice,
+                      "this is root, and the state directory '%.200s' is for the user '%.32s', "
+                      "whose service what root leaves there would stop",
+                      state_dir, user);
+}
+
+int owner_check(const char *state_dir, const char *installed, const char *user, shear_error *err) {
+    struct stat st;
+    char number[32];
+    if (geteuid() != 0) {
+        return SHEAR_OK;
+    }
+    if (stat(state_dir, &st) != 0) {
+        return strcmp(state_dir, installed) == 0 && getpwnam(user) != NULL
+                   ? refuse(state_dir, user, err)
+                   : SHEAR_OK;
+    }
+    if (st.st_uid == 0) {
+        return SHEAR_OK;
+    }
+    const struct passwd *owner = getpwuid(st.st_uid);
+    snprintf(number, sizeof number, "%lu", (unsigned long)st.st_uid);
+    return refuse(state_dir, owner != NULL ? owner->pw_name : number, err);
+}
