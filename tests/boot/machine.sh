@@ -16,8 +16,14 @@ run_machine() {
         ACCEL=tcg
         ! kvm_works || ACCEL=kvm
     fi
-    timeout "$limit" "${qemu[@]}" -accel "$ACCEL" -cpu "${cpu[$ACCEL]}" -initrd initrd -append "root=/dev/vda console=ttyS0 quiet" \
-        -drive file=disk.img,if=virtio,format=raw -drive file=payload.img,if=virtio,format=raw </dev/null >serial.log 2>&1 || true
+    # A new machine for each of the three boots: a reset ends qemu, and what was only in the machine's memory is gone.
+    : >serial.log
+    for _ in 1 2 3; do
+        ! grep -qa "^CHECKS END" serial.log && [ $SECONDS -lt "$limit" ] || break
+        timeout $((limit - SECONDS)) "${qemu[@]}" -accel "$ACCEL" -cpu "${cpu[$ACCEL]}" -no-reboot -initrd initrd \
+            -append "root=/dev/vda console=ttyS0 quiet panic=-1" -drive file=disk.img,if=virtio,format=raw \
+            -drive file=payload.img,if=virtio,format=raw </dev/null >>serial.log 2>&1 || break
+    done
 }
 
 # The lines of the checks, then what is compared on this side, then the sum.
