@@ -12,6 +12,13 @@ install(FILES config/sheard.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/config)
 # An address that cannot exist (RFC 2606), until whoever distributes a package gives theirs.
 set(SHEAR_CONTACT "The sheard developers <sheard@sheard.invalid>" CACHE STRING "Maintainer of packages made here")
 
+# What is not released yet is later than the last release, and earlier than the next one, for apt and dpkg.
+set(SHEAR_PACKAGE_VERSION ${PROJECT_VERSION})
+file(STRINGS CHANGELOG.md released REGEX "^## \\[${PROJECT_VERSION}\\]")
+if(NOT released)
+  string(APPEND SHEAR_PACKAGE_VERSION "+unreleased")
+endif()
+
 # What only a Debian package has: component "debian", which no other installation takes.
 set(debian ${CMAKE_CURRENT_BINARY_DIR}/debian)
 configure_file(systemd/deb/changelog.in ${debian}/changelog @ONLY)
@@ -25,6 +32,7 @@ install(FILES systemd/deb/overrides DESTINATION share/lintian/overrides RENAME s
 set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME sheard)
+set(CPACK_PACKAGE_VERSION ${SHEAR_PACKAGE_VERSION})
 set(CPACK_PACKAGE_CONTACT "${SHEAR_CONTACT}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "weak-lensing shear from galaxy stamps")
 set(CPACK_PACKAGE_DESCRIPTION "sheard measures the average gravitational shear of fields of galaxy images by
