@@ -131,7 +131,7 @@ static int look_into(const struct validate_options *o, shear_field **field, shea
     struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
     code = field_scan(*field, *plan, progress, v, words);
     progress_end(progress);
-    return code;
+    return code ? code : shear_field_need_name(v->field, v->path, words);
 }
 
 /* One file; *good says how it fared. Returns an exit code for what is not the file's fault. */

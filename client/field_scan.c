@@ -54,7 +54,7 @@ static unsigned catalog_flags(const struct scan *s, const shear_stamps *t, int i
     if (t->mask && t->mask[i] != 0) {
         flags |= SHEAR_FLAG_MASKED;
     }
-    if (t->weight && !(isfinite(t->weight[i]) && t->weight[i] >= 0.0)) {
+    if (t->weight && !shear_weight_is_good(t->weight[i])) {
         flags |= SHEAR_FLAG_BAD_WEIGHT;
     }
     if (s->info->filter_per_stamp && t->r_gal && !(isfinite(t->r_gal[i]) && t->r_gal[i] > 0.0)) {

@@ -6,6 +6,7 @@
 #include "message.h"
 #include "progress.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,6 +183,13 @@ static void judge(struct measure_group *g, size_t done) {
             shear_fail(&err, SHEAR_E_FORMAT, "\"shearctl validate\" tells why stamps are left out",
                        "field %s: %lld of %lld stamps are usable: no shear could be measured",
                        g->field, (long long)g->result.n_used, (long long)g->result.n_stamps);
+        fail_all(g, code, &err);
+    } else if (!isfinite(g->result.g1_err) || !isfinite(g->result.g2_err)) {
+        shear_error err = {0};
+        int code = shear_fail(
+            &err, SHEAR_E_FORMAT,
+            "scale the pixels up, or the weights: their squares are beyond what a double holds",
+            "field %s: the errors of the shear could not be computed", g->field);
         fail_all(g, code, &err);
     }
 }

@@ -30,10 +30,19 @@ static bool is_duplicate(const struct measure_input *inputs, size_t i) {
     return false;
 }
 
+/* The file that the field is called after. */
+static const char *name_of(const struct measure_input *input) {
+    const shear_input *source = input->source;
+    return source->path ? source->path : source->parts[SHEAR_PART_GALAXY].path;
+}
+
 void measure_inputs_open(struct measure_input *inputs, size_t n, const char *field) {
     for (size_t i = 0; i < n; i++) {
         shear_error err = {0};
         int code = look_into(&inputs[i], &err);
+        if (!code && !field) {
+            code = shear_field_need_name(&inputs[i].info, name_of(&inputs[i]), &err);
+        }
         if (code) {
             message_error(&err);
             inputs[i].failure = measure_failure_of(code, false);

@@ -58,7 +58,8 @@ static void print_columns(const shear_field_info *f, FILE *out) {
 
 static void print_field(const shear_field_info *f, FILE *out) {
     char name[80];
-    fprintf(out, "  %-10s %s", "field", message_clean(f->name, name, sizeof name));
+    fprintf(out, "  %-10s %s", "field",
+            f->name[0] ? message_clean(f->name, name, sizeof name) : "-");
     if (isfinite(f->pixscale)) {
         fprintf(out, ", %.4g arcsec a pixel", f->pixscale);
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear/stamp.h"
 
+#include <math.h>
 #include <stddef.h>
 
 static const struct {
@@ -13,7 +14,7 @@ static const struct {
     {"empty", "all pixels of the galaxy stamp are equal"},
     {"psf_unusable",
      "the stamp's PSF is not finite, has no flux, is too wide for beta, or is missing"},
-    {"bad_weight", "CATALOG.WEIGHT is negative or not finite"},
+    {"bad_weight", "CATALOG.WEIGHT is negative, not finite, or above 0 but below 1e-100"},
     {"bad_r_gal", "CATALOG.R_GAL is not positive and finite, and the filter needs it"},
     {"overflow", "the pixels are finite, but the moments, or the sums made of them, are not"},
 };
@@ -24,4 +25,9 @@ const char *shear_flag_name(int bit) {
 
 const char *shear_flag_help(int bit) {
     return bit >= 0 && bit < SHEAR_N_FLAGS ? flags[bit].help : NULL;
+}
+
+bool shear_weight_is_good(double weight) {
+    static const double smallest = 1e-100;
+    return weight == 0.0 || (weight >= smallest && isfinite(weight));
 }

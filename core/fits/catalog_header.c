@@ -29,7 +29,9 @@ static void put_integer(fitsfile *f, const char *key, int64_t value, const char 
 }
 
 void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *status) {
-    put_string(f, "FIELD", info->name, "name of the field", status);
+    if (info->name[0] != '\0') {
+        put_string(f, "FIELD", info->name, "name of the field", status);
+    }
     if (info->has_truth) {
         sf_write_double(f, "SIM_G1", info->sim_g1, "true shear of the mock", status);
         sf_write_double(f, "SIM_G2", info->sim_g2, "true shear of the mock", status);

@@ -11,6 +11,7 @@ struct shear_catalog {
     sf_output out;
     int64_t n;
     unsigned columns; /* of the field file */
+    bool id_unsigned; /* its ids are unsigned numbers of 64 bits, as bits */
     sf_bitset written;
     int64_t kept;   /* rows that its header says are on disk */
     double *values; /* [room]: one column of a chunk */

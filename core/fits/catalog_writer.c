@@ -4,6 +4,7 @@
 #include "fits/catalog_state.h"
 #include "fits/columns.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,6 +80,10 @@ int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, cons
         snprintf(key, sizeof key, "TCOMM%d", i + 1);
         fits_write_key_str(f, key, l.comments[i], NULL, &status);
     }
+    if (c->id_unsigned) { /* ID is the first column */
+        fits_write_record(f, "TZERO1  =  9223372036854775808 / unsigned numbers of 64 bits",
+                          &status);
+    }
     sf_catalog_write_field(f, info, &status);
     if (kept_for != NULL) {
         fits_write_key_str(f, SF_KEPT_FOR, kept_for, "unfinished: the input's checksum", &status);
@@ -99,6 +104,7 @@ int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_
     c->out.directory = -1;
     c->n = info->n_stamps;
     c->columns = info->columns;
+    c->id_unsigned = info->id_unsigned;
     *catalog = c;
     return SHEAR_OK;
 }
@@ -132,6 +138,17 @@ static int make_room(shear_catalog *c, int count, shear_error *err) {
     return c->room > 0 ? SHEAR_OK : sf_fail_memory(err, (sf_place){c->out.name, NULL});
 }
 
+/* CFITSIO would take ids for doubles where TZERO is not 0: what is stored is made here. */
+static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t *ids, int *status) {
+    LONGLONG *stored = (LONGLONG *)(void *)c->values;
+    const uint64_t turned = c->id_unsigned ? UINT64_C(1) << 63 : 0;
+    for (int k = 0; k < count; k++) {
+        stored[k] = (LONGLONG)((uint64_t)ids[k] ^ turned);
+    }
+    fits_set_tscale(c->out.fits, 1, 1.0, 0.0, status);
+    fits_write_col(c->out.fits, TLONGLONG, 1, first + 1, 1, count, stored, status);
+}
+
 /* The columns of the field file, which come first. Returns how many there are. */
 static int write_copied(shear_catalog *c, int64_t first, int count, const shear_block *b,
                         int *status) {
@@ -141,10 +158,13 @@ static int write_copied(shear_catalog *c, int64_t first, int count, const shear_
         if ((c->columns & sf_catalog_copied[i]) == 0) {
             continue;
         }
-        const bool id = sf_catalog_copied[i] == SHEAR_COL_ID;
-        const void *values = id ? (const void *)b->id : (const void *)doubles[i];
-        fits_write_col(c->out.fits, id ? TLONGLONG : TDOUBLE, ++column, first + 1, 1, count,
-                       (void *)values, status);
+        column++;
+        if (sf_catalog_copied[i] == SHEAR_COL_ID) {
+            write_ids(c, first, count, b->id, status);
+        } else {
+            fits_write_col(c->out.fits, TDOUBLE, column, first + 1, 1, count,
+                           (double *)(uintptr_t)doubles[i], status);
+        }
     }
     return column;
 }

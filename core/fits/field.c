@@ -24,6 +24,8 @@ static void fill_info(shear_field *f) {
     info->n_stamps = f->galaxy.n;
     info->layout = f->galaxy.layout;
     info->columns = f->catalog.have;
+    info->id_unsigned = (f->catalog.have & SHEAR_COL_ID) != 0 &&
+                        sf_column_is_unsigned(f->catalog.column[__builtin_ctz(SHEAR_COL_ID)]);
     info->bitpix = f->galaxy.image.bitpix;
     info->compressed = f->galaxy.image.compressed;
     info->separate = !sf_parts_are_whole(&f->parts);

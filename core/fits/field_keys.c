@@ -2,6 +2,7 @@
 /* The keywords of the primary header, of the file that holds the galaxies. */
 #include "fits/field_name.h"
 #include "fits/field_state.h"
+#include "fits/source.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -21,10 +22,13 @@ static int read_name(shear_field *f, sf_place at, shear_error *err) {
     if (given[0] != '\0') {
         rc = sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, at, "keyword FIELD", err);
     } else {
+        /* A file may well be called what a field may not: whoever wants the name is told so. */
         char base[sizeof galaxy->source.base];
         sf_field_name_default(base, sizeof base, galaxy->source.base);
-        rc =
-            sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, at, "from the file's name", err);
+        if (sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, at, "from the file's name",
+                               NULL) != SHEAR_OK) {
+            f->info.name[0] = '\0';
+        }
     }
     free(text);
     return rc;
@@ -68,4 +72,23 @@ int sf_field_read_keys(shear_field *f, shear_error *err) {
     }
     f->info.has_truth = has_g1 && has_g2;
     return rc;
+}
+
+int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err) {
+    if (info->name[0] != '\0') {
+        return SHEAR_OK;
+    }
+    char shown[161];
+    char base[256];
+    char unused[sizeof info->name];
+    const char *slash = strrchr(path, '/');
+    sf_printable_name(shown, sizeof shown, path);
+    sf_field_name_default(base, sizeof base, slash != NULL ? slash + 1 : path);
+    const sf_place at = {shown, "primary"};
+    const int rc =
+        sf_field_name_copy(unused, base, SHEAR_E_FORMAT, at, "from the file's name", err);
+    return rc != SHEAR_OK
+               ? rc
+               : sf_fail(err, SHEAR_E_FORMAT, at, "give the keyword FIELD in the primary header",
+                         "the field has no name");
 }

@@ -130,7 +130,7 @@ static void fill_moments(shear_row *row, const moments *m, double beta) {
 
 static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double weight) {
     const bool masked = stamps->mask != NULL && stamps->mask[i] != 0;
-    const bool bad_weight = !(weight >= 0.0) || !isfinite(weight);
+    const bool bad_weight = !shear_weight_is_good(weight);
     return (masked ? (uint32_t)SHEAR_FLAG_MASKED : 0u) |
            (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
 }

@@ -234,8 +234,7 @@ SHEAR_SIMD static double lowest_below(const double *power, const double *ky2, si
 }
 
 /* The isotropic cut: the smallest |k| at which |W|^2 is below the threshold, at most the Nyquist
- * circle. Its square is not above that mode's |k|^2, although the root rounds: else the mode
- * itself, which may hold nothing, would be divided by. */
+ * circle. */
 static double find_cut(const transfer_plan *p, const transfer_scratch *t) {
     const double ux = 2.0 * M_PI / p->nx;
     double cut2 = p->k_limit * p->k_limit;
@@ -245,11 +244,15 @@ static double find_cut(const transfer_plan *p, const transfer_scratch *t) {
         const double k2 = (ux * jx) * (ux * jx) + low2;
         cut2 = k2 < cut2 ? k2 : cut2;
     }
-    double cut = sqrt(cut2);
-    while (cut * cut > cut2) {
-        cut = nextafter(cut, 0.0);
-    }
-    return cut;
+    return sqrt(cut2);
+}
+
+/* What is below this is inside the cut. The root rounds, and so does the k^2 of every mode: those
+ * of the cut's own |k| may come out a little smaller than it. They are beyond it like the cut mode
+ * itself, by which nothing may be divided. Modes of another |k| differ by 10^-12 of k^2 at least.
+ */
+static double inside_cut(double k_cut) {
+    return k_cut * k_cut * (1.0 - 0x1p-46);
 }
 
 double transfer_power_beyond(double beta_px, double k_cut) {
@@ -288,7 +291,7 @@ static void fill_table(transfer *t, const transfer_plan *p, const transfer_scrat
     for (int jx = -t->jx; jx <= t->jx; jx++) {
         const size_t column = (size_t)(jx + p->max_jx) * p->stride;
         fill_column(p->target + column, scratch->power + column, p->ky2, (ux * jx) * (ux * jx),
-                    t->k_cut * t->k_cut, fft_padded(t->jy + 1), t->t + column);
+                    inside_cut(t->k_cut), fft_padded(t->jy + 1), t->t + column);
     }
 }
 

@@ -221,11 +221,18 @@ static bool hdus_are_sane(const shear_field_info *info) {
     return sane;
 }
 
+static bool name_is_sane(const char *name) {
+    while (*name >= ' ' && *name <= '~') {
+        name++;
+    }
+    return *name == '\0';
+}
+
 /* Numbers that the daemon will allocate and index by. */
 static bool info_is_sane(shear_field_info *info) {
     const shear_geometry *g = &info->geometry;
     info->name[sizeof info->name - 1] = '\0';
-    return in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
+    return name_is_sane(info->name) && in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
            in_range(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) && in_range(g->psf_nx, 1, 4096) &&
            in_range(g->psf_ny, 1, 4096) && in_range(g->psf_oversample, 1, 64) &&
            in_range(info->n_stamps, 1, INT64_C(1) << 40) &&

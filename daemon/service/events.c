@@ -51,6 +51,12 @@ static void opened(service *s, active_job *j, const engine_event *e) {
                                    .content = e->checksum,
                                    .n_stamps = e->info.n_stamps};
     const bool named = j->field == NULL;
+    if (named && shear_field_need_name(&e->info, j->path, &err) != SHEAR_OK) {
+        ending_fail(s, j->id, j->failures, ending_reason_of(&err), &err);
+        j->ended = true;
+        engine_stop_job(s->engine, j->id);
+        return;
+    }
     if (named) {
         j->field = strdup(e->info.name);
     }

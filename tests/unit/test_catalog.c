@@ -105,6 +105,48 @@ static void round_trips(void **state) {
     }
 }
 
+static fitsfile *open_table(const char *path) {
+    fitsfile *f = NULL;
+    int status = 0;
+    int type = 0;
+    fits_open_diskfile(&f, path, READONLY, &status);
+    fits_movnam_hdu(f, BINARY_TBL, "SHEAR", 0, &status);
+    fits_get_hdu_type(f, &type, &status);
+    assert_int_equal(status, 0);
+    assert_int_equal(type, BINARY_TBL);
+    return f;
+}
+
+/* Ids are kept to the last bit, signed and unsigned. */
+static void ids_are_kept(void **state) {
+    (void)state;
+    static const int64_t ids[3] = {9007199254740993, -1, INT64_MIN + 1};
+    const char *path = fixture_path("ids.fits");
+    for (int is_unsigned = 0; is_unsigned < 2; is_unsigned++) {
+        shear_field_info info = catalog_info(3, SHEAR_COL_ID);
+        const shear_row rows[3] = {catalog_row(0), catalog_row(1), catalog_row(2)};
+        const shear_result result = catalog_result(3);
+        shear_catalog *c = NULL;
+        shear_block *b = NULL;
+        info.id_unsigned = is_unsigned != 0;
+        assert_int_equal(shear_block_new(&b, &info, 3, NULL), SHEAR_OK);
+        memcpy(b->id, ids, sizeof ids);
+        assert_int_equal(shear_catalog_create(&c, path, &info, true, NULL), SHEAR_OK);
+        assert_int_equal(shear_catalog_write(c, 0, 3, rows, b, NULL), SHEAR_OK);
+        assert_int_equal(shear_catalog_finish(c, catalog_plan, &result, "in", "0", NULL), SHEAR_OK);
+        shear_block_free(b);
+        uint64_t found[3] = {0};
+        int status = 0;
+        int any = 0;
+        fitsfile *f = open_table(path);
+        fits_read_col(f, is_unsigned ? TULONGLONG : TLONGLONG, 1, 1, 1, 3, NULL, found, &any,
+                      &status);
+        fits_close_file(f, &status);
+        assert_int_equal(status, 0);
+        assert_memory_equal(found, ids, sizeof ids);
+    }
+}
+
 static void a_field_without_result(void **state) {
     (void)state;
     shear_result r = catalog_result(N);
@@ -124,18 +166,6 @@ static void a_field_without_result(void **state) {
     unsigned char *bytes = fixture_load(path, &size);
     assert_null(memmem(bytes, size, "NAN", 3)); /* which no header may say */
     free(bytes);
-}
-
-static fitsfile *open_table(const char *path) {
-    fitsfile *f = NULL;
-    int status = 0;
-    int type = 0;
-    fits_open_diskfile(&f, path, READONLY, &status);
-    fits_movnam_hdu(f, BINARY_TBL, "SHEAR", 0, &status);
-    fits_get_hdu_type(f, &type, &status);
-    assert_int_equal(status, 0);
-    assert_int_equal(type, BINARY_TBL);
-    return f;
 }
 
 static void expect_keyword(fitsfile *f, const char *key, const char *wanted) {
@@ -312,6 +342,7 @@ static void catalogues_that_cannot_be_read(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(round_trips),
+        cmocka_unit_test(ids_are_kept),
         cmocka_unit_test(a_field_without_result),
         cmocka_unit_test(the_header_holds_all_settings),
         cmocka_unit_test(keywords_are_unique),

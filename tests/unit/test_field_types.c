@@ -3,6 +3,7 @@
 #include "fits_fixture.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -331,6 +332,96 @@ static void columns_of_other_types(void **state) {
     shear_field_close(field);
 }
 
+/* A field of 4 stamps whose catalogue has one column. */
+static void write_column(const char *path, const char *name, const char *form, const char *zero,
+                         int type, const void *values) {
+    const fixture_image image = {.bitpix = -32, .axes = {8, 8}};
+    char *names[] = {(char *)(uintptr_t)name};
+    char *forms[] = {(char *)(uintptr_t)form};
+    fitsfile *f = NULL;
+    int status = 0;
+    fixture_write_like(path, &image, 4);
+    fits_open_diskfile(&f, path, READWRITE, &status);
+    fits_create_tbl(f, BINARY_TBL, 4, 1, names, forms, NULL, "CATALOG", &status);
+    fits_write_col(f, type, 1, 1, 1, 4, (void *)(uintptr_t)values, &status);
+    fits_close_file(f, &status);
+    assert_int_equal(status, 0);
+    if (zero != NULL) {
+        fixture_patch(path, "CATALOG", "TZERO1", zero);
+    }
+}
+
+/* Read it; *info and the block, which the caller frees. */
+static shear_block *read_column(const char *path, shear_field_info *info) {
+    shear_field *field = NULL;
+    shear_block *b = NULL;
+    shear_error err = {0};
+    if (shear_field_open(&field, path, &err) != SHEAR_OK) {
+        fail_msg("%s", err.message);
+    }
+    *info = *shear_field_get_info(field);
+    assert_int_equal(shear_block_new(&b, info, 4, NULL), SHEAR_OK);
+    assert_int_equal(shear_field_read(field, 0, 4, b, &err), SHEAR_OK);
+    shear_field_close(field);
+    return b;
+}
+
+/* Above 2^53 a double is not enough. */
+static void ids_are_exact(void **state) {
+    (void)state;
+    static const LONGLONG stored[4] = {9007199254740993, -9007199254740995, INT64_MAX - 1,
+                                       INT64_MIN};
+    const char *path = fixture_path("ids.fits");
+    shear_field_info info;
+    write_column(path, "ID", "K", "1", TLONGLONG, stored);
+    shear_block *b = read_column(path, &info);
+    assert_false(info.id_unsigned);
+    for (int i = 0; i < 4; i++) {
+        assert_true(b->id[i] == stored[i] + 1);
+    }
+    shear_block_free(b);
+    write_column(path, "ID", "K", "9223372036854775808", TLONGLONG, stored);
+    b = read_column(path, &info);
+    assert_true(info.id_unsigned);
+    for (int i = 0; i < 4; i++) {
+        assert_true((uint64_t)b->id[i] == (uint64_t)stored[i] + (UINT64_C(1) << 63));
+    }
+    shear_block_free(b);
+    write_column(path, "ID", "K", "1E3", TLONGLONG, stored);
+    b = read_column(path, &info);
+    assert_true(b->id[0] == stored[0] + 1000);
+    assert_true(b->id[2] == -1); /* beyond 64 bits */
+    shear_block_free(b);
+}
+
+/* Only 0 is good: neither a part of 1, nor what is neither true nor false. */
+static void flags_of_all_kinds(void **state) {
+    (void)state;
+    static const double fractions[4] = {0.0, 0.5, -0.25, -0.0};
+    static const float small[4] = {1e-30f, 0.0f, 1.0f, 0.0f};
+    static const char logical[4] = {0, 1, 0, 1};
+    static const char unknown[4] = {'F', 'T', 0, 'F'};
+    const char *path = fixture_path("flags.fits");
+    shear_field_info info;
+    write_column(path, "FLAGS", "D", NULL, TDOUBLE, fractions);
+    shear_block *b = read_column(path, &info);
+    assert_true(b->mask[0] == 0 && b->mask[1] != 0 && b->mask[2] != 0 && b->mask[3] == 0);
+    shear_block_free(b);
+    write_column(path, "FLAGS", "E", NULL, TFLOAT, small);
+    b = read_column(path, &info);
+    assert_true(b->mask[0] != 0 && b->mask[1] == 0 && b->mask[2] != 0 && b->mask[3] == 0);
+    shear_block_free(b);
+    write_column(path, "FLAGS", "L", NULL, TLOGICAL, logical);
+    b = read_column(path, &info);
+    assert_true(b->mask[0] == 0 && b->mask[1] != 0 && b->mask[2] == 0 && b->mask[3] != 0);
+    shear_block_free(b);
+    write_column(path, "FLAGS", "B", NULL, TBYTE, unknown);
+    fixture_patch(path, "CATALOG", "TFORM1", "'L'");
+    b = read_column(path, &info);
+    assert_true(b->mask[0] == 0 && b->mask[1] != 0 && b->mask[2] != 0 && b->mask[3] == 0);
+    shear_block_free(b);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_bitpix),
@@ -343,6 +434,8 @@ int main(void) {
         cmocka_unit_test(gzipped_files),
         cmocka_unit_test(gzip_of_compressed),
         cmocka_unit_test(columns_of_other_types),
+        cmocka_unit_test(ids_are_exact),
+        cmocka_unit_test(flags_of_all_kinds),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

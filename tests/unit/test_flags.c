@@ -88,6 +88,10 @@ static void negative_weight(batch *b) {
     b->weight[BAD] = -1e-300;
 }
 
+static void tiny_weight(batch *b) {
+    b->weight[BAD] = 1e-300;
+}
+
 static void nan_weight(batch *b) {
     b->weight[BAD] = NAN;
 }
@@ -172,6 +176,7 @@ static const struct {
     {constant, SHEAR_FLAG_EMPTY},
     {zero, SHEAR_FLAG_EMPTY},
     {negative_weight, SHEAR_FLAG_BAD_WEIGHT},
+    {tiny_weight, SHEAR_FLAG_BAD_WEIGHT},
     {nan_weight, SHEAR_FLAG_BAD_WEIGHT},
     {infinite_weight, SHEAR_FLAG_BAD_WEIGHT},
     {no_r_gal, SHEAR_FLAG_BAD_R_GAL},
@@ -236,6 +241,7 @@ static void test_not_flagged(void **state) {
     settings.filter = SHEAR_FILTER_NONE;
     b.r_gal[2] = NAN;
     b.weight[3] = 0.0;
+    b.weight[4] = 1e-100;
     shear_plan *plan = batch_plan(&b, &settings, false, true);
     const shear_stamps stamps = batch_full(&b);
     batch_measure(plan, &stamps, rows);

@@ -143,6 +143,46 @@ static void test_cut_is_isotropic(void **state) {
     }
 }
 
+/* 25 = 5^2 + 0^2 = 3^2 + 4^2, and many numbers are sums of two squares in more ways than one: modes
+ * of the same |k|, whose k^2 rounds differently. The cut takes all of them or none. */
+static void test_modes_of_the_same_k(void **state) {
+    (void)state;
+    enum { N = 130 };
+    uint64_t seed = 7;
+    for (int k = 0; k < 40; k++) {
+        pair p;
+        view v;
+        double least[N * N / 2 + 1]; /* of T, by the integer norm */
+        double most[N * N / 2 + 1];
+        pair_init(&p, N, N, 7, 7, 1);
+        pair_draw(&p, 1.0, 5);
+        for (int i = 0; i < 49; i++) {
+            p.psf[i] = exp(-0.1 * ((i % 7 - 3) * (i % 7 - 3) + (i / 7 - 3) * (i / 7 - 3))) *
+                       (0.2 + uniform(&seed));
+        }
+        pair_set(&p, "interpolation", "none");
+        pair_set(&p, "psf-threshold", k % 2 == 0 ? "0.01" : "0.1");
+        pair_set(&p, "beta", "9");
+        look(&p, &v);
+        for (int i = 0; i <= N * N / 2; i++) {
+            least[i] = INFINITY;
+            most[i] = 0.0;
+        }
+        for (int i = 0; i < v.in.spec_nx * v.in.spec_ny; i++) {
+            const int x = i % v.in.spec_nx - v.in.spec_nx / 2;
+            const int y = i / v.in.spec_nx - v.in.spec_ny / 2;
+            const int norm = x * x + y * y;
+            least[norm] = fmin(least[norm], v.in.transfer[i]);
+            most[norm] = fmax(most[norm], v.in.transfer[i]);
+        }
+        for (int i = 0; i <= N * N / 2; i++) {
+            assert_true(least[i] == INFINITY || (least[i] > 0.0) == (most[i] > 0.0));
+        }
+        shear_inspection_free(&v.in);
+        pair_deinit(&p);
+    }
+}
+
 static double weight(double k, void *beta) {
     const double b = *(double *)beta;
     return pow(k, 5.0) * exp(-b * b * k * k);
@@ -241,9 +281,10 @@ static void test_negative_psf(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_first_zero),     cmocka_unit_test(test_cut_is_isotropic),
-        cmocka_unit_test(test_power_beyond),   cmocka_unit_test(test_smallest_beta),
-        cmocka_unit_test(test_beta_too_small), cmocka_unit_test(test_negative_psf),
+        cmocka_unit_test(test_first_zero),          cmocka_unit_test(test_cut_is_isotropic),
+        cmocka_unit_test(test_modes_of_the_same_k), cmocka_unit_test(test_power_beyond),
+        cmocka_unit_test(test_smallest_beta),       cmocka_unit_test(test_beta_too_small),
+        cmocka_unit_test(test_negative_psf),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,7 +38,8 @@ enum shear_column {
 };
 
 typedef struct shear_field_info {
-    char name[72];   /* FIELD, or the file's base name without .fits, .gz, .fz */
+    char name[72];   /* FIELD, or the file's base name without .fits, .gz, .fz; "" where there is no
+                        FIELD and a field may not be called like the file */
     double pixscale; /* arcsec per pixel; NaN = not given */
     bool has_truth;  /* SIM_G1 and SIM_G2 are both there */
     double sim_g1, sim_g2;
@@ -48,6 +49,7 @@ typedef struct shear_field_info {
     int layout;         /* of GALAXY: enum shear_layout */
     int psf_layout;     /* enum shear_psf_layout */
     unsigned columns;   /* or of enum shear_column */
+    bool id_unsigned;   /* column ID is unsigned, of 64 bits: ids are its bits */
     int bitpix;         /* of GALAXY as stored: 8, 16, 32, 64, -32, -64 */
     bool compressed;    /* GALAXY is tile-compressed */
     bool gzipped;       /* the whole file is (any of them, where the parts are in several) */
@@ -72,6 +74,9 @@ int shear_field_open_input(shear_field **field, const shear_input *input, const 
                            shear_error *err);
 void shear_field_close(shear_field *field);
 const shear_field_info *shear_field_get_info(const shear_field *field);
+
+/* The name is needed: SHEAR_E_FORMAT where the field at `path` has none, and says why. */
+int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err);
 
 /* A reusable block of stamps, with room for `capacity` pairs of this field. */
 typedef struct shear_block {

@@ -8,6 +8,7 @@
 #ifndef SHEAR_STAMP_H
 #define SHEAR_STAMP_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 enum { SHEAR_MIN_SIDE = 8, SHEAR_MAX_SIDE = 1024 }; /* of a stamp, pixels */
@@ -20,7 +21,7 @@ enum shear_flag {
     SHEAR_FLAG_EMPTY = 1u << 3,             /* all pixels of the galaxy stamp are equal */
     SHEAR_FLAG_PSF_UNUSABLE =
         1u << 4, /* this stamp's PSF: not finite, no flux, too wide for beta, bad id */
-    SHEAR_FLAG_BAD_WEIGHT = 1u << 5, /* CATALOG.WEIGHT is negative or not finite */
+    SHEAR_FLAG_BAD_WEIGHT = 1u << 5, /* CATALOG.WEIGHT is none (shear_weight_is_good) */
     SHEAR_FLAG_BAD_R_GAL =
         1u << 6, /* the filter needs CATALOG.R_GAL, which is not positive and finite */
     SHEAR_FLAG_OVERFLOW =
@@ -33,6 +34,10 @@ enum { SHEAR_N_FLAGS = 8 };
 const char *shear_flag_name(int bit);
 /* One line of explanation for people. NULL beyond. */
 const char *shear_flag_help(int bit);
+
+/* A weight is 0, or finite and 1e-100 at least: the errors need squares of weights, which would be
+ * lost below. Only the ratios of weights count. */
+bool shear_weight_is_good(double weight);
 
 /* Consecutive stamp pairs of one field file. The arrays belong to the caller and are only read.
  * Arrays marked "or NULL" are absent where the file has no such column. */
