@@ -32,7 +32,8 @@ typedef struct job {
     atomic_int stage;      /* enum engine_stage, for who looks on */
     atomic_llong hashed;   /* bytes of the files */
     int64_t bytes;         /* of the files, in all */
-    int64_t served;        /* stamps measured, for fairness */
+    int64_t served;        /* stamps of whole turns, for fairness */
+    int64_t counted;       /* stamps measured that are in the engine's total */
     int holders;           /* workers inside this job's turns */
     int reading;           /* of those, the ones that read, or are about to */
     bool *entering;        /* [workers] about to read for the first time in its turn */

@@ -81,6 +81,13 @@ void job_read_ends(job *j) {
     pthread_mutex_unlock(&e->lock);
 }
 
+/* A file's last turn has fewer stamps than others. The lock is held. */
+static void count_stamps(engine *e, job *j) {
+    const int64_t done = shear_work_get_status(j->work).stamps_done;
+    e->stamps_total += done - j->counted;
+    j->counted = done;
+}
+
 /* Serve a job once; the lock is held on entry and on return. */
 static void serve(engine *e, job *j, int slot) {
     const int64_t turn = (int64_t)j->size.blocks * SHEAR_BLOCK;
@@ -99,7 +106,7 @@ static void serve(engine *e, job *j, int slot) {
     }
     pthread_mutex_lock(&e->lock);
     e->busy--;
-    e->stamps_total += turn;
+    count_stamps(e, j);
     j->reading -= j->entering[slot];
     j->entering[slot] = false;
     j->holders--;

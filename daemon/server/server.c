@@ -232,6 +232,20 @@ static int start_listening(server *s, const server_options *o, shear_error *err)
     return code ? code : listen_on_all(s, &fd, 1, err);
 }
 
+void server_sockets(const server *s, char *out, size_t size) {
+    out[0] = '\0';
+    for (size_t i = 0; i < s->n_listeners; i++) {
+        char path[256];
+        size_t n = sizeof path - 1;
+        const size_t used = strlen(out);
+        if (uv_pipe_getsockname(&s->listeners[i], path, &n) != 0 || n == 0) {
+            n = (size_t)snprintf(path, sizeof path, "(unnamed)");
+        }
+        path[n] = '\0';
+        snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "", path);
+    }
+}
+
 /* ---- the beginning ---- */
 
 static void start_handles(server *s) {

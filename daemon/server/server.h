@@ -120,6 +120,9 @@ int server_open(server **out, uv_loop_t *loop, const server_options *options, sh
  * where there are none. The variables are removed from the environment. */
 int server_activation(int *fds, size_t room, size_t *n, shear_error *err);
 
+/* The paths of the sockets that it listens on, joined by ", ", into out[size]. */
+void server_sockets(const server *s, char *out, size_t size);
+
 /* After a reload. A new limit of connections or lines counts for connections to come. */
 void server_set_limits(server *s, const server_limits *limits);
 void server_set_defaults(server *s, const shear_settings *defaults);

@@ -186,8 +186,10 @@ int service_open(service **out, sheard_config *config, const char *config_path,
 }
 
 int service_run(service *s) {
-    log_notice("sheard %s ready: socket %s, watch folder %s", SHEARD_VERSION,
-               s->config.daemon.socket, s->spool != NULL ? s->config.spool.directory : "none");
+    char sockets[1024]; /* systemd's, it may be, and not the configuration's */
+    server_sockets(s->server, sockets, sizeof sockets);
+    log_notice("sheard %s ready: socket %s, watch folder %s", SHEARD_VERSION, sockets,
+               s->spool != NULL ? s->config.spool.directory : "none");
     notify_ready(&s->notify, "ready", NULL);
     jobs_fill(s);
     uv_run(&s->loop, UV_RUN_DEFAULT);

@@ -346,8 +346,12 @@ static void test_given_socket(void **state) {
     const int fds[] = {bind_socket(f, true)};
     f->options.fds = fds;
     f->options.n_fds = 1;
+    f->options.path = "/not/this/one";
     fx_open(f);
     client c;
+    char sockets[200];
+    server_sockets(f->s, sockets, sizeof sockets);
+    assert_string_equal(sockets, f->path); /* which the options do not know */
     cl_connect(f, &c);
     cl_say(f, &c, request_text(5, "metrics", NULL));
     assert_int_equal(cl_reply(f, &c), 5);
