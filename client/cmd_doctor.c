@@ -29,9 +29,9 @@ static void print_line(const shear_finding *f) {
     const bool colours = style_on(stdout);
     char text[1200];
     printf("%s%-4s%s  %-11s  %s\n", colours ? styles[f->level] : "", names[f->level],
-           colours ? STYLE_END : "", f->subject, style_clean(f->message, text, sizeof text));
+           colours ? STYLE_END : "", f->subject, message_clean(f->message, text, sizeof text));
     if (f->remedy[0]) {
-        printf("%19s%s\n", "-> ", style_clean(f->remedy, text, sizeof text));
+        printf("%19s%s\n", "-> ", message_clean(f->remedy, text, sizeof text));
     }
     fflush(stdout);
 }

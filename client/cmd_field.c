@@ -91,7 +91,7 @@ static int print_row(const struct field *f, const shear_msg_field_result *result
                      const shear_msg_field_row *row) {
     char name[256];
     char time[HUMAN_SIZE];
-    printf("field %s%s\n", style_clean(result->field, name, sizeof name),
+    printf("field %s%s\n", message_clean(result->field, name, sizeof name),
            row->partial ? "  (partial: more is to come)" : "");
     print_jobs(row);
     shear_text_print(row->report, stdout);

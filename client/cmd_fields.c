@@ -46,7 +46,7 @@ static void print_names(const shear_msg_field_page *page) {
     char name[256];
     for (size_t i = 0; i < page->n_fields; i++) {
         if (i == 0 || strcmp(page->fields[i].field, page->fields[i - 1].field) != 0) {
-            puts(style_clean(page->fields[i].field, name, sizeof name));
+            puts(message_clean(page->fields[i].field, name, sizeof name));
         }
     }
 }

@@ -170,7 +170,8 @@ static int save(shear_figure *figure, const struct plot_command *c) {
             message_error(&err);
         }
     } else {
-        code = puts(out) < 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+        char shown[4200];
+        code = puts(message_clean(out, shown, sizeof shown)) < 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
     }
     free(out);
     return code;

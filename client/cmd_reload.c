@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl reload. */
+#include "message.h"
 #include "service_query.h"
 #include "style.h"
 
 static void print_list(const char *title, const char *const *names, size_t n) {
     for (size_t i = 0; i < n; i++) {
         char name[512];
-        printf("%s %s\n", title, style_clean(names[i], name, sizeof name));
+        printf("%s %s\n", title, message_clean(names[i], name, sizeof name));
     }
 }
 

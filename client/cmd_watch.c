@@ -94,8 +94,8 @@ static void compose(struct watch *w, FILE *out) {
     }
     if (status != CONNECTION_OK) {
         char text[512];
-        fprintf(out, "%s\n", style_clean(error.message, text, sizeof text));
-        fprintf(out, "%s\n", style_clean(error.advice, text, sizeof text));
+        fprintf(out, "%s\n", message_clean(error.message, text, sizeof text));
+        fprintf(out, "%s\n", message_clean(error.advice, text, sizeof text));
     }
     fprintf(out, "\n%s   q ends\n", human_time(human_now_ms(), w->service.utc, time));
 }

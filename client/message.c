@@ -1,18 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "message.h"
 
+#include "shear/text.h"
+
 #include <stdio.h>
+#include <stdlib.h>
+
+/* A terminal that does not speak UTF-8 takes its bytes for letters of its own, and for controls. */
+static void only_ascii(char *text) {
+    char *out = text;
+    for (const char *c = text; *c;) {
+        const size_t n = shear_text_shown(c);
+        *out++ = '?';
+        if (n == 1) {
+            out[-1] = *c;
+        }
+        c += n > 0 ? n : 1;
+    }
+    *out = '\0';
+}
 
 char *message_clean(const char *text, char *buf, size_t size) {
-    size_t i = 0;
-    for (; text[i] && i + 1 < size; i++) {
-        unsigned char c = (unsigned char)text[i];
-        buf[i] = text[i];
-        if (c < 0x20 || c == 0x7F) {
-            buf[i] = '?';
-        }
+    shear_text_clean(text, buf, size);
+    if (MB_CUR_MAX == 1) {
+        only_ascii(buf);
     }
-    buf[i] = '\0';
     return buf;
 }
 

@@ -20,7 +20,9 @@ void message_warning(const char *format, ...) __attribute__((format(printf, 1, 2
 /* What is neither: "shearctl: note: ...". */
 void message_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* `text` with its control characters replaced, in buf, cut to `size`. Returns buf. */
+/* Text from outside as it goes to the terminal (shear/text.h), into buf[size]; only ASCII where the
+ * locale is not of UTF-8. Whatever prints a name, a path or a message goes through here. Returns
+ * buf. */
 char *message_clean(const char *text, char *buf, size_t size);
 
 #endif

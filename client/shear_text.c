@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear_text.h"
 
+#include "message.h"
 #include "result_table.h"
 #include "sheard/report_summary.h"
 #include "style.h"
@@ -17,7 +18,7 @@ void shear_text_line(FILE *out, const char *name, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    fprintf(out, "  %-10s %s\n", name, style_clean(text, clean, sizeof clean));
+    fprintf(out, "  %-10s %s\n", name, message_clean(text, clean, sizeof clean));
 }
 
 char *shear_text_value(double value, double error, char *buf, size_t size) {

@@ -2,6 +2,7 @@
 #include "status_text.h"
 
 #include "human.h"
+#include "message.h"
 #include "shear_text.h"
 #include "style.h"
 
@@ -27,7 +28,7 @@ void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
     char jobs[HUMAN_SIZE];
     const char *style = s->state == SHEAR_SERVER_RUNNING ? STYLE_GOOD : STYLE_DOUBT;
     fprintf(out, "sheard %s  %s%s%s  pid %" PRId64 "  up %s\n",
-            style_clean(s->version, text, sizeof text), colours ? style : "",
+            message_clean(s->version, text, sizeof text), colours ? style : "",
             shear_server_state_name(s->state), colours ? STYLE_END : "", s->pid,
             human_duration(s->uptime_s, uptime));
     print_states(s, colours, out);
@@ -41,7 +42,7 @@ void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
                     human_rate(s->rates.jobs_per_s, jobs));
     for (size_t i = 0; i < s->n_problems; i++) {
         fprintf(out, "%s  problem    %s%s\n", colours ? STYLE_BAD : "",
-                style_clean(s->problems[i], text, sizeof text), colours ? STYLE_END : "");
+                message_clean(s->problems[i], text, sizeof text), colours ? STYLE_END : "");
     }
 }
 

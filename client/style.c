@@ -99,27 +99,3 @@ int style_width(const char *text) {
     }
     return sum;
 }
-
-char *style_clean(const char *text, char *buf, size_t size) {
-    size_t used = 0;
-    while (*text) {
-        wchar_t c = 0;
-        mbstate_t state = {0};
-        size_t n = mbrtowc(&c, text, MB_CUR_MAX, &state);
-        const bool valid = n > 0 && n <= MB_CUR_MAX;
-        const bool control = !valid || c < 0x20 || (c >= 0x7F && c < 0xA0);
-        n = valid ? n : 1;
-        if (used + (control ? 1 : n) >= size) {
-            break;
-        }
-        if (control) {
-            buf[used++] = '?';
-        } else {
-            memcpy(buf + used, text, n);
-            used += n;
-        }
-        text += n;
-    }
-    buf[used] = '\0';
-    return buf;
-}

@@ -31,8 +31,4 @@ int style_width(const char *text);
 /* How many bytes of `text` fit into `columns`, escape sequences included. */
 size_t style_fit(const char *text, int columns);
 
-/* `text` without what could steer a terminal (control characters, also those of 8 bits), in buf,
- * cut to `size` at a character's end. Returns buf. */
-char *style_clean(const char *text, char *buf, size_t size);
-
 #endif

@@ -70,7 +70,7 @@ void text_table_cell(struct text_table *t, const char *style, const char *format
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    char *copy = strdup(style_clean(text, clean, sizeof clean));
+    char *copy = strdup(message_clean(text, clean, sizeof clean));
     if (!copy || !make_room(t)) {
         free(copy);
         t->failed = true;

@@ -121,7 +121,7 @@ json_t *json_text_whole(json_t *object, bool failed) {
 /* json_dumps of jansson 2.14 loses text, without a word, where its buffer cannot grow: so the size
  * is asked for first, and the buffer is ours. NULL: no memory. */
 static char *dump(const json_t *object) {
-    enum { FLAGS = JSON_COMPACT | JSON_REAL_PRECISION(17) };
+    enum { FLAGS = JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(17) };
     size_t size = json_dumpb(object, NULL, 0, FLAGS);
     char *text = size > 0 ? malloc(size + 1) : NULL;
     if (text && json_dumpb(object, text, size, FLAGS) != size) {

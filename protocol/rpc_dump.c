@@ -48,7 +48,8 @@ char *rpc_dump(const json_t *value, size_t flags, const char *tail, size_t *n) {
     const size_t layout = flags != 0 ? flags : JSON_COMPACT;
     bool good = value && s.bytes &&
                 json_dump_callback(value, collect, &s,
-                                   layout | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) == 0;
+                                   layout | JSON_ENSURE_ASCII | JSON_ENCODE_ANY |
+                                       JSON_REAL_PRECISION(17)) == 0;
     good = good && !s.failed && collect(tail, strlen(tail) + 1, &s) == 0;
     if (!good) {
         free(s.bytes);

@@ -2,6 +2,7 @@
 #include "fits/source.h"
 
 #include "fits/spool.h"
+#include "shear/text.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,15 +14,15 @@
 void sf_printable_name(char *out, size_t size, const char *path) {
     const size_t length = strlen(path);
     if (length < size) {
-        memcpy(out, path, length + 1);
-    } else {
-        snprintf(out, size, "...%s", path + length - (size - 4));
+        shear_text_clean(path, out, size);
+        return;
     }
-    for (char *c = out; *c != '\0'; c++) {
-        if ((unsigned char)*c < ' ' || *c == 0x7f) {
-            *c = '?';
-        }
+    const char *tail = path + length - (size - 4);
+    while ((*tail & 0xc0) == 0x80) { /* not within a character */
+        tail++;
     }
+    memcpy(out, "...", 4);
+    shear_text_clean(tail, out + 3, size - 3);
 }
 
 static const char *kind_of(mode_t mode) {

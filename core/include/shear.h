@@ -13,6 +13,7 @@
 #include "shear/stamp.h"
 #include "shear/sums.h"
 #include "shear/symmetry.h"
+#include "shear/text.h"
 #include "shear/version.h"
 #include "shear/work.h"
 

@@ -3,6 +3,7 @@
 
 #include "log/outlet.h"
 #include "log/repeats.h"
+#include "shear/text.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -84,32 +85,10 @@ static int64_t now_ms(void) {
 
 /* ---- a line ---- */
 
-/* Bytes of the UTF-8 character at p that may be written as it is; 0: it must be escaped. */
-static size_t printable(const unsigned char *p) {
-    if (p[0] < 0x80) {
-        return p[0] >= 0x20 && p[0] != 0x7f;
-    }
-    const size_t n = p[0] >= 0xf0 ? 4 : p[0] >= 0xe0 ? 3 : 2;
-    uint32_t value = p[0] & (0xffu >> (n + 1));
-    if (p[0] < 0xc2 || p[0] > 0xf4) {
-        return 0;
-    }
-    for (size_t i = 1; i < n; i++) {
-        if ((p[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-        value = value << 6 | (p[i] & 0x3fu);
-    }
-    static const uint32_t least[] = {0, 0, 0xa0, 0x800, 0x10000}; /* below U+00A0: controls */
-    const bool bidi = (value >= 0x2028 && value <= 0x202e) || (value >= 0x2066 && value <= 0x2069);
-    return value < least[n] || value > 0x10ffff || (value >= 0xd800 && value < 0xe000) || bidi ? 0
-                                                                                               : n;
-}
-
 static size_t escape(char *out, const char *text) {
     char *o = out;
     for (const unsigned char *p = (const unsigned char *)text; *p != '\0';) {
-        const size_t n = printable(p);
+        const size_t n = shear_text_shown((const char *)p);
         if (n > 0) {
             memcpy(o, p, n);
             o += n;

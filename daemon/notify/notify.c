@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "notify/notify.h"
 
+#include "shear/text.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <stdbool.h>
@@ -97,12 +99,9 @@ static int send_with_status(const notify *n, const char *state, const char *stat
     char text[MESSAGE_SIZE];
     const int begin = snprintf(text, sizeof text, "%s", state);
     if (status) {
-        snprintf(text + begin, sizeof text - (size_t)begin, "STATUS=%s", status);
-        for (char *p = text + begin; *p != '\0'; p++) {
-            if ((unsigned char)*p < ' ' || *p == 0x7f) {
-                *p = ' ';
-            }
-        }
+        char clean[MESSAGE_SIZE];
+        snprintf(text + begin, sizeof text - (size_t)begin, "STATUS=%s",
+                 shear_text_clean(status, clean, sizeof clean));
     }
     return send_text(n, text, err);
 }

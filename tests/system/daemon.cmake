@@ -29,6 +29,7 @@ set(names # one a line: whoever adds one does not get into another's way
   hostile
   memory
   probe
+  names
   reader
   roots
   sources

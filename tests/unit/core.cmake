@@ -8,6 +8,7 @@ function(core_test name)
   shear_add_test(${name} SOURCES test_${name}.c LIBRARIES core_fixtures ${ARGN} LABELS core)
 endfunction()
 
+core_test(text)
 core_test(gaussian)
 core_test(direct)
 core_test(laws)

@@ -11,6 +11,7 @@
 #include "follow_sum.h"
 #include "human.h"
 #include "input_path.h"
+#include "message.h"
 #include "sheard/finding.h"
 #include "sheard/report_summary.h"
 #include "style.h"
@@ -139,13 +140,13 @@ static void widths(void **state) {
 
 static void cleaning(void **state) {
     (void)state;
-    assert_string_equal(style_clean("a\x1b[2J\n\x7F", buf, sizeof buf), "a?[2J??");
-    assert_string_equal(style_clean("\xC2\x9B"
-                                    "31m",
-                                    buf, sizeof buf),
+    assert_string_equal(message_clean("a\x1b[2J\n\x7F", buf, sizeof buf), "a?[2J??");
+    assert_string_equal(message_clean("\xC2\x9B"
+                                      "31m",
+                                      buf, sizeof buf),
                         "?31m"); /* CSI of 8 bits */
-    assert_string_equal(style_clean("\xC3\xA4\xFF", buf, sizeof buf), "\xC3\xA4?");
-    assert_string_equal(style_clean("a\xC3\xA4", buf, 3), "a"); /* no half letters */
+    assert_string_equal(message_clean("\xC3\xA4\xFF", buf, sizeof buf), "\xC3\xA4?");
+    assert_string_equal(message_clean("a\xC3\xA4", buf, 3), "a"); /* no half letters */
 }
 
 /* ---- follow ---- */

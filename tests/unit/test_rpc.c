@@ -341,8 +341,8 @@ static void test_text_limits(void **state) {
 static void test_ids(void **state) {
     (void)state;
     static const char *const ids[] = {
-        "0",    "-1",   "9223372036854775807",         "-9223372036854775808",
-        "null", "\"\"", "\"a\\\"\\\\\\n\xE2\x82\xAC\""};
+        "0",    "-1",   "9223372036854775807",    "-9223372036854775808",
+        "null", "\"\"", "\"a\\\"\\\\\\n\\u20AC\""};
     for (size_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
         char line[200];
         snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"id\":%s,\"method\":\"status\"}",
