@@ -30,7 +30,8 @@ static bool wait_for_go(engine *e, job *j) {
 static void be_measured(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
     j->phase = JOB_MEASURING;
-    j->counted = shear_work_get_status(j->work).stamps_done; /* from a checkpoint: before our time */
+    j->counted =
+        shear_work_get_status(j->work).stamps_done; /* from a checkpoint: before our time */
     atomic_store(&j->stage, ENGINE_MEASURING);
     if (j->stop_asked) {
         shear_work_stop(j->work);
