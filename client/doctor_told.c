@@ -84,9 +84,11 @@ static void tell_probe(struct doctor *d, const shear_msg_probed *p) {
     doctor_say(d, "sandbox", p->landlock ? SHEAR_FINDING_OK : SHEAR_FINDING_WARN,
                p->landlock ? NULL
                            : "boot with landlock among the security modules (lsm=landlock,...)",
+               "%s%s",
                p->landlock ? "the service's readers have system calls filtered and the file "
                              "system closed (seccomp, Landlock)"
-                           : "no Landlock: seccomp alone guards the service's readers");
+                           : "no Landlock: seccomp alone guards the service's readers",
+               p->namespaces ? ", and see no other process (namespaces)" : "");
 }
 
 bool doctor_check_probe(struct doctor *d) {

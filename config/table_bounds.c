@@ -146,6 +146,37 @@ const sheard_setting config_bound_rows[] = {
      .help = "Larger files are refused by their size alone, unread: when they are submitted or "
              "dropped, and when their turn comes."},
 
+    {.section = "reader",
+     .key = "scratch",
+     .type = SHEARD_T_PATH,
+     AT(reader.scratch),
+     .initial = "auto",
+     .max = CONFIG_PATH_MAX,
+     .word = "auto",
+     .at_start = true,
+     .help =
+         "Directory whose disk holds the unpacked copies of gzipped files, as files without names. "
+         "The last gibibyte of it, or eighth of a small disk, is left free. auto: $TMPDIR, "
+         "/var/tmp or the state directory, the first in which a file can be made."},
+    {.section = "reader",
+     .key = "unpacked",
+     .type = SHEARD_T_BYTES,
+     AT(reader.unpacked_bytes),
+     .initial = "64G",
+     .min = MiB,
+     .max = 1024 * TiB,
+     .help = "A gzipped file that unpacks to more is refused: its job fails, once."},
+    {.section = "reader",
+     .key = "scratch_bytes",
+     .type = SHEARD_T_BYTES,
+     AT(reader.scratch_bytes),
+     .initial = "128G",
+     .min = MiB,
+     .max = 1024 * TiB,
+     .help =
+         "What all unpacked copies may take together. A job that would take more is tried again "
+         "later; one that would by itself is refused."},
+
     {.section = "plans",
      .key = "max_count",
      .type = SHEARD_T_INT,

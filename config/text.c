@@ -51,7 +51,8 @@ static void expected_measure(const shear_setting_def *def, char *buf, size_t siz
 static void expected(const sheard_setting *s, char *buf, size_t size) {
     switch (s->type) {
     case SHEARD_T_PATH:
-        snprintf(buf, size, "an absolute path");
+        snprintf(buf, size, "an absolute path%s%s", s->word != NULL ? ", or " : "",
+                 s->word != NULL ? s->word : "");
         break;
     case SHEARD_T_NAME:
         snprintf(buf, size, "a name, or empty");

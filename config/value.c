@@ -96,7 +96,10 @@ static int parse_item(const sheard_setting *s, const char *text, size_t n, char 
     if (is_path(s)) {
         tidy_path(copy); /* before the check: "/a /" becomes "/a ", which cannot be written */
     }
-    int code = is_path(s) ? check_path(s, copy, err) : check_name(s, copy, err);
+    const bool is_word = s->word != NULL && strcmp(copy, s->word) == 0;
+    int code = is_word      ? SHEAR_OK
+               : is_path(s) ? check_path(s, copy, err)
+                            : check_name(s, copy, err);
     if (code != SHEAR_OK) {
         free(copy);
         return code;

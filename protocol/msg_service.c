@@ -154,7 +154,7 @@ static const msg_member probed_members[] = {
     MSG_REAL_(shear_msg_probed, g2, 0, 0),         MSG_REAL_(shear_msg_probed, g2_err, 0, 0),
     MSG_REAL_(shear_msg_probed, true_g1, 0, 0),    MSG_REAL_(shear_msg_probed, true_g2, 0, 0),
     MSG_COUNT_(shear_msg_probed, stamps, 0),       MSG_REAL_(shear_msg_probed, seconds, 0, 0),
-    MSG_BOOL_(shear_msg_probed, landlock, 0),
+    MSG_BOOL_(shear_msg_probed, landlock, 0),      MSG_BOOL_(shear_msg_probed, namespaces, 0),
 };
 const msg_table msg_probed = {MSG_TABLE_(shear_msg_probed, probed_members), .check = NULL};
 

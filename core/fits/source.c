@@ -109,20 +109,6 @@ int sf_source_open(sf_source *s, const char *path, shear_error *err) {
     return rc != SHEAR_OK ? rc : look_inside(s, err);
 }
 
-/* A descriptor of our own. Opened anew rather than duplicated, because a duplicate shares its
- * offset with the caller's. Where this process may not open the file itself (it was passed in by
- * someone who may), a copy. */
-static int own_descriptor(sf_source *s, int fd, shear_error *err) {
-    const sf_place at = {s->name, NULL};
-    char proc[32];
-    snprintf(proc, sizeof proc, "/proc/self/fd/%d", fd);
-    s->fd = open(proc, O_RDONLY | O_CLOEXEC);
-    if (s->fd >= 0) {
-        return SHEAR_OK;
-    }
-    return sf_spool_copy(fd, s->file_bytes, at, &s->fd, err);
-}
-
 int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) {
     prepare(s, name);
     const sf_place at = {s->name, NULL};
@@ -136,7 +122,8 @@ int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) 
     int rc = sf_check_regular(fd, at, &s->file_bytes, err);
     s->size = s->file_bytes;
     if (rc == SHEAR_OK) {
-        rc = own_descriptor(s, fd, err);
+        s->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0); /* its offset is the caller's: only pread is used */
+        rc = s->fd >= 0 ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be duplicated");
     }
     return rc != SHEAR_OK ? rc : look_inside(s, err);
 }

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/spool.h"
 
+#include "shear/field.h"
+
 #include <errno.h>
 #include <fcntl.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,15 +25,38 @@ bool sf_is_gzip(const unsigned char *bytes, int64_t count) {
 static int64_t unpack_limit(void) {
     const char *text = getenv("SHEAR_UNPACK_LIMIT");
     if (text == NULL) {
-        return SF_UNPACK_LIMIT;
+        return SHEAR_UNPACK_LIMIT;
     }
     char *end = NULL;
     errno = 0;
     const long long value = strtoll(text, &end, 10);
-    return errno == 0 && end != text && *end == '\0' && value > 0 ? value : SF_UNPACK_LIMIT;
+    return errno == 0 && end != text && *end == '\0' && value > 0 ? value : SHEAR_UNPACK_LIMIT;
+}
+
+/* Given to this process, which may open none. */
+static int given[8];
+static int n_given;
+static atomic_int next_given;
+
+void shear_field_use_scratch(const int *fds, int n) {
+    n_given = n < (int)(sizeof given / sizeof *given) ? n : (int)(sizeof given / sizeof *given);
+    memcpy(given, fds, (size_t)n_given * sizeof *given);
+}
+
+static int take_given(sf_place at, int *out, shear_error *err) {
+    const int i = atomic_fetch_add(&next_given, 1);
+    if (i >= n_given) {
+        return sf_fail(err, SHEAR_E_IO, at, "look at the directory for unpacked copies",
+                       "there is no file to unpack it into");
+    }
+    *out = given[i];
+    return SHEAR_OK;
 }
 
 static int temporary(sf_place at, int *out, shear_error *err) {
+    if (n_given > 0) {
+        return take_given(at, out, err);
+    }
     const char *dir = getenv("TMPDIR");
     if (dir == NULL || dir[0] == '\0') {
         dir = "/tmp";
@@ -114,7 +140,8 @@ static int flush(unpacking *u, shear_error *err) {
     }
     if ((int64_t)count > u->limit - u->written) {
         return sf_fail(err, SHEAR_E_FORMAT, u->at,
-                       "unpack it with gunzip, or raise SHEAR_UNPACK_LIMIT (bytes)",
+                       "unpack it with gunzip, or raise the limit (SHEAR_UNPACK_LIMIT in bytes; "
+                       "[reader] unpacked of the service)",
                        "the gzip data unpack to more than the limit of %lld bytes",
                        (long long)u->limit);
     }
@@ -213,28 +240,5 @@ done:
     }
     *out = u.out;
     *out_size = u.written;
-    return rc;
-}
-
-int sf_spool_copy(int in, int64_t size, sf_place at, int *out, shear_error *err) {
-    *out = -1;
-    int fd = -1;
-    unsigned char *buffer = malloc(CHUNK);
-    int rc = buffer == NULL ? sf_fail_memory(err, at) : temporary(at, &fd, err);
-    for (int64_t done = 0; rc == SHEAR_OK && done < size;) {
-        const ssize_t n = read_at(in, buffer, CHUNK, done);
-        if (n <= 0) {
-            rc = sf_fail_errno(err, at, n < 0 ? errno : EIO, "cannot read");
-            break;
-        }
-        rc = write_all(fd, buffer, (size_t)n, at, err);
-        done += n;
-    }
-    free(buffer);
-    if (rc != SHEAR_OK && fd >= 0) {
-        close(fd);
-        return rc;
-    }
-    *out = fd;
     return rc;
 }

@@ -8,10 +8,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Largest size that a .gz file may unpack to, unless the environment variable SHEAR_UNPACK_LIMIT
- * (bytes) says otherwise. */
-#define SF_UNPACK_LIMIT (INT64_C(64) << 30)
-
 /* True where the bytes are the start of a FITS file. */
 bool sf_is_fits(const unsigned char *bytes, int64_t count);
 bool sf_is_gzip(const unsigned char *bytes, int64_t count);
@@ -21,8 +17,5 @@ bool sf_is_gzip(const unsigned char *bytes, int64_t count);
  * The offset of `in` is not used. SHEAR_E_FORMAT: damaged, truncated, not FITS, too large;
  * SHEAR_E_IO: no room. */
 int sf_spool_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err);
-
-/* The same without unpacking: a plain copy. */
-int sf_spool_copy(int in, int64_t size, sf_place at, int *out, shear_error *err);
 
 #endif

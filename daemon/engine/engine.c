@@ -107,6 +107,7 @@ int engine_new(engine **out, const engine_options *options, shear_error *err) {
     if (code == SHEAR_OK) {
         e->options.limits.program = e->program;
         e->options.limits.scratch = e->scratch;
+        e->options.limits.scratch_used = &e->scratch_used;
         code = start_workers(e, err);
     }
     if (code != SHEAR_OK) {
@@ -277,6 +278,7 @@ void engine_limit_readers(engine *e, const reader_limits *limits) {
     e->options.limits = *limits;
     e->options.limits.program = e->program;
     e->options.limits.scratch = e->scratch;
+    e->options.limits.scratch_used = &e->scratch_used;
 }
 
 void engine_limit_memory(engine *e, int64_t bytes) {

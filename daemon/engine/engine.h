@@ -82,7 +82,7 @@ typedef struct engine_event {
     char checksum[SHEAR_CHECKSUM_SIZE]; /* OPENED: of the content (shear_input_checksum) */
     shear_field_info info;              /* OPENED */
     shear_plan_info plan;               /* OPENED */
-    bool landlocked;                    /* OPENED: reader_is_landlocked */
+    unsigned guards;                    /* OPENED: reader_get_guards */
     int64_t next_block;                 /* CHECKPOINT, RESUMED */
     char *sums;                         /* CHECKPOINT, DONE: text; freed by engine_event_deinit */
     int64_t from_block;                 /* CHECKPOINT: where its terms begin */

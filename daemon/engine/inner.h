@@ -20,7 +20,8 @@
 struct engine {
     engine_options options;
     char *program, *scratch;
-    pthread_t *threads; /* workers */
+    atomic_llong scratch_used; /* bytes, by all readers */
+    pthread_t *threads;        /* workers */
     int n_threads;
     plans *plans;  /* has a lock of its own, which is taken under this one's, never the other way */
     events events; /* as well */

@@ -113,7 +113,7 @@ static int prepare(job *j, engine_event *event, shear_error *err) {
     int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
     if (code == SHEAR_OK) {
         event->info = *reader_get_info(j->reader);
-        event->landlocked = reader_is_landlocked(j->reader);
+        event->guards = reader_get_guards(j->reader);
         atomic_store(&j->stage, ENGINE_HASHING);
         code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
         memcpy(event->checksum, j->checksum, sizeof event->checksum);

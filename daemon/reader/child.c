@@ -18,7 +18,7 @@
 typedef struct child {
     shear_input input;
     int fds[SHEAR_N_PARTS]; /* -1: none */
-    int landlocked;
+    unsigned guards;        /* enum sandbox_guard */
     shear_field *field;
     shear_hashing *hashing;
     char *memory; /* PSF area, then slots */
@@ -39,7 +39,7 @@ static int do_open(child *c, reader_reply *reply, shear_error *err) {
     const int code = shear_field_open_input(&c->field, &c->input, c->fds, err);
     if (code == SHEAR_OK) {
         reply->info = *shear_field_get_info(c->field);
-        reply->landlocked = c->landlocked;
+        reply->guards = c->guards;
     }
     return code;
 }
@@ -148,17 +148,21 @@ int main(int argc, char **argv) {
         fprintf(stderr, "sheard-reader is started by sheard, not by hand\n");
         return 2;
     }
-    const char *scratch = argv[4];
+    static const int scratch[] = {READER_FD_SCRATCH, READER_FD_SCRATCH + 1, READER_FD_SCRATCH + 2,
+                                  READER_FD_SCRATCH + 3};
+    _Static_assert(sizeof scratch / sizeof *scratch == SHEAR_N_PARTS, "one for each part");
+    const int n_scratch = (int)strtol(argv[4], NULL, 10);
     const sandbox_limits limits = {.memory_bytes = strtoll(argv[1], NULL, 10),
                                    .cpu_seconds = strtoll(argv[2], NULL, 10),
                                    .file_bytes = strtoll(argv[3], NULL, 10)};
     child c = {0};
     shear_error err = {0};
     read_input(&c, argc, argv);
-    close_range(READER_FD_FILE + SHEAR_N_PARTS, ~0U, 0);
-    setenv("TMPDIR", scratch, 1);
+    close_range(READER_FD_SCRATCH + (unsigned)n_scratch, ~0U, 0);
+    shear_field_use_scratch(scratch, n_scratch);
     setenv("SHEAR_UNPACK_LIMIT", argv[3], 1);
-    if (sandbox_enter(&limits, c.fds, SHEAR_N_PARTS, scratch, &c.landlocked, &err) != SHEAR_OK) {
+    sandbox_unshare(&c.guards);
+    if (sandbox_enter(&limits, &c.guards, &err) != SHEAR_OK) {
         const reader_reply reply = {
             .version = READER_WIRE_VERSION, .op = READER_OPEN, .code = err.code, .error = err};
         send(READER_FD_SOCKET, &reply, sizeof reply, MSG_NOSIGNAL);

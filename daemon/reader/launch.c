@@ -11,25 +11,26 @@
 #include <stdio.h>
 #include <unistd.h>
 
-enum { N_FDS = 2 + SHEAR_N_PARTS, NUMBER = 24 };
+enum { N_FDS = READER_FD_END - READER_FD_SOCKET, NUMBER = 24 };
 
 /* The child's arguments, and what their numbers are kept in. */
 typedef struct arguments {
-    char numbers[3][NUMBER];
+    char numbers[4][NUMBER];
     char hdus[SHEAR_N_PARTS][NUMBER];
     char *argv[READER_ARGS_PARTS + 1];
 } arguments;
 
-static void fill_arguments(arguments *a, const shear_input *input, const reader_limits *limits) {
+static void fill_arguments(arguments *a, const shear_input *input, int n_scratch,
+                           const reader_limits *limits) {
     int n = 0;
     snprintf(a->numbers[0], NUMBER, "%" PRId64, limits->memory_bytes);
     snprintf(a->numbers[1], NUMBER, "%" PRId64, limits->cpu_seconds);
     snprintf(a->numbers[2], NUMBER, "%" PRId64, limits->unpacked_bytes);
+    snprintf(a->numbers[3], NUMBER, "%d", n_scratch);
     a->argv[n++] = (char *)"sheard-reader";
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         a->argv[n++] = a->numbers[i];
     }
-    a->argv[n++] = (char *)limits->scratch;
     if (input->path != NULL) {
         a->argv[n++] = (char *)input->path;
     }
@@ -77,15 +78,25 @@ static void fill_attributes(posix_spawnattr_t *attributes) {
 int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_ends ends,
                   const reader_limits *limits) {
     char *const environment[] = {NULL};
-    int given[N_FDS] = {ends.socket, ends.memory, -1, -1, -1, -1};
-    int from[N_FDS] = {-1, -1, -1, -1, -1, -1};
+    int given[N_FDS];
+    int from[N_FDS];
+    int n_scratch = 0;
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
     arguments a;
-    for (int i = 0; i < (input->path != NULL ? 1 : SHEAR_N_PARTS); i++) {
-        given[2 + i] = fds[i];
+    for (int i = 0; i < N_FDS; i++) {
+        given[i] = from[i] = -1;
     }
-    fill_arguments(&a, input, limits);
+    given[0] = ends.socket;
+    given[1] = ends.memory;
+    for (int i = 0; i < (input->path != NULL ? 1 : SHEAR_N_PARTS); i++) {
+        given[READER_FD_FILE - READER_FD_SOCKET + i] = fds[i];
+    }
+    while (n_scratch < SHEAR_N_PARTS && ends.scratch[n_scratch] >= 0) {
+        given[READER_FD_SCRATCH - READER_FD_SOCKET + n_scratch] = ends.scratch[n_scratch];
+        n_scratch++;
+    }
+    fill_arguments(&a, input, n_scratch, limits);
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
     fill_attributes(&attributes);

@@ -9,9 +9,10 @@
 
 /* What the child gets of the daemon's; all of it stays the caller's. */
 typedef struct launch_ends {
-    int socket; /* its end of the pair */
-    int memory; /* shared */
-    int said;   /* its standard error (reader/last_words.h) */
+    int socket;         /* its end of the pair */
+    int memory;         /* shared */
+    int said;           /* its standard error (reader/last_words.h) */
+    const int *scratch; /* [SHEAR_N_PARTS], the first -1 ends them (reader/scratch.h) */
 } launch_ends;
 
 /* Start sheard-reader on these files (see reader_start). Returns 0 or errno. */

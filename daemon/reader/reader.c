@@ -3,6 +3,7 @@
 
 #include "reader/last_words.h"
 #include "reader/launch.h"
+#include "reader/scratch.h"
 #include "reader/wire.h"
 
 #include <errno.h>
@@ -30,7 +31,8 @@ struct reader {
     int failed; /* enum reader_code after the first failure of the child itself */
     shear_error failure;
     shear_field_info info;
-    bool landlocked;
+    unsigned guards;
+    scratch scratch;
     char *memory;
     size_t memory_bytes, psf_bytes, slot_bytes;
     int slots, capacity;
@@ -129,9 +131,10 @@ static bool is_stopping(const reader *r) {
     return r->stop != NULL && atomic_load(r->stop);
 }
 
-/* SHEAR_OK when there is something to receive; or READER_E_HUNG, READER_E_STOPPED. */
-static int wait_for_answer(const reader *r) {
-    enum { LOOK_MS = 100, GRACE_MS = 700 };
+/* SHEAR_OK when there is something to receive; READER_E_HUNG, READER_E_STOPPED; or, with an error,
+ * that its unpacked copies cannot stay. */
+static int wait_for_answer(reader *r, shear_error *err) {
+    enum { LOOK_MS = 50, GRACE_MS = 700 };
     struct pollfd p = {.fd = r->socket, .events = POLLIN};
     int64_t end_ms = now_ms() + r->timeout_ms;
     bool stopping = false;
@@ -143,6 +146,10 @@ static int wait_for_answer(const reader *r) {
                                                          : LOOK_MS));
         if (ready > 0 || (ready < 0 && errno != EINTR)) {
             return SHEAR_OK; /* an error is recv's to tell */
+        }
+        const int code = scratch_check(&r->scratch, false, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
         if (ready == 0 && left_ms <= LOOK_MS) {
             return stopping ? READER_E_STOPPED : READER_E_HUNG;
@@ -179,6 +186,20 @@ static ssize_t receive(const reader *r, reader_reply *reply) {
     return got;
 }
 
+/* Its unpacked copies are too large, or others need the room. */
+static int evict(reader *r, const shear_error *why, shear_error *err) {
+    char ignored[160];
+    if (r->pid > 0) {
+        reap(r, true, ignored, sizeof ignored);
+    }
+    r->failure = *why;
+    r->failed = why->code;
+    if (err != NULL) {
+        *err = *why;
+    }
+    return why->code;
+}
+
 /* Send a request and receive its reply: what the child itself says is in reply->code, its own
  * failure is returned. */
 static int ask(reader *r, const reader_request *request, const char *what, reader_reply *reply,
@@ -190,8 +211,12 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
         }
         return r->failed;
     }
+    shear_error why;
     if (send(r->socket, request, sizeof *request, MSG_NOSIGNAL) == (ssize_t)sizeof *request) {
-        const int waited = wait_for_answer(r);
+        const int waited = wait_for_answer(r, &why);
+        if (waited == SHEAR_E_FULL || waited == SHEAR_E_FORMAT) {
+            return evict(r, &why, err);
+        }
         if (waited != SHEAR_OK) {
             return give_up(r, waited, what, err);
         }
@@ -206,6 +231,10 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
     }
     reply->error.message[sizeof reply->error.message - 1] = '\0';
     reply->error.advice[sizeof reply->error.advice - 1] = '\0';
+    const bool full = reply->code == SHEAR_E_FULL;
+    if ((full || reply->code == SHEAR_OK) && scratch_check(&r->scratch, full, &why) != SHEAR_OK) {
+        return evict(r, &why, err);
+    }
     return reply->code == SHEAR_OK ? SHEAR_OK : failed_answer(reply, err);
 }
 
@@ -261,6 +290,8 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
                   .timeout_ms = limits->timeout_ms,
                   .stop = limits->stop,
                   .shared_bytes = limits->shared_bytes};
+    scratch_open(&r->scratch, limits->scratch, limits->scratch_bytes, limits->scratch_used,
+                 input->path != NULL ? 1 : SHEAR_N_PARTS);
     r->memory_fd = memfd_create("sheard-stamps", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     int rc = r->memory_fd < 0 || socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0
                  ? errno
@@ -268,7 +299,7 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
     r->socket = pair[0];
     r->said = said[0];
     if (rc == 0) {
-        const launch_ends ends = {pair[1], r->memory_fd, said[1]};
+        const launch_ends ends = {pair[1], r->memory_fd, said[1], r->scratch.fds};
         rc = launch_reader(&r->pid, input, fds, ends, limits);
     }
     close_one(pair[1]);
@@ -289,7 +320,7 @@ int reader_start(reader **out, const shear_input *input, const int *fds,
         return code;
     }
     r->info = reply.info;
-    r->landlocked = reply.landlocked != 0;
+    r->guards = reply.guards;
     *out = r;
     return SHEAR_OK;
 }
@@ -308,6 +339,7 @@ void reader_stop(reader *r) {
         munmap(r->memory, r->memory_bytes);
     }
     close_one(r->memory_fd);
+    scratch_close(&r->scratch);
     free(r->blocks);
     free(r);
 }
@@ -316,8 +348,8 @@ const shear_field_info *reader_get_info(const reader *r) {
     return &r->info;
 }
 
-bool reader_is_landlocked(const reader *r) {
-    return r->landlocked;
+unsigned reader_get_guards(const reader *r) {
+    return r->guards;
 }
 
 static bool is_checksum(const char text[SHEAR_CHECKSUM_SIZE]) {

@@ -26,13 +26,15 @@ enum reader_code {
 };
 
 typedef struct reader_limits {
-    const char *program;    /* path of sheard-reader */
-    const char *scratch;    /* directory for unpacked copies */
-    int64_t memory_bytes;   /* of the child's address space; 0 = unlimited */
-    int64_t cpu_seconds;    /* of the child in all; 0 = unlimited */
-    int64_t unpacked_bytes; /* largest unpacked .gz */
-    int64_t shared_bytes;   /* largest shared memory */
-    int timeout_ms;         /* of one answer */
+    const char *program;        /* path of sheard-reader */
+    const char *scratch;        /* directory for unpacked copies: reader/scratch.h */
+    int64_t scratch_bytes;      /* of all readers together ... */
+    atomic_llong *scratch_used; /* ... which is counted here; may be NULL */
+    int64_t memory_bytes;       /* of the child's address space; 0 = unlimited */
+    int64_t cpu_seconds;        /* of the child in all; 0 = unlimited */
+    int64_t unpacked_bytes;     /* largest unpacked .gz */
+    int64_t shared_bytes;       /* largest shared memory */
+    int timeout_ms;             /* of one answer */
     /* Where this becomes true (in any thread), the call under way returns within a second. May be
      * NULL. */
     const atomic_bool *stop;
@@ -49,9 +51,8 @@ int reader_start(reader **r, const shear_input *input, const int *fds, const rea
 void reader_stop(reader *r);
 
 const shear_field_info *reader_get_info(const reader *r);
-/* Is the file system closed to the child? Where the kernel lacks Landlock, seccomp alone guards it.
- */
-bool reader_is_landlocked(const reader *r);
+/* What the child says that keeps it in: enum sandbox_guard. */
+unsigned reader_get_guards(const reader *r);
 
 /* The content's hash (shear_input_checksum), which the child reads; in slices, so that it may take
  * as long as it has to, and be stopped. *hashed, where not NULL: bytes so far, for others to watch.

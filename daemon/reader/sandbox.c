@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -63,23 +64,8 @@ static int set_limits(const sandbox_limits *limits, shear_error *err) {
     return code == SHEAR_OK ? limit(RLIMIT_NOFILE, 64, "open files", err) : code;
 }
 
-static int allow_path(int ruleset, int fd, uint64_t access) {
-    const struct landlock_path_beneath_attr rule = {.allowed_access = access, .parent_fd = fd};
-    return (int)syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
-}
-
-static bool allow_files(int ruleset, const int *fds, int n) {
-    bool allowed_all = true;
-    for (int i = 0; i < n; i++) {
-        allowed_all = allowed_all && (fds[i] < 0 || allow_path(ruleset, fds[i],
-                                                               LANDLOCK_ACCESS_FS_READ_FILE) == 0);
-    }
-    return allowed_all;
-}
-
-/* Files: read these, and make scratch files. Everything else in the file system is out of reach. */
-static int enter_landlock(const int *file_fds, int n_files, const char *scratch, int *landlocked,
-                          shear_error *err) {
+/* No file may be reached by a name: without a rule, all that is handled is refused. */
+static int enter_landlock(unsigned *guards, shear_error *err) {
     const struct landlock_ruleset_attr handled = {
         .handled_access_fs = LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE |
                              LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR |
@@ -88,23 +74,14 @@ static int enter_landlock(const int *file_fds, int n_files, const char *scratch,
                              LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_MAKE_SOCK |
                              LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
                              LANDLOCK_ACCESS_FS_MAKE_SYM};
-    *landlocked = 0;
     const int ruleset = (int)syscall(SYS_landlock_create_ruleset, &handled, sizeof handled, 0);
     if (ruleset < 0) {
         return errno == ENOSYS || errno == EOPNOTSUPP ? SHEAR_OK : fail_errno(err, "Landlock");
     }
-    const int dir = open(scratch, O_PATH | O_DIRECTORY | O_CLOEXEC);
-    const uint64_t scratch_access = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_WRITE_FILE |
-                                    LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
-    const int ok = allow_files(ruleset, file_fds, n_files) &&
-                   (dir < 0 || allow_path(ruleset, dir, scratch_access) == 0) &&
-                   syscall(SYS_landlock_restrict_self, ruleset, 0) == 0;
-    const int code = ok ? SHEAR_OK : fail_errno(err, "Landlock rules");
-    if (dir >= 0) {
-        close(dir);
-    }
+    const bool entered = syscall(SYS_landlock_restrict_self, ruleset, 0) == 0;
+    const int code = entered ? SHEAR_OK : fail_errno(err, "Landlock rules");
     close(ruleset);
-    *landlocked = ok;
+    *guards |= entered ? SANDBOX_LANDLOCK : 0U;
     return code;
 }
 
@@ -119,13 +96,10 @@ static const int allowed[] = {
     SCMP_SYS(writev),
     SCMP_SYS(lseek),
     SCMP_SYS(fstat),
-    SCMP_SYS(newfstatat),
-    SCMP_SYS(statx),
     SCMP_SYS(ftruncate),
     SCMP_SYS(fallocate),
     SCMP_SYS(close),
     SCMP_SYS(dup),
-    SCMP_SYS(fcntl),
     SCMP_SYS(mmap),
     SCMP_SYS(munmap),
     SCMP_SYS(mremap),
@@ -146,37 +120,39 @@ static const int allowed[] = {
     SCMP_SYS(gettimeofday),
     SCMP_SYS(getpid),
     SCMP_SYS(gettid),
-    SCMP_SYS(tgkill),
     SCMP_SYS(getrandom),
     SCMP_SYS(sched_yield),
-    SCMP_SYS(sched_getaffinity),
     SCMP_SYS(restart_syscall),
     SCMP_SYS(set_robust_list),
     SCMP_SYS(rseq),
-    SCMP_SYS(prlimit64),
     SCMP_SYS(sigaltstack),
 };
 
-/* Opening is for reading, or for a nameless scratch file; Landlock says which files. */
-static int allow_opening(scmp_filter_ctx filter) {
-    const scmp_datum_t forbidden =
-        O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND | (O_TMPFILE & ~O_DIRECTORY);
-    const scmp_datum_t scratch = O_TMPFILE | O_RDWR;
-    int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
-                              SCMP_A2(SCMP_CMP_MASKED_EQ, forbidden, 0));
-    if (rc == 0) {
-        rc = seccomp_rule_add(
-            filter, SCMP_ACT_ALLOW, SCMP_SYS(openat), 1,
-            SCMP_A2(SCMP_CMP_MASKED_EQ, scratch | O_CREAT | O_TRUNC | O_APPEND, scratch));
+/* Calls with arguments that reach beyond this process otherwise: to the service, which is of the
+ * same user. F_SETOWN and F_SETSIG of fcntl would send it signals; F_SETFL serves them. */
+static int allow_some(scmp_filter_ctx filter) {
+    static const int commands[] = {F_GETFL, F_GETFD, F_SETFD, F_DUPFD, F_DUPFD_CLOEXEC};
+    const scmp_datum_t self = (scmp_datum_t)getpid();
+    int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
+                              SCMP_A0(SCMP_CMP_EQ, self)); /* abort() */
+    for (size_t i = 0; rc == 0 && i < sizeof commands / sizeof *commands; i++) {
+        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1,
+                              SCMP_A1(SCMP_CMP_EQ, (scmp_datum_t)commands[i]));
     }
-    return rc;
+    if (rc == 0) { /* getrlimit */
+        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), 2,
+                              SCMP_A0(SCMP_CMP_EQ, 0), SCMP_A2(SCMP_CMP_EQ, 0));
+    }
+    return rc == 0 ? seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(sched_getaffinity), 1,
+                                      SCMP_A0(SCMP_CMP_EQ, 0))
+                   : rc;
 }
 
 static int enter_seccomp(shear_error *err) {
     /* A call that is not on the list fails, and the library says so, like any other failure: a
      * reader that was taken over gains nothing by trying. */
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
-    int rc = filter != NULL ? allow_opening(filter) : -ENOMEM;
+    int rc = filter != NULL ? allow_some(filter) : -ENOMEM;
     for (size_t i = 0; rc == 0 && i < sizeof allowed / sizeof allowed[0]; i++) {
         rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
     }
@@ -188,15 +164,25 @@ static int enter_seccomp(shear_error *err) {
     return rc == 0 ? SHEAR_OK : fail_errno(err, "seccomp");
 }
 
-int sandbox_enter(const sandbox_limits *limits, const int *file_fds, int n_files,
-                  const char *scratch, int *landlocked, shear_error *err) {
+int sandbox_enter(const sandbox_limits *limits, unsigned *guards, shear_error *err) {
     int code = set_limits(limits, err);
     if (code == SHEAR_OK &&
         (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0)) {
         code = fail_errno(err, "no new privileges");
     }
-    if (code == SHEAR_OK) {
-        code = enter_landlock(file_fds, n_files, scratch, landlocked, err);
+    if (code == SHEAR_OK && prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) {
+        code = fail_errno(err, "not dumpable");
     }
-    return code == SHEAR_OK ? enter_seccomp(err) : code;
+    if (code == SHEAR_OK) {
+        code = enter_landlock(guards, err);
+    }
+    if (code == SHEAR_OK) {
+        code = enter_seccomp(err);
+    }
+    *guards |= code == SHEAR_OK ? SANDBOX_SECCOMP | SANDBOX_UNDUMPABLE : 0U;
+    return code;
+}
+
+int fstat(int fd, struct stat *st) {
+    return (int)syscall(SYS_fstat, fd, st);
 }

@@ -14,10 +14,17 @@
 
 /* Descriptors of the child, fixed by the daemon before exec: a field file, or each part that there
  * is at READER_FD_FILE + enum shear_part. */
-enum { READER_FD_SOCKET = 3, READER_FD_MEMORY = 4, READER_FD_FILE = 5 };
+enum {
+    READER_FD_SOCKET = 3,
+    READER_FD_MEMORY = 4,
+    READER_FD_FILE = 5,
+    READER_FD_SCRATCH = READER_FD_FILE + SHEAR_N_PARTS, /* to unpack into */
+    READER_FD_END = READER_FD_SCRATCH + SHEAR_N_PARTS
+};
 
-/* Arguments of the child: memory, processor seconds, largest unpacked file, scratch directory; then
- * the file's name; or, for each part, its file's name ("" where it is not given), its HDU's number
+/* Arguments of the child: memory, processor seconds, largest unpacked file, number of scratch
+ * files; then the file's name; or, for each part, its file's name ("" where it is not given), its
+ * HDU's number
  * (-1: none) and its HDU's name ("": none). Counted with argv[0]. */
 enum {
     READER_ARG_FIRST_NAME = 5,
@@ -25,7 +32,7 @@ enum {
     READER_ARGS_PARTS = READER_ARG_FIRST_NAME + 3 * SHEAR_N_PARTS
 };
 
-enum { READER_WIRE_VERSION = 2 };
+enum { READER_WIRE_VERSION = 3 };
 
 enum reader_op {
     READER_OPEN = 1, /* -> info */
@@ -46,8 +53,8 @@ typedef struct reader_request {
 typedef struct reader_reply {
     uint32_t version;
     uint32_t op;
+    uint32_t guards;                    /* READER_OPEN: enum sandbox_guard */
     int32_t code;                       /* enum shear_code */
-    int32_t landlocked;                 /* READER_OPEN: is the file system closed to it? */
     int32_t n_psf;                      /* READER_STAMPS: images in the slot */
     int64_t hashed;                     /* READER_HASH: bytes so far */
     char checksum[SHEAR_CHECKSUM_SIZE]; /* READER_HASH: of all; "": there is more to read */

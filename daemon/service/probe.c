@@ -2,6 +2,7 @@
 /* The method probe: can this service measure? A tiny field of known shear goes the way of every
  * job through the engine (reader, sandbox, plan, workers), and past the store. One at a time: who
  * asks meanwhile gets the same answer. */
+#include "reader/sandbox.h"
 #include "service/methods.h"
 #include "service/probe_field.h"
 
@@ -23,7 +24,7 @@ struct probe {
     int fd, code; /* of the field's file */
     shear_error err;
     double begun_s;
-    bool landlocked;
+    unsigned guards; /* enum sandbox_guard */
 };
 
 static double now_s(void) {
@@ -67,7 +68,8 @@ static void answer_measured(service *s, const shear_result *r) {
                              .true_g2 = PROBE_G2,
                              .stamps = r->n_used,
                              .seconds = now_s() - s->probe->begun_s,
-                             .landlock = s->probe->landlocked};
+                             .landlock = (s->probe->guards & SANDBOX_LANDLOCK) != 0,
+                             .namespaces = (s->probe->guards & SANDBOX_NAMESPACES) != 0};
     if (!what.ok) {
         snprintf(text, sizeof text, "the probe's shear is measured as %.6f, %.6f; it is %.6f, %.6f",
                  r->g1, r->g2, PROBE_G1, PROBE_G2);
@@ -116,7 +118,7 @@ static void made(uv_work_t *work, int status) {
 void probe_event(service *s, const engine_event *e) {
     switch (e->kind) {
     case ENGINE_OPENED:
-        s->probe->landlocked = e->landlocked;
+        s->probe->guards = e->guards;
         engine_go(s->engine, PROBE_JOB, NULL);
         break;
     case ENGINE_DONE:

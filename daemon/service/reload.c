@@ -43,7 +43,8 @@ int64_t reload_memory(const sheard_config *c) {
 reader_limits reload_reader_limits(const sheard_config *c) {
     return (reader_limits){.memory_bytes = c->reader.memory_bytes,
                            .cpu_seconds = (c->reader.cpu_time_ms + 999) / 1000,
-                           .unpacked_bytes = c->reader.max_file_bytes,
+                           .unpacked_bytes = c->reader.unpacked_bytes,
+                           .scratch_bytes = c->reader.scratch_bytes,
                            .shared_bytes = c->reader.shared_memory_bytes,
                            .timeout_ms = (int)c->reader.wall_time_ms};
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How the service is put together, and taken apart. */
 #include "reader/find.h"
+#include "reader/scratch.h"
 #include "service/inner.h"
 #include "service/owner.h"
 #include "service/processors.h"
@@ -70,16 +71,19 @@ static int open_store(service *s, shear_error *err) {
 static int open_engine(service *s, shear_error *err) {
     const sheard_config *c = &s->config;
     char program[4200];
-    char scratch[4200];
-    snprintf(scratch, sizeof scratch, "%s/scratch", c->daemon.state_dir);
+    char copies[4200];
+    const bool chosen = strcmp(c->reader.scratch, "auto") != 0;
     int code = reader_find(program, sizeof program, err);
-    code = code == SHEAR_OK ? make_directory(scratch, 0700, err) : code;
+    if (code == SHEAR_OK) {
+        code = scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
+                            c->daemon.state_dir, err);
+    }
     if (code != SHEAR_OK) {
         return code;
     }
     reader_limits limits = reload_reader_limits(c);
     limits.program = program;
-    limits.scratch = scratch;
+    limits.scratch = copies;
     const engine_options options = {.workers = c->daemon.workers > 0 ? (int)c->daemon.workers
                                                                      : processors_count(),
                                     .limits = limits,

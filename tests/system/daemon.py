@@ -111,6 +111,15 @@ class Client:
         return self.answer(self.ask(method, params))
 
 
+def children_of(pid):
+    pids = []
+    with contextlib.suppress(OSError):
+        for task in os.listdir(f"/proc/{pid}/task"):
+            with contextlib.suppress(OSError), open(f"/proc/{pid}/task/{task}/children") as f:
+                pids += [int(child) for child in f.read().split()]
+    return pids
+
+
 class Daemon:
     def __init__(self, directory, settings=None, preload=None, env=None, state=None, spool=None):
         self.directory = directory
@@ -197,14 +206,8 @@ class Daemon:
             return f.read()[-tail:]
 
     def children(self):
-        """Process ids of its readers."""
-        pids = []
-        with contextlib.suppress(OSError):
-            for task in os.listdir(f"/proc/{self.process.pid}/task"):
-                with contextlib.suppress(OSError), \
-                        open(f"/proc/{self.process.pid}/task/{task}/children") as f:
-                    pids += [int(pid) for pid in f.read().split()]
-        return pids
+        """Process ids of its readers: of those that read, where others only wait for them."""
+        return [pid for child in children_of(self.process.pid) for pid in children_of(child) or [child]]
 
     def held(self, number):
         """The job, once it is in the middle of its measurement, which it does not leave before

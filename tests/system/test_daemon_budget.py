@@ -28,22 +28,22 @@ class Budget(DaemonTest):
 
     @unittest.skipIf(SANITIZED, "a sanitizer's own memory would count")
     def test_many_large_jobs(self):
-        """Each job wants 1.8 GiB while it is planned. All are done, not all at once, and never is there more than the budget."""
-        daemon = self.daemon({"limits.memory": "2500M", "daemon.max_active_jobs": 8, "plans.max_bytes": "1T"})
-        jobs, most, waited, phases = self.heavy(daemon, 8, oversample=64), 0, 0, set()
+        """Each job wants 450 MiB while it is planned. All are done, not all at once, and never is there more than the budget."""
+        daemon = self.daemon({"limits.memory": "600M", "daemon.max_active_jobs": 8, "plans.max_bytes": "1T"})
+        jobs, most, waited, phases = self.heavy(daemon, 8), 0, 0, set()
         with daemon.client() as client:
             while any(client.call("job", id=job)["job"]["state"] not in FINAL for job in jobs):
                 most = max(most, memory(daemon.process))
                 said = client.call("status")["memory"]
-                self.assertEqual(said["budget"], 2500 * MIB)
+                self.assertEqual(said["budget"], 600 * MIB)
                 self.assertLessEqual(said["used"], said["budget"])
                 waited = max(waited, said["waiting"])
                 time.sleep(0.02)
                 phases |= {client.call("job", id=job)["job"]["progress"]["phase"] for job in jobs}
-        print(f"\n8 jobs in a budget of 2500 MiB: at most {most // MIB} MiB; {waited} waited at a time", flush=True)
+        print(f"\n8 jobs in a budget of 600 MiB: at most {most // MIB} MiB; {waited} waited at a time", flush=True)
         self.assertEqual({daemon.job(job)["state"] for job in jobs}, {"done"})
-        self.assertLess(most, 2500 * MIB + SLACK)
-        self.assertGreater(most, 1500 * MIB, "the jobs are too small for this test")
+        self.assertLess(most, 600 * MIB + SLACK)
+        self.assertGreater(most, 350 * MIB, "the jobs are too small for this test")
         self.assertGreater(waited, 0)
         self.assertIn("waiting_memory", phases)
         until(lambda: daemon.call("status")["memory"]["used"] == daemon.call("status")["plans"]["bytes"], "all is given back")

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The process that reads: whatever touches the bytes of a file happens there, within its limits, and can be stopped."""
+import gzip
 import os
 import signal
+import subprocess
 import unittest
+import zlib
 
-from daemon import DaemonTest, FINAL, measured, mock, until
+from daemon import DaemonTest, FINAL, content_of, measured, mock, until
 from fitsfile import BLOCK, header, image, primary
 
 TIB = 1 << 40
@@ -78,6 +81,100 @@ class Hashing(DaemonTest):
             self.assertEqual((notice["method"], notice["params"]["progress"]["phase"]), ("job_progress", "hashing"))
             self.assertGreater(notice["params"]["progress"]["bytes_done"], 0)
         daemon.call("cancel", id=job)
+
+
+def gzipped(content):
+    return gzip.compress(content, 6, mtime=0)
+
+
+def bomb(megabytes):
+    """A header, and then nothing but zeros, packed to a thousandth."""
+    pack = zlib.compressobj(9, zlib.DEFLATED, 31)
+    zeros = bytes(1 << 20)
+    return pack.compress(primary()) + b"".join(pack.compress(zeros) for _ in range(megabytes)) + pack.flush()
+
+
+class Scratch(DaemonTest):
+    """Where gzipped files are unpacked to, and how much."""
+    def disk(self, size):
+        """A small disk of its own."""
+        path = os.path.join(self.directory, "scratch")
+        os.mkdir(path)
+        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", path]).returncode != 0:
+            self.skipTest("no disk can be mounted here")
+        self.addCleanup(subprocess.run, ["umount", "-l", path], check=True)
+        return path
+
+    def used(self, path):
+        disk = os.statvfs(path)
+        return (disk.f_blocks - disk.f_bfree) * disk.f_frsize
+
+    def put(self, daemon, name, content):
+        path = os.path.join(daemon.data, name)
+        with open(path, "wb") as f:
+            f.write(content)
+        return path
+
+    def assertOnce(self, job, text):
+        self.assertEqual((job["state"], job["class"], job["code"], job["attempts"]), ("failed", "data", "bad_file", 1), job)
+        self.assertIn(text, job["message"])
+
+    def test_limit_of_a_file(self):
+        daemon = self.daemon({"reader.unpacked": "1M"})
+        plain = mock(os.path.join(self.directory, "plain.fits"), 200, 32)
+        job = daemon.submit(self.put(daemon, "large.fits.gz", gzipped(content_of(plain))), wait=True)
+        self.assertOnce(job, "1048576 bytes")
+        self.assertIn("[reader] unpacked", job["advice"])
+        small = mock(os.path.join(self.directory, "small.fits"), 8, 32)
+        self.assertEqual(daemon.submit(self.put(daemon, "s.fits.gz", gzipped(content_of(small))), wait=True)["state"], "done")
+
+    def test_limit_of_all(self):
+        daemon = self.daemon({"reader.scratch_bytes": "1M"})
+        job = daemon.submit(self.put(daemon, "bomb.fits.gz", bomb(64)), wait=True)
+        self.assertOnce(job, "[reader] scratch_bytes")
+        self.assertIn("1048576 bytes", job["message"])
+
+    def test_bomb(self):
+        """More than its disk can ever hold: bad data, once; the disk is free again, and the next file is measured."""
+        disk = self.disk("48m")
+        daemon = self.daemon({"reader.scratch": disk})
+        self.assertOnce(daemon.submit(self.put(daemon, "bomb.fits.gz", bomb(3000)), wait=True), disk)
+        until(lambda: self.used(disk) == 0, "the copy is gone")
+        plain = mock(os.path.join(self.directory, "a.fits"), 200, 32)
+        packed = self.put(daemon, "a.fits.gz", gzipped(content_of(plain)))
+        self.assertEqual(daemon.submit(packed, field="a", wait=True)["state"], "done")
+        self.assertRow(daemon, "a", measured([plain]), 1)
+
+    def test_full(self):
+        """Others have filled the disk: the job is tried again until there is room, and says why it waits."""
+        disk = self.disk("48m")
+        daemon = self.daemon({"reader.scratch": disk, "retry.attempts": 1000})
+        filler = os.path.join(disk, "filler")
+        with open(filler, "wb") as f:
+            f.write(bytes(41 << 20))
+        plain = mock(os.path.join(self.directory, "a.fits"), 400, 32)
+        job = daemon.submit(self.put(daemon, "a.fits.gz", gzipped(content_of(plain))), field="a")["id"]
+        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["code"], "it waits")
+        waiting = daemon.job(job)
+        self.assertEqual((waiting["class"], waiting["code"]), ("transient", "disk_full"))
+        self.assertIn(disk, waiting["message"])
+        other = mock(os.path.join(daemon.data, "other.fits"), 8, 32)
+        self.assertEqual(daemon.submit(other, wait=True)["state"], "done")
+        os.unlink(filler)
+        self.assertEqual(daemon.wait_state(job, *FINAL)["state"], "done")
+        self.assertRow(daemon, "a", measured([plain]), 1)
+
+    def test_bad_directory(self):
+        daemon = self.daemon({"reader.scratch": "/dev/null"}, start=False).spawn()
+        self.assertNotEqual(daemon.ended(), 0)
+        self.assertIn("[reader] scratch", daemon.log_text())
+
+    def test_one_number(self):
+        """What is said of the limit is the limit."""
+        root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+        for name, text in (("config/sheard.conf", "#unpacked = 64G"), ("docs/field-files.md", "is limited to 64 GiB"),
+                           ("core/include/shear/field.h", "#define SHEAR_UNPACK_LIMIT (INT64_C(64) << 30)")):
+            self.assertIn(text, content_of(os.path.join(root, name)).decode(), name)
 
 
 class TooLarge(DaemonTest):

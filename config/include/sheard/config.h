@@ -96,6 +96,8 @@ typedef struct sheard_config {
         int64_t cpu_time_ms, wall_time_ms;
         int64_t shared_memory_bytes;
         int64_t max_file_bytes;
+        char *scratch; /* "auto": the first of $TMPDIR, /var/tmp and state_dir that works */
+        int64_t unpacked_bytes, scratch_bytes;
     } reader;
     struct {
         int64_t max_count; /* 0 = none */
@@ -137,7 +139,7 @@ typedef struct sheard_setting {
     size_t offset;              /* of the member in sheard_config; not of SHEARD_T_MEASURE */
     const char *initial;        /* the default, as text; NULL for SHEARD_T_MEASURE */
     int64_t min, max;           /* of numbers, inclusive; max of paths and names: bytes */
-    const char *word;           /* what stands for the number 0, or NULL */
+    const char *word;           /* what stands for the number 0, or for no path; or NULL */
     const char *const *choices; /* SHEARD_T_CHOICE: NULL-terminated */
     const char *unit;           /* what an integer counts: "jobs"; may be NULL */
     const char *flag;           /* its own option: "workers" is --workers; may be NULL */

@@ -112,6 +112,13 @@ int shear_field_read(shear_field *field, int64_t first, int count, shear_block *
 /* Read PSF image number `index` (0-based) into out[psf_ny][psf_nx]. */
 int shear_field_read_psf(shear_field *field, int64_t index, double *out, shear_error *err);
 
+/* The largest size that a gzipped file may unpack to, unless the environment variable
+ * SHEAR_UNPACK_LIMIT (bytes) says otherwise. It is unpacked into a file without a name in $TMPDIR
+ * or /tmp; or, for a process that may open none, into one of these, open for writing, empty, one
+ * for each file: call this once, before any is opened; they are this library's then. At most 8. */
+#define SHEAR_UNPACK_LIMIT (INT64_C(64) << 30)
+void shear_field_use_scratch(const int *fds, int n);
+
 /* Content hash of a file (XXH3, 128 bits, lower-case hex). */
 enum { SHEAR_CHECKSUM_SIZE = 33 }; /* with the NUL */
 int shear_file_checksum(const char *path, char out[SHEAR_CHECKSUM_SIZE], shear_error *err);

@@ -407,7 +407,8 @@ typedef struct shear_msg_probed {
     double true_g1, true_g2;
     int64_t stamps;
     double seconds;
-    bool landlock; /* the file system was closed to its reader */
+    bool landlock;   /* the file system was closed to its reader */
+    bool namespaces; /* ... which saw no other process */
 } shear_msg_probed;
 
 typedef struct shear_msg_reloaded {
