@@ -217,7 +217,7 @@ class UserAndFolders(unittest.TestCase):
 
 class PackageScripts(unittest.TestCase):
     def test_they_are_shell(self):
-        for name in ("postinst", "prerm", "postrm"):
+        for name in ("preinst", "postinst", "prerm", "postrm"):
             path = companion(os.path.join("deb", name))
             self.assertTrue(os.access(path, os.X_OK), name)
             subprocess.run(["sh", "-n", path], check=True)
