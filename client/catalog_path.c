@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -20,7 +21,7 @@ static bool is_directory(const char *path) {
 static void cut_ending(char *name, const char *ending) {
     size_t length = strlen(name);
     size_t cut = strlen(ending);
-    if (length > cut && strcmp(name + length - cut, ending) == 0) {
+    if (length > cut && strcasecmp(name + length - cut, ending) == 0) {
         name[length - cut] = '\0';
     }
 }
@@ -36,6 +37,7 @@ static char *path_in(const char *directory, const char *input) {
     cut_ending(base, ".gz");
     cut_ending(base, ".fz");
     cut_ending(base, ".fits");
+    cut_ending(base, ".fit");
     if (asprintf(&path, "%s/%s.shear.fits", directory, base) < 0) {
         path = NULL;
     }

@@ -2,6 +2,7 @@
 /* The socket and who answers there. */
 #include "doctor.h"
 #include "shear/version.h"
+#include "status_text.h"
 #include "style.h"
 
 #include <errno.h>
@@ -90,10 +91,11 @@ static void check_state(struct doctor *d) {
                    "the queue is full (%" PRId64 " jobs)", s->queue.length);
     }
     for (size_t i = 0; i < s->n_problems; i++) {
+        char line[800];
         doctor_say(d, "service", SHEAR_FINDING_WARN,
                    "the service's log tells more: journalctl -u "
                    "sheard",
-                   "%s", s->problems[i]);
+                   "%s", status_text_problem(s, i, line, sizeof line));
     }
 }
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure_group.h"
 
-#include "advice.h"
 #include "command.h"
 #include "message.h"
 #include "progress.h"
+#include "sheard/advice.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -163,15 +163,10 @@ static int run_all(struct measure_group *g, const struct measure_options *o,
 /* What stands out in the result. A field without a usable stamp is bad input, but its counts are
  * worth showing. */
 static void judge(struct measure_group *g, size_t done) {
-    char text[400];
-    const struct measure_input *first = measure_group_first(g);
-    const char *(*const advices[])(const shear_result *, const shear_plan_info *, char *,
-                                   size_t) = {advice_filter, advice_bright_border,
-                                              advice_rough_border};
-    for (size_t i = 0; i < sizeof advices / sizeof advices[0]; i++) {
-        if (advices[i](&g->result, &first->report.plan, text, sizeof text)) {
-            warnings_add(&g->warnings, "%s", text);
-        }
+    shear_advice_list advice;
+    shear_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan);
+    for (size_t i = 0; i < advice.n; i++) {
+        warnings_add(&g->warnings, "%s", advice.lines[i]);
     }
     if (done < g->n) {
         warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",

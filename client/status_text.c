@@ -21,8 +21,28 @@ static void print_states(const shear_msg_status *s, bool colours, FILE *out) {
     fputc('\n', out);
 }
 
+char *status_text_problem(const shear_msg_status *s, size_t i, char *buf, size_t size) {
+    char duration[HUMAN_SIZE];
+    size_t n = (size_t)snprintf(buf, size, "%s", s->problems[i]);
+    const shear_msg_problem *p =
+        s->n_problem_details == s->n_problems ? &s->problem_details[i] : NULL;
+    if (p == NULL || p->next_attempt_ms == 0 || n >= size) {
+        return buf;
+    }
+    const int64_t left_ms = p->next_attempt_ms - human_now_ms();
+    if (p->attempts > 0) {
+        n += (size_t)snprintf(buf + n, size - n, "; %" PRId64 " attempts so far", p->attempts);
+    }
+    if (n < size) {
+        snprintf(buf + n, size - n, "; next attempt %s%s", left_ms > 0 ? "in " : "now",
+                 left_ms > 0 ? human_duration(1e-3 * (double)left_ms, duration) : "");
+    }
+    return buf;
+}
+
 void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
-    char text[256];
+    char text[1024];
+    char line[800];
     char uptime[HUMAN_SIZE];
     char stamps[HUMAN_SIZE];
     char jobs[HUMAN_SIZE];
@@ -42,7 +62,35 @@ void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
                     human_rate(s->rates.jobs_per_s, jobs));
     for (size_t i = 0; i < s->n_problems; i++) {
         fprintf(out, "%s  problem    %s%s\n", colours ? STYLE_BAD : "",
-                message_clean(s->problems[i], text, sizeof text), colours ? STYLE_END : "");
+                message_clean(status_text_problem(s, i, line, sizeof line), text, sizeof text),
+                colours ? STYLE_END : "");
+    }
+}
+
+static void print_left_lying(const shear_msg_spool *s, FILE *out) {
+    for (size_t i = 0; i < s->n_left_lying; i++) {
+        shear_text_line(out, i == 0 ? "left lying" : "", "%s: %s", s->left_lying[i].name,
+                        s->left_lying[i].reason);
+    }
+    if (s->ignored > (int64_t)s->n_left_lying) {
+        shear_text_line(out, "", "and %" PRId64 " more", s->ignored - (int64_t)s->n_left_lying);
+    }
+}
+
+static void print_disks(const shear_msg_status *s, FILE *out) {
+    for (size_t i = 0; i < s->n_disks; i++) {
+        const shear_msg_disk *d = &s->disks[i];
+        char left[HUMAN_SIZE];
+        char all[HUMAN_SIZE];
+        const char *label = i == 0 ? "disks" : "";
+        if (d->problem) {
+            shear_text_line(out, label, "%s: %s: %s", d->use, d->path, d->problem);
+        } else if (d->same_as) {
+            shear_text_line(out, label, "%s: %s (on the disk of %s)", d->use, d->path, d->same_as);
+        } else {
+            shear_text_line(out, label, "%s: %s, %s of %s free", d->use, d->path,
+                            human_bytes(d->free_bytes, left), human_bytes(d->bytes, all));
+        }
     }
 }
 
@@ -58,6 +106,7 @@ static void print_spool(const shear_msg_spool *s, FILE *out) {
                     "%" PRId64 " incoming, %" PRId64 " active, %" PRId64 " done, %" PRId64
                     " failed",
                     s->incoming, s->active, s->done, s->failed);
+    print_left_lying(s, out);
 }
 
 void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
@@ -82,6 +131,10 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
     shear_text_line(out, "state", "%s, %s, %s free, schema %" PRId64 ", %" PRId64 " commits",
                     s->store.path ? s->store.path : "-", human_bytes(s->store.bytes, bytes),
                     human_bytes(s->store.free_bytes, left), s->store.schema, s->store.commits);
+    print_disks(s, out);
+    if (s->log.lost > 0) {
+        shear_text_line(out, "log", "%" PRId64 " lines were lost: nobody read them", s->log.lost);
+    }
     for (size_t i = 0; i < s->n_roots; i++) {
         shear_text_line(out, i == 0 ? "data roots" : "", "%s%s", s->roots[i].path,
                         s->roots[i].missing ? " (missing)" : "");

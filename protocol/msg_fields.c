@@ -23,6 +23,7 @@ static const msg_member row_members[] = {
     MSG_TIME_(shear_msg_field_row, updated_ms, "updated"),
     MSG_OBJECTS_(shear_msg_field_row, contributions, shear_msg_contribution, &contribution),
     MSG_BOOL_(shear_msg_field_row, more, 0),
+    MSG_COUNT_(shear_msg_field_row, files_left_out, 0),
 };
 static const msg_table row = {MSG_TABLE_(shear_msg_field_row, row_members), .check = NULL};
 

@@ -89,11 +89,46 @@ static const msg_member queue_members[] = {
 };
 static const msg_table queue = {MSG_TABLE_(shear_msg_queue, queue_members), .check = NULL};
 
+static const msg_member ignored_members[] = {
+    MSG_SAID_(shear_msg_ignored, name, 0),
+    MSG_SAID_(shear_msg_ignored, reason, 0),
+};
+static const msg_table ignored = {MSG_TABLE_(shear_msg_ignored, ignored_members), .check = NULL};
+
+static const msg_member log_members[] = {
+    MSG_COUNT_(shear_msg_log, lost, 0),
+    MSG_COUNT_(shear_msg_log, waiting_bytes, 0),
+};
+static const msg_table log_table = {MSG_TABLE_(shear_msg_log, log_members), .check = NULL};
+
+static const msg_member disk_members[] = {
+    MSG_SAID_(shear_msg_disk, use, 0),         MSG_SAID_(shear_msg_disk, path, 0),
+    MSG_COUNT_(shear_msg_disk, free_bytes, 0), MSG_COUNT_(shear_msg_disk, bytes, 0),
+    MSG_SAID_(shear_msg_disk, same_as, 0),     MSG_SAID_(shear_msg_disk, problem, 0),
+};
+static const msg_table disk = {MSG_TABLE_(shear_msg_disk, disk_members), .check = NULL};
+
+static const msg_member problem_members[] = {
+    MSG_SAID_(shear_msg_problem, about, 0),
+    MSG_SAID_(shear_msg_problem, code, 0),
+    MSG_SAID_(shear_msg_problem, message, 0),
+    MSG_TIME_(shear_msg_problem, since_ms, "since"),
+    MSG_COUNT_(shear_msg_problem, count, 0),
+    MSG_COUNT_(shear_msg_problem, attempts, 0),
+    MSG_TIME_(shear_msg_problem, next_attempt_ms, "next_attempt"),
+};
+static const msg_table problem = {MSG_TABLE_(shear_msg_problem, problem_members), .check = NULL};
+
 static const msg_member spool_members[] = {
-    MSG_SAID_(shear_msg_spool, path, 0),        MSG_BOOL_(shear_msg_spool, watching, 0),
-    MSG_COUNT_(shear_msg_spool, incoming, 0),   MSG_COUNT_(shear_msg_spool, active, 0),
-    MSG_COUNT_(shear_msg_spool, done, 0),       MSG_COUNT_(shear_msg_spool, failed, 0),
+    MSG_SAID_(shear_msg_spool, path, 0),
+    MSG_BOOL_(shear_msg_spool, watching, 0),
+    MSG_COUNT_(shear_msg_spool, incoming, 0),
+    MSG_COUNT_(shear_msg_spool, active, 0),
+    MSG_COUNT_(shear_msg_spool, done, 0),
+    MSG_COUNT_(shear_msg_spool, failed, 0),
     MSG_COUNT_(shear_msg_spool, free_bytes, 0),
+    MSG_COUNT_(shear_msg_spool, ignored, 0),
+    MSG_OBJECTS_(shear_msg_spool, left_lying, shear_msg_ignored, &ignored),
 };
 static const msg_table spool = {MSG_TABLE_(shear_msg_spool, spool_members), .check = NULL};
 
@@ -138,6 +173,9 @@ static const msg_member status_members[] = {
     MSG_OBJECTS_(shear_msg_status, roots, shear_msg_root, &root),
     MSG_OBJECT_(shear_msg_status, limits, "limits", shear_msg_limits, &msg_limits, 0),
     MSG_TEXTS_(shear_msg_status, problems, 0, 0, 0),
+    MSG_OBJECTS_(shear_msg_status, problem_details, shear_msg_problem, &problem),
+    MSG_OBJECTS_(shear_msg_status, disks, shear_msg_disk, &disk),
+    MSG_OBJECT_(shear_msg_status, log, "log", shear_msg_log, &log_table, 0),
 };
 const msg_table msg_status = {MSG_TABLE_(shear_msg_status, status_members), .check = NULL};
 

@@ -2,6 +2,7 @@
 #include "sheard/report.h"
 
 #include "json_text.h"
+#include "report_file.h"
 #include "shear/version.h"
 
 /* {"galaxy_not_finite": 0, ...}: every flag, also those that no stamp carries. */
@@ -22,7 +23,7 @@ static json_t *pair(double g1, double g2) {
     return json_text_whole(object, failed);
 }
 
-static json_t *one_file(const shear_report_file *f) {
+json_t *report_file_json(const shear_report_file *f) {
     json_t *object = json_object();
     bool failed = !object;
     json_text_set(object, "path", json_text_string(f->path), &failed);
@@ -38,7 +39,7 @@ static json_t *one_file(const shear_report_file *f) {
 static json_t *file_list(const shear_report *r) {
     json_t *array = json_array();
     for (size_t i = 0; i < r->n_files; i++) {
-        if (json_array_append_new(array, one_file(&r->files[i])) != 0) {
+        if (json_array_append_new(array, report_file_json(&r->files[i])) != 0) {
             json_decref(array);
             return NULL;
         }

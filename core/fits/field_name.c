@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, const char *whence,
                        shear_error *err) {
@@ -31,7 +32,7 @@ int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, co
 static void strip(char *name, const char *ending) {
     const size_t length = strlen(name);
     const size_t cut = strlen(ending);
-    if (length > cut && strcmp(name + length - cut, ending) == 0) {
+    if (length > cut && strcasecmp(name + length - cut, ending) == 0) {
         name[length - cut] = '\0';
     }
 }
@@ -41,4 +42,5 @@ void sf_field_name_default(char *out, size_t size, const char *base) {
     strip(out, ".gz");
     strip(out, ".fz");
     strip(out, ".fits");
+    strip(out, ".fit");
 }

@@ -25,7 +25,6 @@ static repeats messages;
 static log_options options = {.fd = STDERR_FILENO, .burst = 5, .interval_ms = 30000};
 static bool journal;
 static log_losses losses;
-static int64_t untold; /* of losses.lines: no line says so yet */
 static atomic_int level_on = LOG_LEVEL_INFO;
 
 void log_options_init(log_options *o) {
@@ -60,7 +59,6 @@ void log_open(const log_options *o) {
     journal = o->style == LOG_JOURNAL || (o->style == LOG_AUTO && is_journal(o->fd));
     messages = (repeats){0};
     losses = (log_losses){0};
-    untold = 0;
     outlet_open(o->fd);
     pthread_mutex_unlock(&lock);
     log_set_level(o->level);
@@ -129,22 +127,22 @@ static bool hand_over(int level, const char *text, int64_t ms) {
  * lines. */
 static void tell_losses(int64_t ms) {
     char text[128];
-    if (untold == 0 || outlet_waiting() > OUTLET_BYTES / 2) {
+    if (losses.untold == 0 || outlet_waiting() > OUTLET_BYTES / 2) {
         return;
     }
     snprintf(text, sizeof text, "%lld lines of the log were lost here: nobody read it",
-             (long long)untold);
+             (long long)losses.untold);
     if (hand_over(LOG_LEVEL_WARNING, text, ms)) {
-        untold = 0;
+        losses.untold = losses.since_ms = 0;
     }
 }
 
 static void write_message(int level, const char *text, int64_t ms) {
     tell_losses(ms);
-    if (untold > 0 || !hand_over(level, text, ms)) {
-        losses.since_ms = losses.lines == 0 ? ms : losses.since_ms;
+    if (losses.untold > 0 || !hand_over(level, text, ms)) {
+        losses.since_ms = losses.untold == 0 ? ms : losses.since_ms;
         losses.lines++;
-        untold++;
+        losses.untold++;
     }
 }
 

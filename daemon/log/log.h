@@ -52,7 +52,8 @@ bool log_drain(int timeout_ms);
 
 typedef struct log_losses {
     int64_t lines;         /* that were lost since log_open */
-    int64_t since_ms;      /* the first of them, milliseconds since 1970; 0: none */
+    int64_t untold;        /* ... of them, so far: no line says so yet */
+    int64_t since_ms;      /* the first of those, milliseconds since 1970; 0: none */
     int64_t waiting_bytes; /* not yet taken by who reads the log */
 } log_losses;
 log_losses log_get_losses(void);

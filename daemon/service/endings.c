@@ -25,6 +25,9 @@ static void settled(service *s, after *a, int code, const shear_error *err) {
     }
     spooled_end(s, &job);
     publish_job(s, &job);
+    if (job.state == STORE_WAITING) {
+        problem_job_waits(s, &job);
+    }
     if (shear_job_state_is_final(job.state)) {
         s->jobs_ended++;
         ending_tell(s, &job);

@@ -2,7 +2,8 @@
 /* From the engine's events into the store. */
 #include "service/inner.h"
 
-#include "sheard/report.h"
+#include "sheard/account.h"
+#include "sheard/advice.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -106,24 +107,45 @@ static int learn_again(service *s, const active_job *j, shear_error *err) {
     return store_learn(s->store, j->id, &learned, &duplicate_of, err);
 }
 
-static char *result_text(const active_job *j, const engine_event *e, shear_error *err) {
+static shear_report_file report_file(const active_job *j, const engine_event *e) {
+    return (shear_report_file){.path = j->path,
+                               .checksum = j->checksum,
+                               .field = j->info.name,
+                               .n_stamps = e->result.n_stamps,
+                               .n_used = e->result.n_used,
+                               .plan = &j->plan,
+                               .seconds = e->seconds};
+}
+
+/* NULL where there is no memory for it, or it would be too long: then the field's report knows less
+ * of this file. */
+static char *account_text(const shear_report_file *file) {
     char *text = NULL;
-    const shear_report_file file = {.path = j->path,
-                                    .checksum = j->checksum,
-                                    .field = j->info.name,
-                                    .n_stamps = e->result.n_stamps,
-                                    .n_used = e->result.n_used,
-                                    .plan = &j->plan,
-                                    .seconds = e->seconds};
+    shear_error ignored;
+    if (shear_account_format(&text, file, &ignored) == SHEAR_OK &&
+        strlen(text) > STORE_ACCOUNT_MAX) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}
+
+static char *result_text(const active_job *j, const engine_event *e, const shear_report_file *file,
+                         shear_error *err) {
+    char *text = NULL;
+    shear_advice_list advice;
+    shear_advice_all(&advice, &e->result, &j->plan);
     const shear_report report = {.field = j->field,
                                  .result = &e->result,
                                  .settings = &j->settings,
                                  .plan = &j->plan,
-                                 .files = &file,
+                                 .files = file,
                                  .n_files = 1,
                                  .has_truth = j->info.has_truth,
                                  .true_g1 = j->info.sim_g1,
                                  .true_g2 = j->info.sim_g2,
+                                 .warnings = advice.lines,
+                                 .n_warnings = advice.n,
                                  .seconds = e->seconds};
     shear_report_json(&text, &report, err);
     return text;
@@ -132,13 +154,19 @@ static char *result_text(const active_job *j, const engine_event *e, shear_error
 static void done(service *s, active_job *j, const engine_event *e) {
     shear_error err = {0};
     store_finished end;
-    char *result = result_text(j, e, &err);
+    const shear_report_file file = report_file(j, e);
+    char *result = result_text(j, e, &file, &err);
+    char *account = account_text(&file);
     char *catalogue = catalogue_path(s, j->id);
     const store_work work = {.sums = e->sums,
                              .result = result,
                              .catalogue = catalogue,
                              .elapsed_us = (int64_t)(1e6 * e->seconds),
                              .now_ms = wall_ms(),
+                             .account = account,
+                             .has_truth = j->info.has_truth,
+                             .true_g1 = j->info.sim_g1,
+                             .true_g2 = j->info.sim_g2,
                              .terms = e->terms,
                              .terms_size = e->terms_size};
     int code = group_begin(s, &err);
@@ -156,6 +184,7 @@ static void done(service *s, active_job *j, const engine_event *e) {
         ending_fail(s, j->id, j->failures, reason, &err);
     }
     free(result);
+    free(account);
     free(catalogue);
 }
 

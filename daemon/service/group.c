@@ -32,13 +32,16 @@ after *group_after(service *s, void (*run)(service *, after *, int, const shear_
 
 static void remember_trouble(service *s, int code, const shear_error *err) {
     if (code == SHEAR_OK) {
+        if (s->store_trouble_ms != 0) {
+            problem_over(s, "store");
+        }
         s->store_trouble_ms = 0;
         return;
     }
     s->failed_commits++;
     s->strays = true;
     s->store_trouble_ms = (int64_t)uv_now(&s->loop);
-    snprintf(s->trouble, sizeof s->trouble, "the store: %.180s", err->message);
+    problem_noted(s, "store", store_code_name(code), INT64_MAX, err->message);
     log_error("the store cannot commit: %s", err->message);
 }
 

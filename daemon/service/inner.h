@@ -87,6 +87,44 @@ typedef struct service_clock {
     int64_t owed_ms;        /* waiting jobs are still to be moved by this */
 } service_clock;
 
+/* ---- problems.c ---- */
+
+enum {
+    PROBLEM_NOTES = 16,
+    PROBLEM_TEXT = 512,
+    PROBLEM_REASONS = 16,
+    PROBLEMS_TOLD = 48,
+    DISKS = 4
+};
+
+/* Something that failed and is tried again. */
+typedef struct problem_note {
+    char about[16], code[40]; /* "" where the note is free */
+    char message[320];        /* the last one */
+    int64_t since_ms;         /* wall clock: it failed for the first time */
+    int64_t until_ms;         /* steady_ms: it is over if it has not failed again by then */
+    int64_t count;
+    int64_t burst_from_ms, burst, unlogged; /* of its lines in the log */
+} problem_note;
+
+/* What there is to tell now, with the texts. */
+typedef struct problem_list {
+    shear_msg_problem items[PROBLEMS_TOLD];
+    const char *lines[PROBLEMS_TOLD]; /* the messages of items */
+    size_t n;
+    char texts[PROBLEMS_TOLD][PROBLEM_TEXT];
+    shear_msg_disk disks[DISKS];
+    size_t n_disks;
+    store_waiting waiting[PROBLEM_REASONS];
+    size_t n_waiting;
+} problem_list;
+
+typedef struct disk_seen {
+    const char *uses[DISKS];
+    dev_t devices[DISKS];
+    size_t n;
+} disk_seen;
+
 enum { RATE_SLOTS = 61 };
 
 struct service {
@@ -143,7 +181,7 @@ struct service {
     uv_prepare_t mark; /* see pace.c */
     int64_t marked_ns, longest_ns, longest_at[RATE_SLOTS];
     int64_t store_trouble_ms; /* loop time of the last failed commit; 0: none lately */
-    char trouble[200];
+    problem_note notes[PROBLEM_NOTES];
 };
 
 int64_t wall_ms(void);   /* to tell and to store; may be set at any time */
@@ -235,10 +273,18 @@ void present_job_free(shear_msg_job *out);
 bool present_running(service *s, int64_t id, shear_msg_progress *p);
 /* Add the rows of a field that have no contribution yet, but running jobs. */
 int present_begun(service *s, const char *name, store_field_page *page, shear_error *err);
-int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err);
+/* `counted`: the contributions whose files are to be listed. */
+int present_field(service *s, const store_field *f, const store_contribution_page *counted,
+                  shear_msg_field_row *out, shear_error *err);
 void present_field_free(shear_msg_field_row *out);
 void present_summary(service *s, const store_field *f, shear_msg_summary *out);
 void publish_job(service *s, const store_job *job);
+
+/* field_report.c: what `shearctl measure --json` prints of a field's files, those of `counted`
+ * listed. *text is malloc'd. */
+int field_report(service *s, const store_field *f, const shear_settings *settings,
+                 const shear_result *result, const store_contribution_page *counted, char **text,
+                 shear_error *err);
 
 /* solutions.c: results of fields whose estimator is a symmetric one */
 int solutions_new(solutions **all, shear_error *err);
@@ -286,6 +332,22 @@ shear_msg_limits status_limits(const service *s);
 void status_reply(service *s, server_handle to);
 void metrics_reply(service *s, server_handle to);
 void status_tick(service *s);
+
+/* problems.c */
+/* It failed, and it is over if it does not fail again in lasts_ms. */
+void problem_noted(service *s, const char *about, const char *code, int64_t lasts_ms,
+                   const char *message);
+void problem_over(service *s, const char *about); /* whatever its code */
+/* These write into the log, too: each reason a few times, then how often. */
+void problem_job_waits(service *s, const store_job *job);
+void problem_file_waits(service *s, const char *name, const char *code, const char *message);
+void problems_tick(service *s);
+/* All that there is; free(). NULL: out of memory. */
+problem_list *problems_look(service *s, shear_error *err);
+
+/* disks.c */
+size_t disks_look(const service *s, shear_msg_disk disks[DISKS]);
+bool disk_is_full(const shear_msg_disk *disk); /* ... as good as */
 
 /* waits.c */
 void waits_for_submitted(service *s, server_handle to, bool known, int64_t id);

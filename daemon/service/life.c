@@ -147,6 +147,7 @@ static void on_tick(uv_timer_t *timer) {
     service *s = timer->data;
     clock_look(s);
     status_tick(s);
+    problems_tick(s);
     waits_expire(s);
     news_publish(s);
     roots_tick(s);

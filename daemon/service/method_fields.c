@@ -6,14 +6,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int list_contributions(service *s, const shear_msg_field *p, shear_msg_field_row *row,
+static int find_contributions(service *s, const shear_msg_field *p, const store_field *f,
                               store_contribution_page *page, shear_error *err) {
-    if (p->limit == 0 || row->jobs == 0) {
-        return SHEAR_OK;
-    }
-    const int code =
-        store_contributions(s->store, p->field, row->digest, p->after, (size_t)p->limit, page, err);
-    shear_msg_contribution *list = code == SHEAR_OK ? calloc(page->n + 1, sizeof *list) : NULL;
+    *page = (store_contribution_page){0};
+    return p->limit == 0 || f->jobs == 0
+               ? SHEAR_OK
+               : store_contributions(s->store, f->name, f->settings_digest, p->after,
+                                     (size_t)p->limit, page, err);
+}
+
+static int list_contributions(const store_contribution_page *page, shear_msg_field_row *row,
+                              shear_error *err) {
+    shear_msg_contribution *list = calloc(page->n + 1, sizeof *list);
     for (size_t i = 0; list != NULL && i < page->n; i++) {
         const store_contribution *c = &page->items[i];
         list[i] = (shear_msg_contribution){.id = c->id,
@@ -26,7 +30,8 @@ static int list_contributions(service *s, const shear_msg_field *p, shear_msg_fi
     row->contributions = list;
     row->n_contributions = list != NULL ? page->n : 0;
     row->more = page->more;
-    return code;
+    return list != NULL ? SHEAR_OK
+                        : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page");
 }
 
 /* ---- field: a row in each step ---- */
@@ -69,10 +74,13 @@ static bool add_row(field_rows *w, const store_field *f) {
     store_contribution_page contributions = {0};
     shear_error err = {0};
     bool good = false;
-    int code = present_field(w->list.s, f, &row, &err);
+    int code =
+        find_contributions(w->list.s, &w->list.request.params.field, f, &contributions, &err);
     if (code == SHEAR_OK) {
-        code = list_contributions(w->list.s, &w->list.request.params.field, &row, &contributions,
-                                  &err);
+        code = present_field(w->list.s, f, &contributions, &row, &err);
+    }
+    if (code == SHEAR_OK) {
+        code = list_contributions(&contributions, &row, &err);
     }
     if (code != SHEAR_OK) {
         listing_refuse_store(&w->list, code, &err);

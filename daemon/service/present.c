@@ -2,8 +2,6 @@
 /* Records of the store as messages. */
 #include "service/inner.h"
 
-#include "sheard/report.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -197,7 +195,8 @@ static int result_of(service *s, const store_field *f, const shear_settings *set
     return SHEAR_OK;
 }
 
-int present_field(service *s, const store_field *f, shear_msg_field_row *out, shear_error *err) {
+int present_field(service *s, const store_field *f, const store_contribution_page *counted,
+                  shear_msg_field_row *out, shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_result result;
     shear_settings settings;
@@ -219,8 +218,7 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
         code = result_of(s, f, &settings, sums, &result, &jobs, err);
     }
     if (code == SHEAR_OK) {
-        const shear_report report = {.field = f->name, .result = &result, .settings = &settings};
-        code = shear_report_json(&report_text, &report, err);
+        code = field_report(s, f, &settings, &result, counted, &report_text, err);
     }
     shear_field_sums_free(sums);
     if (code != SHEAR_OK) {
@@ -234,6 +232,7 @@ int present_field(service *s, const store_field *f, shear_msg_field_row *out, sh
                                  .partial = f->unfinished > 0,
                                  .running = running,
                                  .n_running = n,
+                                 .files_left_out = f->jobs - (int64_t)counted->n,
                                  .updated_ms = f->updated_ms};
     return SHEAR_OK;
 }

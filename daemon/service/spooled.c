@@ -5,12 +5,20 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 static bool ends_with(const char *text, const char *end) {
     const size_t n = strlen(text);
     const size_t m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
+    return n >= m && strcasecmp(text + n - m, end) == 0;
+}
+
+/* It stays in active/, and is told again. */
+static void put_off(service *s, const char *active_name, const char *code, const char *message) {
+    shear_error ignored;
+    problem_file_waits(s, active_name, code, message);
+    spool_refuse(s->spool, active_name, &ignored);
 }
 
 static bool is_job_file(const char *name) {
@@ -89,8 +97,7 @@ static void move(service *s, const char *active_name, bool good, const shear_msg
     }
     free(text);
     if (code != SHEAR_OK) {
-        log_warning("the file %s cannot be moved out of active/ yet: %s", active_name, err.message);
-        spool_refuse(s->spool, active_name, &err);
+        put_off(s, active_name, store_code_name(code), err.message);
     }
 }
 
@@ -159,8 +166,7 @@ static void reject(service *s, const spool_file *file, const shear_rpc_error *wh
 static void submitted(service *s, after *a, int code, const shear_error *err) {
     shear_error ignored;
     if (code != SHEAR_OK) {
-        log_warning("%s stays in active/: %s", a->name, err->message);
-        spool_refuse(s->spool, a->name, &ignored);
+        put_off(s, a->name, store_code_name(code), err->message);
         return;
     }
     store_job job = {0};
@@ -187,13 +193,12 @@ static void follow(service *s, const spool_file *file, int64_t id) {
 
 static void submit_file(service *s, const spool_file *file, const submission *sub) {
     shear_rpc_error error;
-    shear_error ignored;
     int64_t id = 0;
     bool known = false;
     if (submit_job(s, sub, &id, &known, &error) == SHEAR_RPC_OK) {
         follow(s, file, id);
     } else if (error.retry) {
-        spool_refuse(s->spool, file->active_name, &ignored);
+        put_off(s, file->active_name, error.name, error.message);
     } else {
         reject(s, file, &error);
     }
@@ -209,8 +214,7 @@ static bool is_known(service *s, const spool_file *file) {
         code = store_find_dropped(s->store, file->owner, file->key, file->name, &id, &err);
     }
     if (code != SHEAR_OK) {
-        log_warning("%s stays in active/: %s", file->active_name, err.message);
-        spool_refuse(s->spool, file->active_name, &err);
+        put_off(s, file->active_name, store_code_name(code), err.message);
         return true;
     }
     if (id != 0) {
@@ -282,7 +286,7 @@ static void found(void *context, const spool_file *file) {
             submit_job_file(s, file, &sub);
             access_peer_deinit(&sub.peer);
         } else {
-            spool_refuse(s->spool, file->active_name, &err);
+            put_off(s, file->active_name, shear_code_name(err.code), err.message);
         }
         return;
     }

@@ -57,8 +57,27 @@ static void fill_spool(const service *s, shear_msg_spool *out) {
                                  .active = st.active,
                                  .done = st.done,
                                  .failed = st.failed,
+                                 .ignored = st.ignored,
                                  .free_bytes = free_bytes(s->config.spool.directory)};
     }
+}
+
+enum { LEFT_LYING = 16 }; /* files that are told at most */
+
+typedef struct left_lying {
+    spool_ignored found[LEFT_LYING];
+    shear_msg_ignored told[LEFT_LYING];
+} left_lying;
+
+static void fill_left_lying(const service *s, left_lying *lying, shear_msg_spool *out) {
+    if (s->spool == NULL) {
+        return;
+    }
+    out->n_left_lying = spool_get_ignored(s->spool, lying->found, LEFT_LYING);
+    for (size_t i = 0; i < out->n_left_lying; i++) {
+        lying->told[i] = (shear_msg_ignored){lying->found[i].name, lying->found[i].reason};
+    }
+    out->left_lying = lying->told;
 }
 
 static int fill(service *s, shear_msg_status *out, char *store_path, size_t size,
@@ -123,40 +142,45 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
         .activated = s->activated,
         .limits = status_limits(s)};
     out->roots = roots_tell(s, &out->n_roots);
+    const log_losses losses = log_get_losses();
+    out->log = (shear_msg_log){losses.lines, losses.waiting_bytes};
     fill_spool(s, &out->spool);
     return SHEAR_OK;
 }
 
-enum { PROBLEMS = 34 }; /* that are told at most */
+static void fill_problems(const problem_list *list, shear_msg_status *out) {
+    out->problems = list->lines;
+    out->problem_details = list->items;
+    out->n_problems = out->n_problem_details = list->n;
+    out->disks = list->disks;
+    out->n_disks = list->n_disks;
+}
 
-/* What an operator should look at, into list[PROBLEMS]. */
-static size_t find_problems(const service *s, const char **list) {
-    size_t n = 0;
-    if (s->store_trouble_ms != 0) {
-        list[n++] = s->trouble;
-    }
-    if (s->spool != NULL && !spool_get_stats(s->spool).watching) {
-        list[n++] = "the watch folder: the kernel does not announce files there; they are found by "
-                    "searching it only ([spool] scan_interval)";
-    }
-    return n + roots_problems(s, list + n, PROBLEMS - n);
+static void refuse(service *s, server_handle to, int code, const shear_error *err) {
+    shear_rpc_error error;
+    rpc_from_store(&error, code, err);
+    server_reply_error(s->server, to, &error);
 }
 
 void status_reply(service *s, server_handle to) {
     char path[4200];
-    const char *problems[PROBLEMS];
+    left_lying lying;
     shear_reply reply = {0};
     shear_error err = {0};
-    const int code = fill(s, &reply.status, path, sizeof path, &err);
-    if (code != SHEAR_OK) {
-        shear_rpc_error error;
-        rpc_from_store(&error, code, &err);
-        server_reply_error(s->server, to, &error);
+    problem_list *list = problems_look(s, &err);
+    if (list == NULL) {
+        refuse(s, to, SHEAR_E_NOMEM, &err);
         return;
     }
-    reply.status.n_problems = find_problems(s, problems);
-    reply.status.problems = problems;
-    server_reply(s->server, to, &reply);
+    const int code = fill(s, &reply.status, path, sizeof path, &err);
+    if (code != SHEAR_OK) {
+        refuse(s, to, code, &err);
+    } else {
+        fill_problems(list, &reply.status);
+        fill_left_lying(s, &lying, &reply.status.spool);
+        server_reply(s->server, to, &reply);
+    }
+    free(list);
 }
 
 /* ---- Prometheus text ---- */
@@ -224,33 +248,78 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
            (double)st->store.commits);
     metric(out, "store_bytes", "gauge", "Size of the database.", (double)st->store.bytes);
     metric(out, "store_free_bytes", "gauge", "Free space beside it.", (double)st->store.free_bytes);
+    metric(out, "log_lines_lost_total", "counter", "Lines of the log that nobody read in time.",
+           (double)st->log.lost);
+    metric(out, "incoming_ignored", "gauge", "Files that are left lying in incoming/.",
+           (double)st->spool.ignored);
 }
 
-void metrics_reply(service *s, server_handle to) {
+static void begin(FILE *out, const char *name, const char *help) {
+    fprintf(out, "# HELP sheard_%s %s\n# TYPE sheard_%s gauge\n", name, help, name);
+}
+
+/* Codes and uses are names of ours: nothing in them has to be escaped. */
+static void write_problem_metrics(const problem_list *list, FILE *out) {
+    metric(out, "problems", "gauge", "What an operator should look at.", (double)list->n);
+    begin(out, "waiting_jobs", "Jobs that wait for their next attempt, by reason.");
+    for (size_t i = 0; i < list->n_waiting; i++) {
+        fprintf(out, "sheard_waiting_jobs{reason=\"%s\"} %" PRId64 "\n", list->waiting[i].code,
+                list->waiting[i].jobs);
+    }
+    begin(out, "waiting_jobs_attempts", "Attempts of the waiting job with the most.");
+    for (size_t i = 0; i < list->n_waiting; i++) {
+        fprintf(out, "sheard_waiting_jobs_attempts{reason=\"%s\"} %" PRId64 "\n",
+                list->waiting[i].code, list->waiting[i].attempts);
+    }
+    begin(out, "next_attempt_seconds", "When the first of them is tried again, since 1970.");
+    for (size_t i = 0; i < list->n_waiting; i++) {
+        fprintf(out, "sheard_next_attempt_seconds{reason=\"%s\"} %.3f\n", list->waiting[i].code,
+                1e-3 * (double)list->waiting[i].next_ms);
+    }
+    begin(out, "disk_free_bytes", "Free space where the service writes.");
+    for (size_t i = 0; i < list->n_disks; i++) {
+        fprintf(out, "sheard_disk_free_bytes{use=\"%s\"} %" PRId64 "\n", list->disks[i].use,
+                list->disks[i].free_bytes);
+    }
+    begin(out, "disk_usable", "Whether the service can write there.");
+    for (size_t i = 0; i < list->n_disks; i++) {
+        fprintf(out, "sheard_disk_usable{use=\"%s\"} %d\n", list->disks[i].use,
+                list->disks[i].problem == NULL);
+    }
+}
+
+static int metrics_text(service *s, const problem_list *list, char **text, shear_error *err) {
     char path[4200];
-    char *text = NULL;
     size_t size = 0;
     shear_msg_status st;
     server_statistics net;
-    shear_error err = {0};
-    shear_rpc_error error;
-    int code = fill(s, &st, path, sizeof path, &err);
-    FILE *out = code == SHEAR_OK ? open_memstream(&text, &size) : NULL;
+    const int code = fill(s, &st, path, sizeof path, err);
+    FILE *out = code == SHEAR_OK ? open_memstream(text, &size) : NULL;
     if (out != NULL) {
         server_get_statistics(s->server, &net);
         write_metrics(&st, &net, out);
-        code = fclose(out) == 0 ? SHEAR_OK : SHEAR_E_NOMEM;
-    } else if (code == SHEAR_OK) {
-        code = shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory for the metrics");
+        write_problem_metrics(list, out);
+        if (fclose(out) == 0) {
+            return SHEAR_OK;
+        }
     }
+    return code != SHEAR_OK ? code
+                            : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the metrics");
+}
+
+void metrics_reply(service *s, server_handle to) {
+    char *text = NULL;
+    shear_error err = {0};
+    problem_list *list = problems_look(s, &err);
+    const int code = list != NULL ? metrics_text(s, list, &text, &err) : SHEAR_E_NOMEM;
     if (code != SHEAR_OK) {
-        rpc_from_store(&error, code, &err);
-        server_reply_error(s->server, to, &error);
+        refuse(s, to, code, &err);
     } else {
         const shear_reply reply = {
             .metrics = {.content_type = "text/plain; version=0.0.4; charset=utf-8", .text = text}};
         server_reply(s->server, to, &reply);
     }
+    free(list);
     free(text);
 }
 

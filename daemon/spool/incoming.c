@@ -3,11 +3,31 @@
 #include "inner.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 /* Reasons to ignore a file: name verdicts, and these. */
-enum { NOT_REGULAR = NAME_N_VERDICTS, UNREADABLE };
+enum { IS_LINK = NAME_N_VERDICTS, IS_DIRECTORY, IS_PIPE, IS_OTHER, UNREADABLE, N_REASONS };
+
+/* What it is, where it is no regular file. */
+static int kind_of(mode_t mode) {
+    return S_ISLNK(mode)    ? IS_LINK
+           : S_ISDIR(mode)  ? IS_DIRECTORY
+           : S_ISFIFO(mode) ? IS_PIPE
+                            : IS_OTHER;
+}
+
+static const char *reason_text(int reason) {
+    static const char *const texts[N_REASONS] = {
+        [IS_LINK] = "it is a symbolic link; put the file itself there",
+        [IS_DIRECTORY] = "it is a directory; put its files there",
+        [IS_PIPE] = "it is a named pipe",
+        [IS_OTHER] = "it is no regular file",
+        [UNREADABLE] = "it cannot be examined",
+    };
+    return reason >= 0 && reason < N_REASONS && texts[reason] != NULL ? texts[reason] : "";
+}
 
 enum { NO_EVENT = -1 }; /* beside enum watch_event: a scan found it */
 
@@ -32,9 +52,37 @@ static void ignore(spool *s, waiting_file *file, int reason) {
         spool_log(s, SPOOL_NOTICE, "incoming/%s: ignored: its name %s", name,
                   name_complaint(reason));
     } else {
-        spool_log(s, SPOOL_NOTICE, "incoming/%s: ignored: %s", name,
-                  reason == NOT_REGULAR ? "it is no regular file" : "it cannot be examined");
+        spool_log(s, SPOOL_NOTICE, "incoming/%s: ignored: %s", name, reason_text(reason));
     }
+}
+
+size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t room) {
+    size_t n = 0;
+    for (const waiting_file *file = waiting_first(&s->waiting, WAITING_IGNORED);
+         file != NULL && n < room; file = waiting_next(file)) {
+        spool_ignored *one = &list[n];
+        if (file->reason == NAME_GOOD) {
+            continue; /* not looked at yet */
+        }
+        one->name = file->name;
+        snprintf(one->reason, sizeof one->reason, "%s%s",
+                 file->reason < NAME_N_VERDICTS ? "its name " : "",
+                 file->reason < NAME_N_VERDICTS ? name_complaint(file->reason)
+                                                : reason_text(file->reason));
+        n++;
+    }
+    return n;
+}
+
+/* What keeps files from being taken, for those who ask (spool_get_stats). */
+static void note_trouble(spool *s, const char *format, ...) {
+    va_list list;
+    if (s->trouble[0] == '\0') {
+        s->trouble_since_ms = s->call.now_ms(s->call.context);
+    }
+    va_start(list, format);
+    vsnprintf(s->trouble, sizeof s->trouble, format, list);
+    va_end(list);
 }
 
 /* It has this print from now on. */
@@ -64,7 +112,7 @@ static void examine(spool *s, waiting_file *file, int event) {
     } else if (verdict != NAME_GOOD) {
         ignore(s, file, verdict);
     } else if (error != 0 || !S_ISREG(st.st_mode)) {
-        ignore(s, file, error != 0 ? UNREADABLE : NOT_REGULAR);
+        ignore(s, file, error != 0 ? UNREADABLE : kind_of(st.st_mode));
     } else {
         settle(s, file, &st, state_after(event, &st));
     }
@@ -134,12 +182,16 @@ static bool look_for_folders(spool *s) {
                       err.advice);
         }
         s->away = true;
+        note_trouble(s, "%s", err.message);
         return false;
     }
     if (s->away || changed) {
         spool_log(s, SPOOL_NOTICE, "%s: is there again", s->folders.path);
     }
     s->away = false;
+    if (s->take_error == 0) {
+        s->trouble[0] = '\0';
+    }
     if (changed || !s->stats.watching) {
         watch_anew(s);
     }
@@ -155,6 +207,7 @@ bool incoming_begin_scan(spool *s) {
     if (s->scan.dir == NULL) {
         spool_log(s, SPOOL_ERROR, "%s/incoming: cannot be searched: %s", s->folders.path,
                   strerror(errno));
+        note_trouble(s, "%s/incoming cannot be searched: %s", s->folders.path, strerror(errno));
         return false;
     }
     s->scan.generation++;
@@ -247,6 +300,7 @@ static void put_off(spool *s, waiting_file *file, int error) {
                   error == EPERM || error == EACCES ? "; the service must own incoming/" : "");
         s->take_error = error;
     }
+    note_trouble(s, "%s/incoming: files cannot be taken: %s", s->folders.path, strerror(error));
     file->since_ms = spool_clock_ms() + RETRY_MS;
     waiting_set(&s->waiting, file, WAITING_SETTLING);
 }
@@ -288,6 +342,7 @@ static void take(spool *s, waiting_file *file, const struct stat *st) {
     }
     waiting_remove(&s->waiting, file);
     s->take_error = 0;
+    s->trouble[0] = '\0';
     s->stats.taken++;
     s->stats.active++;
 }

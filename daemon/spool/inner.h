@@ -32,7 +32,9 @@ struct spool {
     watch watch;
     waiting waiting;
     scan scan;
-    int take_error; /* the last one told; 0 after a success */
+    int take_error;    /* the last one told; 0 after a success */
+    char trouble[256]; /* what keeps files from being taken; "": nothing */
+    int64_t trouble_since_ms;
     offers offers;
     sweep sweep;
     uint64_t counter; /* of the names given */

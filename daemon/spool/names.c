@@ -5,18 +5,20 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/random.h>
 #include <time.h>
 
 static bool ends_with(const char *name, const char *suffix) {
     const size_t n = strlen(name);
     const size_t m = strlen(suffix);
-    return n > m && strcmp(name + n - m, suffix) == 0;
+    return n > m && strcasecmp(name + n - m, suffix) == 0;
 }
 
-/* The extension, or NULL where the name has none that is taken. */
+/* The extension, in upper or lower case, or NULL where the name has none that is taken. */
 static const char *extension_of(const char *name) {
-    static const char *const taken[] = {".fits", ".fits.gz", ".fits.fz", ".json"};
+    static const char *const taken[] = {".fits",    ".fit",    ".fits.gz", ".fit.gz",
+                                        ".fits.fz", ".fit.fz", ".fz",      ".json"};
     for (size_t i = 0; i < sizeof taken / sizeof taken[0]; i++) {
         if (ends_with(name, taken[i])) {
             return name + strlen(name) - strlen(taken[i]);
@@ -74,7 +76,7 @@ int name_judge(const char *name) {
 
 const char *name_complaint(int verdict) {
     static const char *const texts[NAME_N_VERDICTS] = {
-        [NAME_SUFFIX] = "ends neither in .fits, .fits.gz, .fits.fz nor .json",
+        [NAME_SUFFIX] = "ends neither in .fits, .fit, .fits.gz, .fit.gz, .fz nor .json",
         [NAME_CONTROL] = "has control characters",
         [NAME_NOT_UTF8] = "is not UTF-8",
         [NAME_LONG] = "is too long",

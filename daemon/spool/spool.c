@@ -291,5 +291,9 @@ spool_stats spool_get_stats(const spool *s) {
     stats.waiting =
         (int64_t)(counts[WAITING_SETTLING] + counts[WAITING_BEGUN] + counts[WAITING_READY]);
     stats.ignored = (int64_t)s->waiting.counts[WAITING_IGNORED];
+    if (s->away || stats.waiting > 0) { /* who cannot be taken may have been taken away */
+        snprintf(stats.trouble, sizeof stats.trouble, "%s", s->trouble);
+        stats.trouble_since_ms = s->trouble_since_ms;
+    }
     return stats;
 }

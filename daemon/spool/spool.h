@@ -8,8 +8,9 @@
  * A file is in exactly one of these places at any moment, whatever is killed when; a name is never
  * overwritten (the second a.fits becomes a.1.fits, its report a.1.fits.json).
  *
- * Taken are regular files *.fits, *.fits.gz, *.fits.fz and *.json. Dotfiles, *.tmp and *.part are
- * passed over in silence; other names, and what is no regular file, with one message each. A file
+ * Taken are regular files *.fits, *.fit, *.fits.gz, *.fit.gz, *.fz and *.json, in upper and lower
+ * case. Dotfiles, *.tmp and *.part are passed over in silence; other names, and what is no regular
+ * file, are left lying with one message each (and told by spool_get_ignored). A file
  * is taken as soon as its writer has closed it or has renamed it into place; where only a scan
  * found it (it was there at the start, events were lost, or another machine wrote it), where it is
  * empty, or a second link to a file, when it has stood still for settle_ms. A file that was made
@@ -139,7 +140,17 @@ typedef struct spool_stats {
     int64_t taken, done, failed, removed; /* since spool_open; removed: by retention */
     int64_t scans;                        /* completed */
     bool watching;                        /* else scans alone find files */
+    char trouble[256];                    /* what keeps files from being taken now; "": nothing */
+    int64_t trouble_since_ms;             /* as of now_ms */
 } spool_stats;
 spool_stats spool_get_stats(const spool *s);
+
+/* A file that is left lying in incoming/, and why. */
+typedef struct spool_ignored {
+    const char *name; /* any bytes; lives until the next call that is given this spool, or turn */
+    char reason[96];
+} spool_ignored;
+/* The first `room` of them; how many. */
+size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t room);
 
 #endif

@@ -131,3 +131,7 @@ void waiting_set(waiting *w, waiting_file *file, int state) {
 waiting_file *waiting_first(const waiting *w, int state) {
     return TAILQ_FIRST(&w->queues[state]);
 }
+
+waiting_file *waiting_next(const waiting_file *file) {
+    return TAILQ_NEXT(file, link);
+}

@@ -59,5 +59,6 @@ void waiting_forget_others(waiting *w, uint64_t generation); /* those that it di
 /* Put it at the end of that state's queue. */
 void waiting_set(waiting *w, waiting_file *file, int state);
 waiting_file *waiting_first(const waiting *w, int state); /* or NULL */
+waiting_file *waiting_next(const waiting_file *file);     /* of the same state; or NULL */
 
 #endif

@@ -66,8 +66,8 @@ enum {
     STORE_GROUPS_MAX = 1 << 20,
     STORE_SETTINGS_MAX = 65536,
     STORE_RESULT_MAX = 262144,
-    STORE_ACCOUNT_MAX = 65536, /* of a contribution */
-    STORE_PATH_MAX = 4096,     /* catalogue */
+    STORE_ACCOUNT_MAX = 131072, /* of a contribution */
+    STORE_PATH_MAX = 4096,      /* catalogue */
     STORE_CODE_MAX = 64,
     STORE_MESSAGE_MAX = 1024,
     STORE_ADVICE_MAX = 1024,

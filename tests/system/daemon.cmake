@@ -27,10 +27,13 @@ set(names # one a line: whoever adds one does not get into another's way
   faults
   floods
   hostile
+  log
   memory
   probe
   names
+  problems
   reader
+  results
   roots
   sources
   symmetry

@@ -3,8 +3,8 @@
  */
 #include "test.h"
 
-#include "advice.h"
 #include "settings_options.h"
+#include "sheard/advice.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@ static char text[400];
 static const char *filter_advice(double removed, double error, int filter) {
     shear_result r = {.filter_removed = removed, .filter_removed_err = error};
     shear_plan_info plan = {.filter = filter, .core_px = 20.0};
-    return advice_filter(&r, &plan, text, sizeof text);
+    return shear_advice_filter(&r, &plan, text, sizeof text);
 }
 
 static void filter_warns_above_one_percent_and_three_errors(void **state) {
@@ -37,7 +37,7 @@ static shear_plan_info small_plan(int filter) {
 static const char *bright_advice(double excess, double error, int filter) {
     shear_result r = {.border_excess = excess, .border_excess_err = error, .mean_flux = 100.0};
     shear_plan_info plan = small_plan(filter);
-    return advice_bright_border(&r, &plan, text, sizeof text);
+    return shear_advice_bright_border(&r, &plan, text, sizeof text);
 }
 
 static void bright_border_warns(void **state) {
@@ -56,7 +56,7 @@ static const char *rough_advice(double rough, double error, double noise, int fi
                       .border_noise_var = noise,
                       .mean_flux = 100.0};
     shear_plan_info plan = small_plan(filter);
-    return advice_rough_border(&r, &plan, text, sizeof text);
+    return shear_advice_rough_border(&r, &plan, text, sizeof text);
 }
 
 static void rough_border_warns(void **state) {

@@ -3,6 +3,7 @@
  * bytes, and no leak when memory ends at the n-th allocation. */
 #include "test.h"
 
+#include "sheard/account.h"
 #include "sheard/report.h"
 
 #include <jansson.h>
@@ -203,12 +204,50 @@ static void no_memory_for_a_verdict(void **state) {
     fails_cleanly(make_verdict);
 }
 
+/* A file's entry in a report is the same when it was made from its account. */
+static void accounts_keep_all(void **state) {
+    (void)state;
+    shear_error err = {0};
+    char *texts[2] = {NULL, NULL};
+    shear_account account;
+    shear_plan_info plan = a_plan();
+    plan.filter = SHEAR_FILTER_PAPER;
+    plan.filter_per_stamp = true;
+    plan.geometry.nx = 48;
+    plan.geometry.ny = 50;
+    const shear_report_file file = {"a\xFF \"b\".fits", "00ff", "f", 5, 4, &plan, 1.0 / 3.0};
+    assert_int_equal(shear_account_format(&texts[0], &file, &err), SHEAR_OK);
+    assert_int_equal(shear_account_parse(&account, texts[0], &err), SHEAR_OK);
+    assert_int_equal(shear_account_format(&texts[1], &account.file, &err), SHEAR_OK);
+    assert_string_equal(texts[0], texts[1]);
+    assert_int_equal(account.plan.geometry.nx, 48);
+    assert_int_equal(account.plan.geometry.ny, 50);
+    assert_true(account.plan.filter_per_stamp);
+    assert_int_equal(account.plan.filter, SHEAR_FILTER_PAPER);
+    assert_int_equal(account.plan.interpolation, SHEAR_INTERP_LOG_SPLINE);
+    assert_true(isnan(account.plan.core_px));
+    assert_true(account.plan.k_cut == plan.k_cut);
+    shear_account_deinit(&account);
+    free(texts[0]);
+    free(texts[1]);
+    static const char *const bad[] = {"", "[]", "{", "1"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_int_equal(shear_account_parse(&account, bad[i], &err), SHEAR_E_FORMAT);
+        assert_null(account.texts);
+    }
+    assert_int_equal(shear_account_parse(&account, "{\"path\":\"x\",\"resolved\":null}", &err),
+                     SHEAR_OK);
+    assert_null(account.file.plan);
+    assert_null(account.file.checksum);
+    shear_account_deinit(&account);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_keep_their_bits),    cmocka_unit_test(what_is_not_finite_is_null),
-        cmocka_unit_test(text_is_made_utf8),          cmocka_unit_test(settings_have_native_types),
-        cmocka_unit_test(an_unopened_file_has_nulls), cmocka_unit_test(no_memory_for_a_report),
-        cmocka_unit_test(no_memory_for_a_verdict),
+        cmocka_unit_test(accounts_keep_all),          cmocka_unit_test(numbers_keep_their_bits),
+        cmocka_unit_test(what_is_not_finite_is_null), cmocka_unit_test(text_is_made_utf8),
+        cmocka_unit_test(settings_have_native_types), cmocka_unit_test(an_unopened_file_has_nulls),
+        cmocka_unit_test(no_memory_for_a_report),     cmocka_unit_test(no_memory_for_a_verdict),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -190,8 +190,16 @@ static void others_are_ignored_with_one_message(void **state) {
     assert_int_equal(f->n_logs[SPOOL_NOTICE], 5);
     assert_non_null(strstr(f->log, "incoming/README: ignored: its name ends neither in .fits"));
     assert_non_null(strstr(f->log, "incoming/a?.fits: ignored: its name has control characters"));
-    assert_non_null(strstr(f->log, "incoming/link.fits: ignored: it is no regular file"));
+    assert_non_null(strstr(f->log, "incoming/link.fits: ignored: it is a symbolic link"));
     assert_int_equal(spool_get_stats(f->spool).ignored, 5);
+    spool_ignored list[8];
+    assert_int_equal(spool_get_ignored(f->spool, list, 8), 5);
+    for (size_t i = 0; i < 5; i++) {
+        const bool is_pipe = strcmp(list[i].name, "pipe.fits") == 0;
+        assert_true(!is_pipe || strcmp(list[i].reason, "it is a named pipe") == 0);
+        assert_true(list[i].reason[0] != '\0');
+    }
+    assert_int_equal(spool_get_ignored(f->spool, list, 2), 2);
     /* A file in the link's place is taken. */
     fixture_write(f, "incoming/x.part", "pixels");
     assert_int_equal(

@@ -278,6 +278,7 @@ typedef struct shear_msg_field_row {
     bool partial;           /* more is to come */
     const int64_t *running; /* [n_running] jobs; not more than SHEAR_MSG_LIST_MAX */
     size_t n_running;
+    int64_t files_left_out; /* counted, but not in the report's list of files */
     int64_t updated_ms;
     const shear_msg_contribution *contributions; /* [n_contributions] */
     size_t n_contributions;
@@ -349,12 +350,44 @@ typedef struct shear_msg_memory {
     int64_t waiting;      /* running jobs that wait for some */
 } shear_msg_memory;
 
+typedef struct shear_msg_ignored {
+    const char *name, *reason;
+} shear_msg_ignored;
+
 typedef struct shear_msg_spool {
     const char *path; /* NULL: no watch folder */
     bool watching;
     int64_t incoming, active, done, failed; /* files */
     int64_t free_bytes;
+    int64_t ignored;                     /* files that are left lying in incoming/ */
+    const shear_msg_ignored *left_lying; /* [n_left_lying] the first of them */
+    size_t n_left_lying;
 } shear_msg_spool;
+
+typedef struct shear_msg_log {
+    int64_t lost;          /* lines since the start */
+    int64_t waiting_bytes; /* not yet read by whoever reads the log */
+} shear_msg_log;
+
+/* A directory that the service writes to. */
+typedef struct shear_msg_disk {
+    const char *use; /* "state", "spool", "catalogues", "scratch" */
+    const char *path;
+    int64_t free_bytes, bytes;
+    const char *same_as; /* the use of one before that is on the same disk; or NULL */
+    const char *problem; /* why it cannot be written to; or NULL */
+} shear_msg_disk;
+
+/* What an operator should look at. */
+typedef struct shear_msg_problem {
+    const char *about;       /* "jobs", "store", "spool", "incoming", "disk", "log", "root" */
+    const char *code;        /* stable */
+    const char *message;     /* as in the list of lines */
+    int64_t since_ms;        /* 0: not known */
+    int64_t count;           /* jobs, files, lines, failures */
+    int64_t attempts;        /* of the waiting job with the most; 0: of no job */
+    int64_t next_attempt_ms; /* 0: none, or not known */
+} shear_msg_problem;
 
 typedef struct shear_msg_store {
     const char *path;
@@ -394,6 +427,11 @@ typedef struct shear_msg_status {
     shear_msg_limits limits;
     const char *const *problems; /* [n_problems] what an operator should look at */
     size_t n_problems;
+    const shear_msg_problem *problem_details; /* [n_problem_details] the same, for programs */
+    size_t n_problem_details;
+    const shear_msg_disk *disks; /* [n_disks] */
+    size_t n_disks;
+    shear_msg_log log;
 } shear_msg_status;
 
 typedef struct shear_msg_metrics {

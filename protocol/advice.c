@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "advice.h"
+#include "sheard/advice.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -7,8 +7,8 @@
 static const double REMOVED_MAX = 0.01, REMOVED_SIGMA = 3.0;
 static const double BORDER_SIGMA = 4.0, BORDER_FLUX = 0.02, ROUGH_MAX = 0.05;
 
-const char *advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
-                          size_t size) {
+const char *shear_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                size_t size) {
     bool much = r->filter_removed > REMOVED_MAX &&
                 r->filter_removed > REMOVED_SIGMA * r->filter_removed_err;
     if (plan->filter == SHEAR_FILTER_NONE || !much) {
@@ -36,8 +36,8 @@ static double stamp_area(const shear_plan_info *plan) {
     return (double)plan->geometry.nx * plan->geometry.ny;
 }
 
-const char *advice_bright_border(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                 size_t size) {
+const char *shear_advice_bright_border(const shear_result *r, const shear_plan_info *plan,
+                                       char *buf, size_t size) {
     bool bright = r->border_excess > BORDER_SIGMA * r->border_excess_err &&
                   r->border_excess * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
     if (plan->filter != SHEAR_FILTER_NONE || !bright) {
@@ -51,8 +51,8 @@ const char *advice_bright_border(const shear_result *r, const shear_plan_info *p
     return buf;
 }
 
-const char *advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                size_t size) {
+const char *shear_advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                      size_t size) {
     bool rough = r->border_rough > BORDER_SIGMA * r->border_rough_err &&
                  r->border_rough > ROUGH_MAX * r->border_noise_var &&
                  sqrt(r->border_rough) * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
@@ -65,4 +65,17 @@ const char *advice_rough_border(const shear_result *r, const shear_plan_info *pl
              "%.2g): neighbours? use --filter edge",
              r->border_rough, r->border_rough_err, r->border_noise_var);
     return buf;
+}
+
+void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan) {
+    static const char *(*const all[SHEAR_ADVICES])(const shear_result *, const shear_plan_info *,
+                                                   char *, size_t) = {
+        shear_advice_filter, shear_advice_bright_border, shear_advice_rough_border};
+    list->n = 0;
+    for (size_t i = 0; plan && i < SHEAR_ADVICES; i++) {
+        const char *line = all[i](r, plan, list->text[list->n], SHEAR_ADVICE_SIZE);
+        if (line) {
+            list->lines[list->n++] = line;
+        }
+    }
 }

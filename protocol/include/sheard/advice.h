@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sheard/advice.h: what a result says about the settings it was measured with. Pure functions of
+ * result and plan.
+ *
+ * Each writes one line into buf and returns it, or returns NULL where there is nothing to say. */
+#ifndef SHEARD_ADVICE_H
+#define SHEARD_ADVICE_H
+
+#include "shear/plan.h"
+#include "shear/sums.h"
+
+#include <stddef.h>
+
+/* The filter takes more than 1 % off the stacked flux (and more than 3 errors): the shear is
+ * biased. */
+const char *shear_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                size_t size);
+
+/* Without a filter: the border pixels of the galaxy stamps are brighter than those of the noise
+ * stamps by more than 4 errors, and, were the whole stamp so bright, by more than 2 % of the mean
+ * flux. */
+const char *shear_advice_bright_border(const shear_result *r, const shear_plan_info *plan,
+                                       char *buf, size_t size);
+
+/* Without a filter: the borders vary more than the noise stamps' by more than 4 errors, by more
+ * than 5 % of the noise stamps' variance, and, were the whole stamp off by that much (root mean
+ * square), by more than 2 % of the mean flux. The last condition is what is left where the noise is
+ * negligible: a galaxy's own faint wings must not count. */
+const char *shear_advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                      size_t size);
+
+/* All that there is to say: the warnings of `shearctl measure` and of the service. */
+enum { SHEAR_ADVICES = 3, SHEAR_ADVICE_SIZE = 400 };
+typedef struct shear_advice_list {
+    const char *lines[SHEAR_ADVICES]; /* [n], in text */
+    size_t n;
+    char text[SHEAR_ADVICES][SHEAR_ADVICE_SIZE];
+} shear_advice_list;
+/* `plan`: of the field's first file; NULL where it is not known: then there is nothing to say. */
+void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan);
+
+#endif

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The service's results are those of `shearctl measure --json`, key by key: of a job and of its field,
+for many settings and kinds of files.
+
+What differs by nature:
+  seconds        how long it took, in all and of each file
+  the row's own  digest, jobs, unfinished, partial, running, updated, contributions, more,
+                 files_left_out: measure has no jobs"""
+import json
+import math
+import os
+import subprocess
+import unittest
+
+import daemon
+from daemon import SHEARCTL, DaemonTest, mock, until
+
+TIMED = ("seconds",)
+ROW_ONLY = {"digest", "jobs", "unfinished", "partial", "running", "updated", "contributions", "more",
+            "files_left_out"}
+
+# Each: the options of the mock, the options of measure. The first ones are the files' kinds with the
+# default settings, the others settings.
+CASES = [
+    ((), {}),
+    (("--white", "0.3"), {}),
+    (("--noise-ratio", "0.2"), {}),
+    (("--no-r-gal",), {}),
+    (("--psf-per-stamp",), {}),
+    (("--psf-ids", "3"), {}),
+    (("--layout", "mosaic"), {}),
+    (("--bitpix", "-64"), {}),
+    (("--r-psf", "0.8"), {"oversample": 8}),
+    (("--psf", "b"), {}),
+    (("--galaxy", "irregular"), {}),
+    (("--rotate", "4"), {}),
+    (("--shear", "0,0"), {}),
+    (("--photons", "100"), {}),
+    (("--photons", "100", "--subtract-background"), {}),
+    ((), {"interpolation": "bilinear"}),
+    ((), {"interpolation": "bicubic", "oversample": 2}),
+    ((), {"interpolation": "spline", "oversample": 4}),
+    ((), {"interpolation": "log-bicubic", "oversample": 2, "zeros": "floor"}),
+    ((), {"interpolation": "log-spline", "oversample": 2, "pedestal": 0.5}),
+    ((), {"beta": 2.5}),
+    ((), {"beta-ratio": 1.7}),
+    ((), {"filter": "none"}),
+    (("--r-gal", "14"), {"filter": "none"}),  # its wings are cut off: warned
+    (("--r-gal", "9"), {"core": 4.0, "width": 1.0}),  # the filter cuts the galaxy: warned
+    ((), {"filter": "edge"}),
+    ((), {"background": "noise-mean"}),
+    ((), {"psf-threshold": 1e-6}),
+    ((), {"power-tolerance": 0.01}),
+    ((), {"noise-correction": False}),
+    (("--white", "0.3"), {"shot-noise": "plateau"}),
+    (("--white", "0.3"), {"estimator": "pdf-sym"}),
+    (("--white", "0.3"), {"estimator": "pdf-sym-cross", "background": "noise-mean"}),
+]
+
+
+def options(settings):
+    """As options of shearctl measure."""
+    words = []
+    for key, value in settings.items():
+        if isinstance(value, bool):
+            words.append(f"--{'' if value else 'no-'}{key}")
+        else:
+            words += [f"--{key}", str(value)]
+    return words
+
+
+def measure(paths, settings, *more):
+    run = subprocess.run([SHEARCTL, "measure", "--json", "--quiet", *options(settings), *more, *paths],
+                         check=True, capture_output=True, encoding="utf-8")
+    return json.loads(run.stdout)
+
+
+def without_times(report):
+    report = {k: v for k, v in report.items() if k not in TIMED}
+    report["files"] = [{k: v for k, v in f.items() if k not in TIMED} for f in report["files"]]
+    return report
+
+
+class ResultsTest(DaemonTest):
+    def assertSame(self, ours, theirs, what):
+        self.assertEqual(list(ours), list(theirs), what)
+        for key in theirs:
+            self.assertEqual(ours[key], theirs[key], f"{what}: {key}")
+
+    def assertSeconds(self, report):
+        for at in (report, *report["files"]):
+            self.assertTrue(math.isfinite(at["seconds"]) and at["seconds"] >= 0.0, at["seconds"])
+
+    def row(self, d, field, **params):
+        (row,) = d.call("field", field=field, **params)["rows"]
+        self.assertEqual(ROW_ONLY - set(row), set())
+        return row
+
+    def report_of(self, row):
+        return {k: v for k, v in row.items() if k not in ROW_ONLY}
+
+    def test_jobs_and_fields(self):
+        d = self.daemon()
+        warned = 0
+        for i, (how, settings) in enumerate(CASES):
+            field = f"f{i}"
+            path = mock(d.path("data", f"{i}.fits"), 48, 32, 1 + i, *how)
+            expected = measure([path], settings, "--field", field)
+            number = d.submit(path, field=field, settings=settings)["id"]
+            job = d.wait_state(number, *daemon.FINAL)
+            with self.subTest(how=how, settings=settings):
+                self.assertEqual(job["state"], "done", job["message"])
+                self.assertSame(without_times(job["result"]), without_times(expected), "job")
+                row = self.report_of(self.row(d, field))
+                self.assertSame(without_times(row), without_times(expected), "field")
+                self.assertSeconds(job["result"])
+                self.assertSeconds(row)
+                self.assertIsNotNone(row["resolved"])
+                self.assertIsNotNone(row["truth"])
+            warned += len(expected["warnings"])
+        self.assertGreaterEqual(warned, 2, "no case of these warns: the test is blunt")
+
+    def several(self, d, field, *hows):
+        """Files of one field, counted in this order."""
+        paths = []
+        for i, how in enumerate(hows):
+            paths.append(mock(d.path("data", f"{field}{i}.fits"), 32, 32, 1 + i, *how))
+            d.wait_state(d.submit(paths[-1], field=field)["id"], "done")
+        return paths
+
+    def test_several_files(self):
+        d = self.daemon()
+        truths = {"same": ((), ("--white", "0.2")), "other": ((), ("--shear", "0.02,0.01")),
+                  "shapes": ((), ("--r-psf", "1.7"), ("--no-r-gal",))}
+        for field, hows in truths.items():
+            with self.subTest(field):
+                paths = self.several(d, field, *hows)
+                expected = measure(paths, {}, "--field", field)
+                row = self.row(d, field)
+                self.assertSame(without_times(self.report_of(row)), without_times(expected), field)
+                self.assertEqual(row["truth"] is None, field == "other")
+                self.assertEqual(row["files_left_out"], 0)
+                self.assertAlmostEqual(row["seconds"], sum(f["seconds"] for f in row["files"]),
+                                       places=5)
+
+    def test_files_by_pages(self):
+        d = self.daemon()
+        paths = self.several(d, "p", (), (), (), ())
+        whole = self.row(d, "p")
+        self.assertEqual([f["path"] for f in whole["files"]], paths)
+        seen, after = [], 0
+        for left in (3, 3, 3, 3):
+            page = self.row(d, "p", limit=1, after=after)
+            self.assertEqual(page["files_left_out"], left)
+            self.assertEqual((page["resolved"], page["truth"], page["warnings"], page["n_stamps"]),
+                             (whole["resolved"], whole["truth"], whole["warnings"], whole["n_stamps"]))
+            seen += page["files"]
+            after = page["contributions"][-1]["id"]
+        self.assertEqual(seen, whole["files"])
+        none = self.row(d, "p", limit=0)
+        self.assertEqual((none["files"], none["files_left_out"], none["resolved"]),
+                         ([], 4, whole["resolved"]))
+
+    def test_it_outlives_the_jobs_and_a_restart(self):
+        d = self.daemon({"retention.jobs_max_count": "1"})
+        paths = self.several(d, "r", (), ("--white", "0.2"), ())
+        until(lambda: len(d.jobs()) == 1, "the jobs are forgotten", step=0.1)
+        expected = measure(paths, {}, "--field", "r")
+        self.assertSame(without_times(self.report_of(self.row(d, "r"))), without_times(expected), "r")
+        d.kill()
+        d.start()
+        self.assertSame(without_times(self.report_of(self.row(d, "r"))), without_times(expected), "r")
+
+    def test_a_duplicate_and_a_dropped_file(self):
+        d = self.daemon()
+        (path,) = self.several(d, "x", ())
+        before = self.row(d, "x")
+        again = d.wait_state(d.submit(path, field="x")["id"], "done")
+        self.assertEqual(again["outcome"], "duplicate")
+        after = self.row(d, "x")
+        self.assertEqual((after["files"], after["seconds"]), (before["files"], before["seconds"]))
+        d.drop(path, "dropped.fits")
+        until(lambda: d.jobs(field="dropped", states=["done"]), "it is measured")
+        (file,) = self.row(d, "dropped")["files"]
+        self.assertEqual(os.path.basename(file["path"]), "dropped.fits")
+
+    def test_separate_parts(self):
+        d = self.daemon()
+        path = mock(d.path("data", "parts.fits"), 48, 32)
+        parts = {"galaxy": {"path": path, "hdu": 1}, "noise": {"path": path, "hdu": 2},
+                 "psf": {"path": path, "hdu": 3}}
+        names = [w for name, p in parts.items() for w in (f"--{name}", f"{path}:{p['hdu']}")]
+        expected = measure([], {}, "--field", "p", *names)
+        job = d.call("submit", field="p", **parts)["job"]
+        job = d.wait_state(job["id"], *daemon.FINAL)
+        self.assertEqual(job["state"], "done", job["message"])
+        self.assertSame(without_times(job["result"]), without_times(expected), "job")
+        self.assertSame(without_times(self.report_of(self.row(d, "p"))), without_times(expected), "row")
+
+
+if __name__ == "__main__":
+    unittest.main()
