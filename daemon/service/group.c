@@ -34,6 +34,7 @@ static void remember_trouble(service *s, int code, const shear_error *err) {
     if (code == SHEAR_OK) {
         if (s->store_trouble_ms != 0) {
             problem_over(s, "store");
+            problem_over(s, "spool"); /* files that could not be stored are told again now */
         }
         s->store_trouble_ms = 0;
         return;

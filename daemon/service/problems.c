@@ -173,7 +173,7 @@ static void add_spool(const service *s, problem_list *list) {
                  "the watch folder: the kernel does not announce files there; they are found by "
                  "searching it only ([spool] scan_interval)");
     }
-    if (note != NULL && (p = add(list, "spool", note->code)) != NULL) {
+    if (note != NULL && st.active > 0 && (p = add(list, "spool", note->code)) != NULL) {
         p->since_ms = note->since_ms;
         p->count = note->count;
         snprintf(text_of(list), PROBLEM_TEXT, "files wait in active/ (%s): %.300s", note->code,
