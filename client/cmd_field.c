@@ -95,6 +95,15 @@ static int print_row(const struct field *f, const shear_msg_field_result *result
            row->partial ? "  (partial: more is to come)" : "");
     print_jobs(row);
     shear_text_print(row->report, stdout);
+    if (row->reason) {
+        shear_text_line(stdout, "reason", "%s", row->reason);
+    }
+    if (row->culprit.job) {
+        shear_text_line(stdout, "culprit",
+                        "job %" PRId64 " (%s): shearctl retract %" PRId64 " takes it back",
+                        row->culprit.job, row->culprit.file ? row->culprit.file : "forgotten",
+                        row->culprit.job);
+    }
     shear_text_line(stdout, "updated", "%s", human_time(row->updated_ms, f->service.utc, time));
     shear_text_line(stdout, "digest", "%s", row->digest);
     return f->jobs && row->n_contributions > 0 ? print_contributions(row, f->service.utc)

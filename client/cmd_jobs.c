@@ -43,7 +43,7 @@ static int set_states(const char *text, unsigned *states) {
             state++;
         }
         if (state == SHEAR_N_JOB_STATES) {
-            message_fail("queued, running, waiting, done, failed, cancelled",
+            message_fail("queued, running, waiting, done, failed, cancelled, retracted",
                          "--state %s: \"%.*s\" is no state of a job", text, (int)n, at);
             return EXIT_CODE_USAGE;
         }
@@ -161,7 +161,7 @@ const struct command cmd_jobs = {
              "\n"
              "  --state STATES          only these, with commas between them: queued, running, "
              "waiting,\n"
-             "                          done, failed, cancelled\n"
+             "                          done, failed, cancelled, retracted\n"
              "  --field NAME            only jobs of this field\n"
              "  --user USER             only jobs of this user (a name, a number, or me)\n"
              "  --limit N               at most so many (default 50)\n"

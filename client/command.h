@@ -46,6 +46,8 @@ extern const struct command cmd_show;
 extern const struct command cmd_wait;
 extern const struct command cmd_cancel;
 extern const struct command cmd_retry;
+extern const struct command cmd_retract;
+extern const struct command cmd_forget;
 extern const struct command cmd_field;
 extern const struct command cmd_fields;
 extern const struct command cmd_watch;

@@ -25,6 +25,7 @@ void field_table_add(struct text_table *t, const shear_msg_summary *f, int64_t n
     text_table_cell(t, NULL, "%" PRId64, f->jobs);
     text_table_cell(t, f->unfinished ? STYLE_ACTIVE : NULL, "%" PRId64, f->unfinished);
     text_table_cell(t, NULL, "%s", human_age(f->updated_ms, now_ms, age));
-    text_table_cell(t, STYLE_DOUBT, "%s%s%.12s", f->partial ? "partial " : "",
-                    f->mixed ? "settings " : "", f->mixed ? f->digest : "");
+    text_table_cell(t, STYLE_DOUBT, "%s%s%.12s%s%s", f->partial ? "partial " : "",
+                    f->mixed ? "settings " : "", f->mixed ? f->digest : "", f->mixed ? " " : "",
+                    f->reason ? f->reason : "");
 }

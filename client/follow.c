@@ -74,7 +74,8 @@ static void count(struct follow *f, const shear_msg_waited *waited) {
         const shear_msg_job *job = &waited->jobs[i];
         f->tally.done += job->state == SHEAR_JOB_DONE;
         f->tally.failed += job->state == SHEAR_JOB_FAILED;
-        f->tally.cancelled += job->state == SHEAR_JOB_CANCELLED;
+        f->tally.cancelled +=
+            job->state == SHEAR_JOB_CANCELLED || job->state == SHEAR_JOB_RETRACTED;
         f->tally.unfinished += !shear_job_state_is_final(job->state);
         if (f->options->ended) {
             f->options->ended(f->options->context, job);

@@ -16,7 +16,9 @@ static int act(struct service *s, int method, const char *name) {
     }
     code = service_answer(s, method, &p, &reply);
     if (!code && !s->json) {
-        const shear_msg_job *job = method == SHEAR_METHOD_CANCEL ? &reply.cancel : &reply.retry;
+        const shear_msg_job *job = method == SHEAR_METHOD_CANCEL  ? &reply.cancel
+                                   : method == SHEAR_METHOD_RETRY ? &reply.retry
+                                                                  : &reply.retract;
         printf("job %" PRId64 " %s%s\n", job->id, shear_job_state_name(job->state),
                job->cancel_asked && !shear_job_state_is_final(job->state) ? ", being cancelled"
                                                                           : "");

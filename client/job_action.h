@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* job_action.h: what cancel and retry share: one request for each of several jobs. */
+/* job_action.h: what cancel, retry and retract share: one request for each of several jobs. */
 #ifndef CLIENT_JOB_ACTION_H
 #define CLIENT_JOB_ACTION_H
 
 #include "service.h"
 
-/* Ask `method` (cancel or retry) for each job of the command line. Returns an exit code. */
+/* Ask `method` (cancel, retry or retract) for each job of the command line. Returns an exit code.
+ */
 int job_action_run(const struct command *command, int method, int argc, char **argv);
 
 #endif

@@ -254,6 +254,8 @@ static void print_outcome(const shear_msg_job *job, FILE *out) {
                         job->duplicate_of);
     } else if (job->outcome == SHEAR_OUTCOME_COUNTED) {
         shear_text_line(out, "outcome", "counted to the field");
+    } else if (job->state == SHEAR_JOB_RETRACTED) {
+        shear_text_line(out, "outcome", "was counted, and is taken back");
     }
     if (job->catalogue) {
         shear_text_line(out, "catalogue", "%s", job->catalogue);
@@ -308,6 +310,8 @@ void job_complain(const shear_msg_job *job) {
                      or_dash(job->code));
     } else if (job->state == SHEAR_JOB_CANCELLED) {
         message_fail(NULL, "job %" PRId64 " was cancelled", job->id);
+    } else if (job->state == SHEAR_JOB_RETRACTED) {
+        message_fail(NULL, "job %" PRId64 " was retracted", job->id);
     } else if (!shear_job_state_is_final(job->state)) {
         message_fail(NULL, "job %" PRId64 " is not finished: %s", job->id,
                      shear_job_state_name(job->state));

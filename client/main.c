@@ -10,10 +10,10 @@
 #include <string.h>
 
 static const struct command *const table[] = {
-    &cmd_measure,  &cmd_mock,   &cmd_validate, &cmd_plot,   &cmd_submit, &cmd_jobs,
-    &cmd_show,     &cmd_wait,   &cmd_cancel,   &cmd_retry,  &cmd_field,  &cmd_fields,
-    &cmd_watch,    &cmd_status, &cmd_metrics,  &cmd_doctor, &cmd_drain,  &cmd_reload,
-    &cmd_shutdown, &cmd_help,   &cmd_version,  NULL,
+    &cmd_measure, &cmd_mock,   &cmd_validate, &cmd_plot,   &cmd_submit,  &cmd_jobs,
+    &cmd_show,    &cmd_wait,   &cmd_cancel,   &cmd_retry,  &cmd_retract, &cmd_field,
+    &cmd_fields,  &cmd_forget, &cmd_watch,    &cmd_status, &cmd_metrics, &cmd_doctor,
+    &cmd_drain,   &cmd_reload, &cmd_shutdown, &cmd_help,   &cmd_version, NULL,
 };
 
 const struct command *const *command_table(void) {

@@ -9,11 +9,14 @@
 #include <inttypes.h>
 
 static void print_states(const shear_msg_status *s, bool colours, FILE *out) {
-    const int64_t counts[SHEAR_N_JOB_STATES] = {s->states.queued,  s->states.running,
-                                                s->states.waiting, s->states.done,
-                                                s->states.failed,  s->states.cancelled};
+    const int64_t counts[SHEAR_N_JOB_STATES] = {
+        s->states.queued, s->states.running,   s->states.waiting,  s->states.done,
+        s->states.failed, s->states.cancelled, s->states.retracted};
     fprintf(out, "  %-10s", "jobs");
     for (int i = 0; i < SHEAR_N_JOB_STATES; i++) {
+        if (i == SHEAR_JOB_RETRACTED && counts[i] == 0) {
+            continue; /* rare */
+        }
         const char *style = colours && counts[i] > 0 ? style_of_state(i) : NULL;
         fprintf(out, "%s %s%s %" PRId64 "%s", i ? " " : "", style ? style : "",
                 shear_job_state_name(i), counts[i], style ? STYLE_END : "");
@@ -116,9 +119,9 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
     shear_text_line(out, "started", "%s", human_time(s->started_ms, utc, time));
     shear_text_line(out, "totals",
                     "%" PRId64 " submitted, %" PRId64 " counted, %" PRId64 " duplicates, %" PRId64
-                    " failed, %" PRId64 " cancelled",
+                    " failed, %" PRId64 " cancelled, %" PRId64 " retracted",
                     s->totals.submitted, s->totals.counted, s->totals.duplicates, s->totals.failed,
-                    s->totals.cancelled);
+                    s->totals.cancelled, s->totals.retracted);
     shear_text_line(out, "measured", "%" PRId64 " stamps in %" PRId64 " fields", s->totals.stamps,
                     s->totals.fields);
     shear_text_line(out, "plans", "%" PRId64 " kept (%s), %" PRId64 " hits, %" PRId64 " misses",

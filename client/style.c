@@ -27,6 +27,7 @@ const char *style_of_state(int state) {
         return STYLE_BAD;
     case SHEAR_JOB_WAITING:
     case SHEAR_JOB_CANCELLED:
+    case SHEAR_JOB_RETRACTED:
         return STYLE_DOUBT;
     default:
         return NULL;

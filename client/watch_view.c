@@ -64,8 +64,8 @@ static int ask_fields(struct watch_view *v, const char **names, struct service *
 int watch_view_init(struct watch_view *v, struct service *s, int64_t n_jobs,
                     shear_rpc_error *error) {
     const unsigned active = 1U << SHEAR_JOB_RUNNING;
-    const unsigned finished =
-        1U << SHEAR_JOB_DONE | 1U << SHEAR_JOB_FAILED | 1U << SHEAR_JOB_CANCELLED;
+    const unsigned finished = 1U << SHEAR_JOB_DONE | 1U << SHEAR_JOB_FAILED |
+                              1U << SHEAR_JOB_CANCELLED | 1U << SHEAR_JOB_RETRACTED;
     const char *names[WATCH_FIELDS] = {NULL};
     *v = (struct watch_view){.n_fields = 0};
     int status = ask(s, SHEAR_METHOD_STATUS, NULL, &v->status, &v->text[TEXT_STATUS], error);

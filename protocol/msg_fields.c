@@ -13,6 +13,14 @@ static const msg_member contribution_members[] = {
 static const msg_table contribution = {MSG_TABLE_(shear_msg_contribution, contribution_members),
                                        .check = NULL};
 
+static const msg_member culprit_members[] = {
+    MSG_INT_(shear_msg_culprit, job, "job", 0, INT64_MAX, 0, 0),
+    MSG_COUNT_(shear_msg_culprit, contribution, 0),
+    MSG_SAID_(shear_msg_culprit, file, 0),
+    MSG_SAID_(shear_msg_culprit, checksum, 0),
+};
+static const msg_table culprit = {MSG_TABLE_(shear_msg_culprit, culprit_members), .check = NULL};
+
 static const msg_member row_members[] = {
     MSG_MERGED_(shear_msg_field_row, report),
     MSG_SAID_(shear_msg_field_row, digest, MSG_REQUIRED),
@@ -24,6 +32,8 @@ static const msg_member row_members[] = {
     MSG_OBJECTS_(shear_msg_field_row, contributions, shear_msg_contribution, &contribution),
     MSG_BOOL_(shear_msg_field_row, more, 0),
     MSG_COUNT_(shear_msg_field_row, files_left_out, 0),
+    MSG_SAID_(shear_msg_field_row, reason, 0),
+    MSG_OBJECT_(shear_msg_field_row, culprit, "culprit", shear_msg_culprit, &culprit, MSG_NULLABLE),
 };
 static const msg_table row = {MSG_TABLE_(shear_msg_field_row, row_members), .check = NULL};
 
@@ -49,6 +59,7 @@ static const msg_member summary_members[] = {
     MSG_BOOL_(shear_msg_summary, partial, 0),
     MSG_BOOL_(shear_msg_summary, mixed, 0),
     MSG_TIME_(shear_msg_summary, updated_ms, "updated"),
+    MSG_SAID_(shear_msg_summary, reason, 0),
 };
 const msg_table msg_summary = {MSG_TABLE_(shear_msg_summary, summary_members), .check = NULL};
 
@@ -57,6 +68,14 @@ static const msg_member page_members[] = {
     MSG_SAID_(shear_msg_field_page, cursor, 0),
 };
 const msg_table msg_field_page = {MSG_TABLE_(shear_msg_field_page, page_members), .check = NULL};
+
+static const msg_member forgotten_members[] = {
+    MSG_SAID_(shear_msg_forgotten, field, MSG_REQUIRED),
+    MSG_COUNT_(shear_msg_forgotten, rows, 0),
+    MSG_COUNT_(shear_msg_forgotten, contributions, 0),
+    MSG_COUNT_(shear_msg_forgotten, jobs, 0),
+};
+const msg_table msg_forgotten = {MSG_TABLE_(shear_msg_forgotten, forgotten_members), .check = NULL};
 
 static const msg_member changed_members[] = {
     MSG_OBJECT_(shear_msg_field_changed, field, "field", shear_msg_summary, &msg_summary,

@@ -2,8 +2,8 @@
 /* The names of states and kinds. "" is null in JSON. The order is that of the enums. */
 #include "msg_table.h"
 
-const char *const msg_states[] = {"queued", "running",   "waiting", "done",
-                                  "failed", "cancelled", NULL};
+const char *const msg_states[] = {"queued", "running",   "waiting",   "done",
+                                  "failed", "cancelled", "retracted", NULL};
 const char *const msg_classes[] = {"", "transient", "data", "bug", NULL};
 const char *const msg_outcomes[] = {"", "counted", "duplicate", NULL};
 const char *const msg_phases[] = {"",          "opening",   "hashing",   "waiting_memory",
@@ -43,5 +43,5 @@ const char *shear_server_state_name(int state) {
 }
 
 bool shear_job_state_is_final(int state) {
-    return state == SHEAR_JOB_DONE || state == SHEAR_JOB_FAILED || state == SHEAR_JOB_CANCELLED;
+    return state >= SHEAR_JOB_DONE && state <= SHEAR_JOB_RETRACTED;
 }

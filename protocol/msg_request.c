@@ -138,6 +138,12 @@ static const msg_member field_members[] = {
 };
 const msg_table msg_field = {MSG_TABLE_(shear_msg_field, field_members), .check = NULL};
 
+static const msg_member forget_members[] = {
+    MSG_TEXT_(shear_msg_forget, field, "field", SHEAR_MSG_FIELD_MAX, MSG_REQUIRED | MSG_PLAIN),
+    MSG_TEXT_(shear_msg_forget, digest, "digest", SHEAR_MSG_DIGEST_MAX, MSG_PLAIN),
+};
+const msg_table msg_forget = {MSG_TABLE_(shear_msg_forget, forget_members), .check = NULL};
+
 static const msg_member fields_members[] = {
     MSG_TEXT_(shear_msg_fields, prefix, "prefix", SHEAR_MSG_FIELD_MAX, MSG_PLAIN),
     MSG_TEXT_(shear_msg_fields, cursor, "cursor", SHEAR_MSG_CURSOR_MAX, MSG_PLAIN),

@@ -47,9 +47,10 @@ static const msg_member memory_members[] = {
 static const msg_table memory = {MSG_TABLE_(shear_msg_memory, memory_members), .check = NULL};
 
 static const msg_member states_members[] = {
-    MSG_COUNT_(shear_msg_states, queued, 0),  MSG_COUNT_(shear_msg_states, running, 0),
-    MSG_COUNT_(shear_msg_states, waiting, 0), MSG_COUNT_(shear_msg_states, done, 0),
-    MSG_COUNT_(shear_msg_states, failed, 0),  MSG_COUNT_(shear_msg_states, cancelled, 0),
+    MSG_COUNT_(shear_msg_states, queued, 0),    MSG_COUNT_(shear_msg_states, running, 0),
+    MSG_COUNT_(shear_msg_states, waiting, 0),   MSG_COUNT_(shear_msg_states, done, 0),
+    MSG_COUNT_(shear_msg_states, failed, 0),    MSG_COUNT_(shear_msg_states, cancelled, 0),
+    MSG_COUNT_(shear_msg_states, retracted, 0),
 };
 static const msg_table states = {MSG_TABLE_(shear_msg_states, states_members), .check = NULL};
 
@@ -57,7 +58,7 @@ static const msg_member totals_members[] = {
     MSG_COUNT_(shear_msg_totals, submitted, 0),  MSG_COUNT_(shear_msg_totals, counted, 0),
     MSG_COUNT_(shear_msg_totals, duplicates, 0), MSG_COUNT_(shear_msg_totals, failed, 0),
     MSG_COUNT_(shear_msg_totals, cancelled, 0),  MSG_COUNT_(shear_msg_totals, stamps, 0),
-    MSG_COUNT_(shear_msg_totals, fields, 0),
+    MSG_COUNT_(shear_msg_totals, fields, 0),     MSG_COUNT_(shear_msg_totals, retracted, 0),
 };
 static const msg_table totals = {MSG_TABLE_(shear_msg_totals, totals_members), .check = NULL};
 

@@ -142,9 +142,9 @@ const char *msg_name(const char *const *names, int index);
 
 extern const msg_table msg_nothing;
 extern const msg_table msg_source, msg_hello, msg_submit, msg_id, msg_jobs, msg_wait, msg_field,
-    msg_fields, msg_subscribe, msg_unsubscribe, msg_shutdown;
+    msg_fields, msg_forget, msg_subscribe, msg_unsubscribe, msg_shutdown;
 extern const msg_table msg_job, msg_shown, msg_submitted, msg_job_page, msg_waited, msg_progress;
-extern const msg_table msg_field_result, msg_field_page, msg_summary;
+extern const msg_table msg_field_result, msg_field_page, msg_summary, msg_forgotten;
 extern const msg_table msg_limits, msg_welcome, msg_subscribed, msg_status, msg_metrics, msg_probed,
     msg_reloaded, msg_stopping;
 extern const msg_table msg_job_changed, msg_job_progress, msg_field_changed, msg_lost, msg_side;

@@ -12,8 +12,10 @@ const rpc_method rpc_methods[SHEAR_N_METHODS] = {
     [SHEAR_METHOD_WAIT] = {"wait", &msg_wait, &msg_waited, false},
     [SHEAR_METHOD_CANCEL] = {"cancel", &msg_id, &msg_job, false},
     [SHEAR_METHOD_RETRY] = {"retry", &msg_id, &msg_job, false},
+    [SHEAR_METHOD_RETRACT] = {"retract", &msg_id, &msg_job, false},
     [SHEAR_METHOD_FIELD] = {"field", &msg_field, &msg_field_result, false},
     [SHEAR_METHOD_FIELDS] = {"fields", &msg_fields, &msg_field_page, false},
+    [SHEAR_METHOD_FORGET] = {"forget", &msg_forget, &msg_forgotten, true},
     [SHEAR_METHOD_SUBSCRIBE] = {"subscribe", &msg_subscribe, &msg_subscribed, false},
     [SHEAR_METHOD_UNSUBSCRIBE] = {"unsubscribe", &msg_unsubscribe, &msg_subscribed, false},
     [SHEAR_METHOD_STATUS] = {"status", &msg_nothing, &msg_status, false},
@@ -60,9 +62,9 @@ bool shear_method_needs_admin(int method) {
 /* In the order of enum shear_method. */
 const char *const *shear_method_names(size_t *n) {
     static const char *const names[SHEAR_N_METHODS] = {
-        "hello",   "submit", "job",    "jobs",      "wait",        "cancel",
-        "retry",   "field",  "fields", "subscribe", "unsubscribe", "status",
-        "metrics", "probe",  "reload", "drain",     "shutdown",
+        "hello",   "submit", "job",    "jobs",   "wait",      "cancel",      "retry",
+        "retract", "field",  "fields", "forget", "subscribe", "unsubscribe", "status",
+        "metrics", "probe",  "reload", "drain",  "shutdown",
     };
     *n = SHEAR_N_METHODS;
     return names;

@@ -53,6 +53,12 @@ void exact_join(exact_sum *sums, const exact_sum *other, int n) {
     }
 }
 
+void exact_leave(exact_sum *sums, const exact_sum *other, int n) {
+    for (int i = 0; i < n; i++) {
+        mpz_sub(sums[i].units, sums[i].units, other[i].units);
+    }
+}
+
 double exact_value(const exact_sum *sums, int i) {
     const size_t bits = mpz_sizeinbase(sums[i].units, 2);
     if (mpz_sgn(sums[i].units) == 0) {

@@ -16,6 +16,7 @@ exact_sum *exact_new(int n); /* an array of n zero sums; NULL when memory is out
 void exact_free(exact_sum *sums, int n);
 void exact_add(exact_sum *sums, int i, double value); /* value must be finite */
 void exact_join(exact_sum *sums, const exact_sum *other, int n);
+void exact_leave(exact_sum *sums, const exact_sum *other, int n); /* undoes exact_join */
 double exact_value(const exact_sum *sums, int i);
 /* Hexadecimal text of sum i, malloc'd; NULL when memory is out. */
 char *exact_format(const exact_sum *sums, int i);

@@ -55,6 +55,15 @@ void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
     exact_join(f->sums, g->sums, SHEAR_N_TERMS);
 }
 
+void shear_field_sums_leave(shear_field_sums *f, const shear_field_sums *g) {
+    f->n_stamps -= g->n_stamps;
+    f->n_used -= g->n_used;
+    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+        f->flagged[i] -= g->flagged[i];
+    }
+    exact_leave(f->sums, g->sums, SHEAR_N_TERMS);
+}
+
 static bool write_text(const shear_field_sums *f, FILE *out) {
     fprintf(out, "%s %" PRId64 " %" PRId64, magic, f->n_stamps, f->n_used);
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {

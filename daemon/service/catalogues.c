@@ -78,6 +78,40 @@ static bool is_since_mark(const service *s, const char *path) {
                       st.st_ctim.tv_nsec >= marked.st_mtim.tv_nsec));
 }
 
+/* Is this the name that a catalogue of the job has, wherever its directory was? */
+static bool is_catalogue_of(const char *path, int64_t job) {
+    bool part = false;
+    const char *slash = strrchr(path, '/');
+    return slash != NULL && job_of(slash + 1, &part) == job && !part;
+}
+
+/* A failure: the next start tries it again. */
+void catalogues_remove_retracted(service *s) {
+    shear_error err = {0};
+    int64_t id = 0;
+    char *path = NULL;
+    int code = store_next_leftover(s->store, 0, &id, &path, &err);
+    while (code == SHEAR_OK && id != 0) {
+        const bool gone = !is_catalogue_of(path, id) || unlink(path) == 0 || errno == ENOENT;
+        if (!gone) {
+            log_warning("job %" PRId64 " is retracted: its catalogue %s cannot be removed: %s", id,
+                        path, strerror(errno));
+        }
+        code = gone ? group_begin(s, &err) : SHEAR_OK;
+        if (code == SHEAR_OK && gone) {
+            code = store_catalogue_gone(s->store, id, &err);
+        }
+        free(path);
+        path = NULL;
+        if (code == SHEAR_OK) {
+            code = store_next_leftover(s->store, id, &id, &path, &err);
+        }
+    }
+    if (code != SHEAR_OK) {
+        log_warning("catalogues of retracted jobs: %s", err.message);
+    }
+}
+
 void catalogue_forget(const service *s, const store_job *job) {
     char *path = catalogue_path(s, job->id);
     if (path != NULL) {

@@ -35,6 +35,7 @@ struct after {
     int64_t job;
     int method;
     char *name; /* active name of a file of the watch folder; owned */
+    void *data; /* run()'s own, which frees it */
     bool flag;
 };
 
@@ -155,6 +156,7 @@ struct service {
 
     bool group_open;
     int64_t commits, failed_commits;
+    int64_t retractions; /* of contributions, since the start */
     bool strays; /* jobs may be running on disk that nobody works on: jobs_fill puts them back */
     after *first_after, **last_after;
 
@@ -250,6 +252,19 @@ void catalogue_forget(const service *s, const store_job *job);
 /* At the start: their directory is made this database's, and what nobody needs goes. SHEAR_E_EXISTS
  * where it is another's. */
 int catalogues_open(service *s, shear_error *err);
+/* Jobs were retracted, and that is on disk: their catalogues go. */
+void catalogues_remove_retracted(service *s);
+
+/* reasons.c: why a field has no result */
+typedef struct reason {
+    char *text; /* NULL: it has one */
+    char *file, *checksum;
+    int64_t job, contribution; /* of the worst contribution, where one is to blame; else 0 */
+} reason;
+/* Texts are malloc'd, the caller's. What cannot be found out is left out. */
+void reason_find(service *s, const store_field *f, const shear_result *result, reason *out);
+/* The same without looking at the contributions. Static text; NULL: it has a result. */
+const char *reason_brief(const store_field *f, const shear_result *result);
 
 /* submit.c */
 typedef struct submission {

@@ -5,8 +5,7 @@
 
 #include <string.h>
 
-/* The change is on disk: reply with the job as it is now. */
-static void reply_job(service *s, after *a, int code, const shear_error *err) {
+void method_reply_job(service *s, after *a, int code, const shear_error *err) {
     store_job job = {0};
     shear_error local = {0};
     if (code != SHEAR_OK) {
@@ -22,7 +21,8 @@ static void reply_job(service *s, after *a, int code, const shear_error *err) {
     shear_reply reply = {0};
     shear_msg_job *message = a->method == SHEAR_METHOD_SUBMIT   ? &reply.submit.job
                              : a->method == SHEAR_METHOD_CANCEL ? &reply.cancel
-                                                                : &reply.retry;
+                             : a->method == SHEAR_METHOD_RETRY  ? &reply.retry
+                                                                : &reply.retract;
     present_job(s, &job, message);
     reply.submit.known = a->method == SHEAR_METHOD_SUBMIT && a->flag;
     server_reply(s->server, a->to, &reply);
@@ -34,7 +34,7 @@ static void reply_job(service *s, after *a, int code, const shear_error *err) {
     store_job_deinit(&job);
 }
 
-/* As reply_job, but the reply comes when the job has ended. */
+/* As method_reply_job, but the reply comes when the job has ended. */
 static void reply_when_ended(service *s, after *a, int code, const shear_error *err) {
     if (code != SHEAR_OK) {
         method_refuse_store(s, a->to, code, err);
@@ -75,13 +75,12 @@ void method_submit(service *s, const server_request *r) {
     } else if (submit_job(s, &sub, &id, &known, &error) != SHEAR_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);
     } else {
-        answer_later(s, submit->wait ? reply_when_ended : reply_job, r->handle, SHEAR_METHOD_SUBMIT,
-                     id, known);
+        answer_later(s, submit->wait ? reply_when_ended : method_reply_job, r->handle,
+                     SHEAR_METHOD_SUBMIT, id, known);
     }
 }
 
-/* Owners and administrators only. Where not, the reply has been given. */
-static bool may_change(service *s, const server_request *r, int64_t id) {
+bool method_may_change(service *s, const server_request *r, int64_t id) {
     store_job job = {0};
     shear_error err = {0};
     const int code = store_job_get(s->store, id, &job, &err);
@@ -99,7 +98,7 @@ void method_cancel(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
     shear_error err = {0};
     int state = 0;
-    if (!may_change(s, r, id)) {
+    if (!method_may_change(s, r, id)) {
         return;
     }
     int code = group_begin(s, &err);
@@ -113,7 +112,7 @@ void method_cancel(service *s, const server_request *r) {
     if (state == STORE_RUNNING) {
         engine_stop_job(s->engine, id);
     }
-    answer_later(s, reply_job, r->handle, SHEAR_METHOD_CANCEL, id, false);
+    answer_later(s, method_reply_job, r->handle, SHEAR_METHOD_CANCEL, id, false);
 }
 
 /* The dropped file of a job that is to be tried again goes back into active/. */
@@ -175,7 +174,7 @@ static void reply_retried(service *s, after *a, int code, const shear_error *err
     if (code != SHEAR_OK && a->name != NULL && s->spool != NULL) {
         spool_refuse(s->spool, a->name, &ignored);
     }
-    reply_job(s, a, code, err);
+    method_reply_job(s, a, code, err);
 }
 
 void method_retry(service *s, const server_request *r) {
@@ -184,7 +183,7 @@ void method_retry(service *s, const server_request *r) {
     shear_error err = {0};
     shear_rpc_error error;
     char name[SPOOL_NAME_SIZE];
-    if (!may_change(s, r, id)) {
+    if (!method_may_change(s, r, id)) {
         return;
     }
     if (s->state != SHEAR_SERVER_RUNNING) {

@@ -155,6 +155,12 @@ void methods_request(void *context, const server_request *r) {
     case SHEAR_METHOD_RETRY:
         method_retry(s, r);
         break;
+    case SHEAR_METHOD_RETRACT:
+        method_retract(s, r);
+        break;
+    case SHEAR_METHOD_FORGET:
+        method_forget(s, r);
+        break;
     case SHEAR_METHOD_FIELD:
         method_field(s, r);
         break;

@@ -7,9 +7,17 @@
 #include "service/inner.h"
 
 /* method_changes.c */
+/* The change is on disk: reply with the job as it is now. */
+void method_reply_job(service *s, after *a, int code, const shear_error *err);
+/* Owners and administrators only. Where not, the reply has been given. */
+bool method_may_change(service *s, const server_request *r, int64_t id);
 void method_submit(service *s, const server_request *r);
 void method_cancel(service *s, const server_request *r);
 void method_retry(service *s, const server_request *r);
+
+/* method_retract.c */
+void method_retract(service *s, const server_request *r);
+void method_forget(service *s, const server_request *r);
 
 /* method_jobs.c */
 void method_job(service *s, const server_request *r);

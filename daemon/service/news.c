@@ -53,19 +53,31 @@ void news_field_changed(service *s, const char *name, const char *digest) {
     s->news = f;
 }
 
+/* Nothing is counted in it any more. */
+static void publish_gone(service *s, const changed_field *f, bool mixed) {
+    const store_field gone = {.name = f->name, .settings_digest = f->digest};
+    shear_notice_params params = {0};
+    present_summary(s, &gone, &params.field_changed.field);
+    params.field_changed.field.mixed = mixed;
+    server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, f->name, &params);
+}
+
 /* False where its result is still being solved. */
 static bool publish(service *s, const changed_field *f) {
     store_field_page page = {0};
     shear_error ignored;
     bool at_hand = true;
-    if (store_field_get(s->store, f->name, &page, &ignored) != SHEAR_OK) {
+    const int code = store_field_get(s->store, f->name, &page, &ignored);
+    if (code != SHEAR_OK && code != STORE_NOT_FOUND) {
         return true;
     }
+    bool found = false;
     solutions_since(s, f->since);
     for (size_t i = 0; i < page.n; i++) {
         if (strcmp(page.fields[i].settings_digest, f->digest) != 0) {
             continue;
         }
+        found = true;
         at_hand = solutions_at_hand(s, &page.fields[i]);
         if (at_hand) {
             shear_notice_params params = {0};
@@ -75,6 +87,9 @@ static bool publish(service *s, const changed_field *f) {
         }
     }
     solutions_since(s, INT64_MAX);
+    if (!found) {
+        publish_gone(s, f, page.n > 0);
+    }
     store_field_page_deinit(&page);
     return at_hand;
 }

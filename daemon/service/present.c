@@ -200,6 +200,7 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
     shear_field_sums *sums = NULL;
     shear_result result;
     shear_settings settings;
+    reason why = {0};
     char *report_text = NULL;
     int64_t jobs = 0;
     int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
@@ -220,6 +221,9 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
     if (code == SHEAR_OK) {
         code = field_report(s, f, &settings, &result, counted, &report_text, err);
     }
+    if (code == SHEAR_OK) {
+        reason_find(s, f, &result, &why);
+    }
     shear_field_sums_free(sums);
     if (code != SHEAR_OK) {
         free(running);
@@ -233,13 +237,21 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
                                  .running = running,
                                  .n_running = n,
                                  .files_left_out = f->jobs - (int64_t)counted->n,
-                                 .updated_ms = f->updated_ms};
+                                 .updated_ms = f->updated_ms,
+                                 .reason = why.text,
+                                 .culprit = {.job = why.job,
+                                             .contribution = why.contribution,
+                                             .file = why.file,
+                                             .checksum = why.checksum}};
     return SHEAR_OK;
 }
 
 void present_field_free(shear_msg_field_row *out) {
     free((char *)out->report);
     free((int64_t *)out->running);
+    free((char *)out->reason);
+    free((char *)out->culprit.file);
+    free((char *)out->culprit.checksum);
     *out = (shear_msg_field_row){0};
 }
 
@@ -271,5 +283,6 @@ void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
                                .jobs = jobs,
                                .unfinished = f->unfinished,
                                .partial = f->unfinished > 0,
-                               .updated_ms = f->updated_ms};
+                               .updated_ms = f->updated_ms,
+                               .reason = reason_brief(f, &r)};
 }

@@ -27,7 +27,7 @@ typedef struct solution {
     bool begun;                     /* it is being solved */
     int64_t number;                 /* of the solving that made what follows, from 1; 0: nothing */
     int64_t jobs;                   /* that were counted: contributions come, and never go ... */
-    int64_t failed_commits;         /* ... unless the commit fails that brought them */
+    int64_t losses;                 /* ... but with one of these */
     int code;                       /* not SHEAR_OK: why there is no result */
     shear_result result;
 } solution;
@@ -51,7 +51,7 @@ typedef struct task {
     shear_symmetry *terms;
     int code;
     shear_result result;
-    int64_t jobs, failed_commits;
+    int64_t jobs, losses;
 } task;
 
 struct solutions {
@@ -149,10 +149,17 @@ static solution *ask_for(solutions *all, const store_field *f) {
     return one;
 }
 
+/* What may have taken contributions away: the commit fails that brought them, or they are
+ * retracted.
+ */
+static int64_t losses(const service *s) {
+    return s->failed_commits + s->retractions;
+}
+
 /* Has it a result that the request at hand may have? */
 static bool is_good(const service *s, const solution *one, const store_field *f) {
     const bool current = one->number > 0 && one->code == SHEAR_OK && one->jobs == f->jobs &&
-                         one->failed_commits == s->failed_commits;
+                         one->losses == losses(s);
     return current || one->number > s->solutions->since;
 }
 
@@ -225,10 +232,7 @@ static void begin_next(service *s) {
     one->next = NULL;
     one->begun = true;
     all->n_begun++;
-    *t = (task){.work.data = s,
-                .what = one,
-                .estimator = one->estimator,
-                .failed_commits = s->failed_commits};
+    *t = (task){.work.data = s, .what = one, .estimator = one->estimator, .losses = losses(s)};
     t->code = take_up(s, t, &err);
     if (t->code != SHEAR_OK) {
         log_warning("field '%s' cannot be solved: %s", one->name, err.message);
@@ -248,7 +252,7 @@ static void solved(uv_work_t *work, int status) {
     one->begun = false;
     one->number = all->n_begun; /* one at a time */
     one->jobs = t->jobs;
-    one->failed_commits = t->failed_commits;
+    one->losses = t->losses;
     one->code = t->code;
     one->result = t->result;
     shear_field_sums_free(t->sums);

@@ -65,6 +65,9 @@ static int open_store(service *s, shear_error *err) {
     if (code == SHEAR_OK) {
         code = catalogues_open(s, err);
     }
+    if (code == SHEAR_OK) {
+        catalogues_remove_retracted(s);
+    }
     return code;
 }
 

@@ -120,14 +120,16 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
                    .waiting = counts.jobs[STORE_WAITING],
                    .done = counts.jobs[STORE_DONE],
                    .failed = counts.jobs[STORE_FAILED],
-                   .cancelled = counts.jobs[STORE_CANCELLED]},
+                   .cancelled = counts.jobs[STORE_CANCELLED],
+                   .retracted = counts.jobs[STORE_RETRACTED]},
         .totals = {.submitted = totals.submitted,
                    .counted = totals.counted,
                    .duplicates = totals.duplicates,
                    .failed = totals.failed,
                    .cancelled = totals.cancelled,
                    .stamps = totals.n_stamps,
-                   .fields = totals.fields},
+                   .fields = totals.fields,
+                   .retracted = totals.retracted},
         .rates = rates(s),
         .loop = pace_tell(s),
         .store = {.path = store_path,
@@ -191,10 +193,11 @@ static void metric(FILE *out, const char *name, const char *type, const char *he
 }
 
 static void write_metrics(const shear_msg_status *st, const server_statistics *net, FILE *out) {
-    static const char *const names[] = {"queued", "running", "waiting",
-                                        "done",   "failed",  "cancelled"};
-    const int64_t states[] = {st->states.queued, st->states.running, st->states.waiting,
-                              st->states.done,   st->states.failed,  st->states.cancelled};
+    static const char *const names[] = {"queued", "running",   "waiting",  "done",
+                                        "failed", "cancelled", "retracted"};
+    const int64_t states[] = {st->states.queued,   st->states.running, st->states.waiting,
+                              st->states.done,     st->states.failed,  st->states.cancelled,
+                              st->states.retracted};
     fprintf(out, "# HELP sheard_jobs Kept jobs by state.\n# TYPE sheard_jobs gauge\n");
     for (size_t i = 0; i < sizeof states / sizeof states[0]; i++) {
         fprintf(out, "sheard_jobs{state=\"%s\"} %" PRId64 "\n", names[i], states[i]);
@@ -227,6 +230,8 @@ static void write_metrics(const shear_msg_status *st, const server_statistics *n
            (double)st->totals.failed);
     metric(out, "jobs_cancelled_total", "counter", "Jobs that were cancelled.",
            (double)st->totals.cancelled);
+    metric(out, "contributions_retracted_total", "counter", "Contributions that were taken back.",
+           (double)st->totals.retracted);
     metric(out, "stamps_total", "counter", "Stamps in counted jobs.", (double)st->totals.stamps);
     metric(out, "fields", "gauge", "Fields, each set of settings by itself.",
            (double)st->totals.fields);

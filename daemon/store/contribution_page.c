@@ -3,7 +3,9 @@
 #include "identity.h"
 #include "page.h"
 #include "query.h"
+#include "sums_text.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 void store_contribution_page_deinit(store_contribution_page *page) {
@@ -115,5 +117,25 @@ int store_field_truth(store *s, const char *name, const char *settings_digest, s
     if (code == SHEAR_OK && !none && least[0] == greatest[0] && least[1] == greatest[1]) {
         *truth = (store_truth){true, least[0], least[1]};
     }
+    return code;
+}
+
+int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err) {
+    bool row = false;
+    *sums = NULL;
+    query q = query_on(s, SQL_CONTRIBUTION_SUMS);
+    query_int(&q, id);
+    int code = query_step(&q, &row, err);
+    char *packed = row ? query_get_text(&q) : NULL;
+    if (row) {
+        code = query_got(&q, err);
+    } else if (code == SHEAR_OK) {
+        code = shear_fail(err, STORE_NOT_FOUND, NULL, "there is no contribution %" PRId64, id);
+    }
+    query_end(&q);
+    if (code == SHEAR_OK) {
+        code = sums_unpack(packed, sums, err);
+    }
+    free(packed);
     return code;
 }

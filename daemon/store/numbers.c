@@ -40,6 +40,7 @@ static void read_totals(query *q, store_totals *t) {
     t->n_used = query_get_int(q);
     t->elapsed_us = query_get_int(q);
     t->fields = query_get_int(q);
+    t->retracted = query_get_int(q);
 }
 
 int store_total(store *s, store_totals *totals, shear_error *err) {

@@ -265,6 +265,8 @@ static const char *const version_4[] = {
     " WHERE jobs.id = old.id AND instr(old.path, old.mark) > 0",
 
     "ALTER TABLE totals ADD COLUMN retracted INTEGER NOT NULL DEFAULT 0",
+    /* A retracted job's catalogue, until its file is gone. */
+    "CREATE INDEX jobs_leftover ON jobs(id) WHERE state = 6 AND catalogue IS NOT NULL",
     "DROP TRIGGER job_finished",
     "CREATE TRIGGER job_finished AFTER UPDATE OF state ON jobs"
     " WHEN OLD.state < 3 AND NEW.state >= 3 BEGIN"

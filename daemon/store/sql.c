@@ -96,6 +96,13 @@ const char *const sql_texts[SQL_N] = {
         "INSERT INTO checkpoint_terms(job, end_block, bytes) VALUES (?1, ?2, ?3)",
     [SQL_CHECKPOINT_TERMS] = "SELECT bytes FROM checkpoint_terms WHERE job = ?1 ORDER BY end_block",
 
+    [SQL_JOB_RETRACT] = "UPDATE jobs SET state = 6, outcome = 0 WHERE id = ?1",
+    [SQL_JOBS_RETRACT] = "UPDATE jobs SET state = 6, outcome = 0 WHERE id IN (SELECT job"
+                         " FROM contributions INDEXED BY contributions_order WHERE field = ?1)",
+    [SQL_LEFTOVER] = "SELECT id, catalogue FROM jobs INDEXED BY jobs_leftover"
+                     " WHERE state = 6 AND catalogue IS NOT NULL AND id > ?1 ORDER BY id LIMIT 1",
+    [SQL_CATALOGUE_GONE] = "UPDATE jobs SET catalogue = NULL WHERE id = ?1 AND state = 6",
+
     [SQL_COUNTED_FIND] =
         "SELECT c.job, c.n_stamps, c.n_used FROM fields f CROSS JOIN contributions c"
         " INDEXED BY contributions_identity"
@@ -107,10 +114,26 @@ const char *const sql_texts[SQL_N] = {
     [SQL_FIELD_JOIN] =
         "UPDATE fields SET sums = ?2, n_stamps = n_stamps + ?3, n_used = n_used + ?4,"
         " updated_ms = max(updated_ms, ?5), jobs = jobs + 1 WHERE id = ?1",
+    /* After the contribution has gone. */
+    [SQL_FIELD_LEAVE] =
+        "UPDATE fields SET sums = ?2, n_stamps = n_stamps - ?3, n_used = n_used - ?4,"
+        " jobs = jobs - 1, updated_ms = iif(updated_ms > ?5, updated_ms, (SELECT max(counted_ms)"
+        "  FROM contributions INDEXED BY contributions_order WHERE field = ?1)) WHERE id = ?1",
+    [SQL_FIELD_DROP] = "DELETE FROM fields WHERE id = ?1",
+    [SQL_FIELD_ROWS] = "SELECT id, settings FROM fields WHERE name = ?1 AND settings > ?2"
+                       " ORDER BY settings LIMIT 1",
+    [SQL_FIELD_UNFINISHED] = "SELECT count(*) FROM jobs INDEXED BY jobs_pending"
+                             " WHERE field = ?1 AND settings = ?2 AND state < 3",
     [SQL_CONTRIBUTION_ADD] =
         "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
         " counted_ms, elapsed_us, account, true_g1, true_g2)"
         " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
+    [SQL_CONTRIBUTION_OF] = "SELECT c.id, c.field, c.n_stamps, c.n_used, c.counted_ms, f.jobs,"
+                            " c.sums, f.sums FROM contributions c CROSS JOIN fields f"
+                            " ON f.id = c.field WHERE c.job = ?1",
+    [SQL_CONTRIBUTION_DROP] = "DELETE FROM contributions WHERE id = ?1",
+    [SQL_CONTRIBUTIONS_DROP] = "DELETE FROM contributions INDEXED BY contributions_order"
+                               " WHERE field = ?1",
 
     [SQL_TERMS_ADD] =
         "INSERT INTO contribution_terms(contribution, part, bytes) VALUES (?1, ?2, ?3)",
@@ -155,11 +178,12 @@ const char *const sql_texts[SQL_N] = {
     [SQL_CONTRIBUTIONS] = "SELECT id, job, content, n_stamps, n_used, counted_ms, account"
                           " FROM contributions INDEXED BY contributions_order"
                           " WHERE field = ?1 AND id > ?2 ORDER BY id LIMIT ?3",
+    [SQL_CONTRIBUTION_SUMS] = "SELECT sums FROM contributions WHERE id = ?1",
     [SQL_COUNTS] = "SELECT state, n FROM counts",
     /* The order of store_totals' members. */
     [SQL_TOTALS] = "SELECT submitted, counted, duplicates, failed, cancelled, retired, attempts,"
                    " interrupted, 0, failures_transient, failures_data, failures_bug, n_stamps,"
-                   " n_used, elapsed_us, fields FROM totals WHERE id = 1",
+                   " n_used, elapsed_us, fields, retracted FROM totals WHERE id = 1",
 
     [SQL_RETIRE] = "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_finished"
                    " WHERE state >= 3 AND finished_ms < ?1 ORDER BY finished_ms, id LIMIT ?2)",

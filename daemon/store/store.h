@@ -10,7 +10,7 @@
  *   WAITING             QUEUED when retry_at_ms has come        -           CANCELLED   -
  *   FAILED              -         -           -                 -           -           QUEUED
  *   CANCELLED           -         -           -                 -           CANCELLED   QUEUED
- *   DONE                for ever
+ *   DONE                for ever, or until store_retract makes a counted one RETRACTED: for ever
  *
  * "-" is STORE_WRONG_STATE. A running job that is told to cancel is only marked: its worker is to
  * be stopped, and whatever ends the attempt makes it CANCELLED.
@@ -353,6 +353,28 @@ int store_release(store *s, int64_t id, int64_t now_ms, int *state, shear_error 
 /* *state: STORE_CANCELLED at once, or STORE_RUNNING: marked, and the caller is to stop it. A
  * cancelled job stays so (SHEAR_OK); a done or failed one is STORE_WRONG_STATE. */
 int store_cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err);
+/* A counted job's contribution leaves its field: the field's sums, numbers and terms are then, to
+ * the last bit, what they would be had it never been (a field without contributions is gone). The
+ * job is RETRACTED, with no outcome; its content may be counted again. Jobs that were found to be
+ * its duplicates stay as they are. A retracted job stays so (SHEAR_OK); others are
+ * STORE_WRONG_STATE. */
+int store_retract(store *s, int64_t id, shear_error *err);
+
+typedef struct store_forgotten {
+    int64_t rows, contributions, jobs; /* jobs: that were kept, and are RETRACTED now */
+} store_forgotten;
+/* All that was counted in a field, with these settings (NULL: any): its jobs are retracted, its
+ * records gone. STORE_NOT_FOUND where nothing was counted; STORE_WRONG_STATE where unfinished jobs
+ * are known to be of it. */
+int store_forget(store *s, const char *name, const char *settings_digest, store_forgotten *out,
+                 shear_error *err);
+
+/* A retracted job tells its catalogue until store_catalogue_gone: the file must go after the change
+ * is on disk, and may be left where the service dies between. The first such job after `after`, in
+ * *id (0: there is none) and *path (the caller's). */
+int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear_error *err);
+int store_catalogue_gone(store *s, int64_t id, shear_error *err);
+
 /* Queue a failed or cancelled job again, its attempts counted from 0. STORE_WRONG_STATE for others,
  * STORE_QUEUE_FULL as in store_submit. */
 int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err);
@@ -463,6 +485,9 @@ typedef struct store_truth {
 int store_field_truth(store *s, const char *name, const char *settings_digest, store_truth *truth,
                       shear_error *err);
 
+/* The exact sums of one contribution; malloc'd, the caller frees it. STORE_NOT_FOUND. */
+int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err);
+
 /* Add the terms of everything that was counted in a field with these settings, in the order of
  * counting. STORE_NOT_FOUND as above; no terms is no error. */
 int store_field_terms(store *s, const char *name, const char *settings_digest,
@@ -479,6 +504,7 @@ int store_count(store *s, store_counts *counts, shear_error *err);
 /* Events since the database was made; retiring jobs does not lower them. */
 typedef struct store_totals {
     int64_t submitted, counted, duplicates, failed, cancelled, retired; /* jobs */
+    int64_t retracted; /* contributions, of those that were counted */
     int64_t attempts, interrupted;
     int64_t failures[4];      /* attempts by enum store_class */
     int64_t n_stamps, n_used; /* of counted jobs */

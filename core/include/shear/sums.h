@@ -66,6 +66,8 @@ int shear_field_sums_new(shear_field_sums **f, shear_error *err);
 void shear_field_sums_free(shear_field_sums *f);
 void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b);  /* exact */
 void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g); /* f += g, exact */
+/* f -= g, exact, where g is among what was joined to f: f is then as if g had never been. */
+void shear_field_sums_leave(shear_field_sums *f, const shear_field_sums *g);
 /* Exact text form (ASCII, versioned, 5 to 10 KiB); *text is malloc'd, the caller frees it. Reading
  * it back gives the same sums. Parse errors are SHEAR_E_FORMAT. */
 int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error *err);

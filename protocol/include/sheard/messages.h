@@ -47,7 +47,8 @@ enum shear_job_state {
     SHEAR_JOB_DONE = 3,
     SHEAR_JOB_FAILED = 4,
     SHEAR_JOB_CANCELLED = 5,
-    SHEAR_N_JOB_STATES = 6
+    SHEAR_JOB_RETRACTED = 6,
+    SHEAR_N_JOB_STATES = 7
 };
 enum shear_job_class {
     SHEAR_CLASS_NONE = 0,
@@ -91,7 +92,7 @@ const char *shear_job_phase_name(int phase);
 const char *shear_job_origin_name(int origin);
 const char *shear_job_ending_name(int ending);
 const char *shear_server_state_name(int state);
-/* done, failed or cancelled */
+/* done, failed, cancelled or retracted */
 bool shear_job_state_is_final(int state);
 
 /* ---- What a job reads ---- */
@@ -151,6 +152,11 @@ typedef struct shear_msg_field {
     int64_t after;      /* contribution to go on after; 0: from the first */
     int64_t limit;      /* contributions listed for each row; 0: none */
 } shear_msg_field;
+
+typedef struct shear_msg_forget {
+    const char *field;
+    const char *digest; /* of the settings; NULL: all */
+} shear_msg_forget;
 
 typedef struct shear_msg_fields {
     const char *prefix; /* NULL: all */
@@ -269,6 +275,12 @@ typedef struct shear_msg_contribution {
     int64_t counted_ms;
 } shear_msg_contribution;
 
+/* Whose contribution keeps a field from being measured. */
+typedef struct shear_msg_culprit {
+    int64_t job, contribution;
+    const char *file, *checksum; /* file: NULL where the job is forgotten */
+} shear_msg_culprit;
+
 /* A field as measured with one set of settings: all keys of `report`, and these. */
 typedef struct shear_msg_field_row {
     const char *report; /* a JSON object as shear_report_json writes it */
@@ -282,7 +294,9 @@ typedef struct shear_msg_field_row {
     int64_t updated_ms;
     const shear_msg_contribution *contributions; /* [n_contributions] */
     size_t n_contributions;
-    bool more; /* contributions follow */
+    bool more;                 /* contributions follow */
+    const char *reason;        /* why it has no result; NULL where it has one */
+    shear_msg_culprit culprit; /* job 0: none in particular */
 } shear_msg_field_row;
 
 typedef struct shear_msg_field_result {
@@ -300,7 +314,13 @@ typedef struct shear_msg_summary {
     int64_t jobs, unfinished;
     bool partial, mixed;
     int64_t updated_ms;
+    const char *reason; /* as in shear_msg_field_row */
 } shear_msg_summary;
+
+typedef struct shear_msg_forgotten {
+    const char *field;
+    int64_t rows, contributions, jobs; /* jobs: retracted now; others were forgotten before */
+} shear_msg_forgotten;
 
 typedef struct shear_msg_field_page {
     const shear_msg_summary *fields; /* [n_fields] by name, then digest */
@@ -314,12 +334,13 @@ typedef struct shear_msg_subscribed {
 } shear_msg_subscribed;
 
 typedef struct shear_msg_states {
-    int64_t queued, running, waiting, done, failed, cancelled;
+    int64_t queued, running, waiting, done, failed, cancelled, retracted;
 } shear_msg_states;
 
 typedef struct shear_msg_totals { /* since the state was made */
     int64_t submitted, counted, duplicates, failed, cancelled;
     int64_t stamps, fields;
+    int64_t retracted; /* contributions, of the counted ones */
 } shear_msg_totals;
 
 typedef struct shear_msg_rates { /* of the last minute */
@@ -487,7 +508,7 @@ typedef struct shear_msg_lost {
 
 typedef struct shear_msg_side {
     const char *file; /* the input's name when it was dropped */
-    int state;        /* enum shear_job_state: done, failed or cancelled */
+    int state;        /* enum shear_job_state, a final one */
     const char *code; /* why it failed; NULL for done */
     const char *message, *advice;
     int64_t written_ms;

@@ -126,8 +126,10 @@ enum shear_method {
     SHEAR_METHOD_WAIT,
     SHEAR_METHOD_CANCEL,
     SHEAR_METHOD_RETRY,
+    SHEAR_METHOD_RETRACT,
     SHEAR_METHOD_FIELD,
     SHEAR_METHOD_FIELDS,
+    SHEAR_METHOD_FORGET,
     SHEAR_METHOD_SUBSCRIBE,
     SHEAR_METHOD_UNSUBSCRIBE,
     SHEAR_METHOD_STATUS,
@@ -157,11 +159,12 @@ const char *const *shear_method_names(size_t *n);
 typedef union shear_params {
     shear_msg_hello hello;
     shear_msg_submit submit;
-    shear_msg_id id; /* job, cancel, retry */
+    shear_msg_id id; /* job, cancel, retry, retract */
     shear_msg_jobs jobs;
     shear_msg_wait wait;
     shear_msg_field field;
     shear_msg_fields fields;
+    shear_msg_forget forget;
     shear_msg_subscribe subscribe; /* and unsubscribe */
     shear_msg_shutdown shutdown;
 } shear_params;
@@ -172,9 +175,10 @@ typedef union shear_reply {
     shear_msg_shown job;
     shear_msg_job_page jobs;
     shear_msg_waited wait;
-    shear_msg_job cancel, retry;
+    shear_msg_job cancel, retry, retract;
     shear_msg_field_result field;
     shear_msg_field_page fields;
+    shear_msg_forgotten forget;
     shear_msg_subscribed subscribe, unsubscribe;
     shear_msg_status status;
     shear_msg_metrics metrics;
