@@ -60,16 +60,16 @@ static int look_at(service *s, const store_contribution *c, worst *w, shear_erro
 
 /* All contributions, page by page. */
 static int find_worst(service *s, const store_field *f, worst *w, shear_error *err) {
-    int64_t after = 0;
+    int64_t last = 0;
     bool more = true;
     int code = SHEAR_OK;
     while (code == SHEAR_OK && more) {
         store_contribution_page page = {0};
-        code = store_contributions(s->store, f->name, f->settings_digest, after, STORE_PAGE_MAX,
+        code = store_contributions(s->store, f->name, f->settings_digest, last, STORE_PAGE_MAX,
                                    &page, err);
         for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
             code = look_at(s, &page.items[i], w, err);
-            after = page.items[i].id;
+            last = page.items[i].id;
         }
         more = page.more;
         store_contribution_page_deinit(&page);

@@ -34,6 +34,7 @@ set(names # one a line: whoever adds one does not get into another's way
   problems
   reader
   results
+  retract
   roots
   sources
   symmetry

@@ -182,7 +182,7 @@ int model_cancel(model *m, int64_t id, int64_t now_ms, int *state) {
     if (job == NULL) {
         return STORE_NOT_FOUND;
     }
-    if (job->state == STORE_DONE || job->state == STORE_FAILED) {
+    if (job->state == STORE_DONE || job->state == STORE_FAILED || job->state == STORE_RETRACTED) {
         return STORE_WRONG_STATE;
     }
     if (job->state == STORE_RUNNING) {
@@ -210,6 +210,84 @@ int model_retry(model *m, int64_t id) {
     job->failures = 0;
     job->interrupted = 0;
     return SHEAR_OK;
+}
+
+/* Take it out; the order of the others stays. The job may have been retired. */
+static void take_back(model *m, int64_t at) {
+    model_job *job = &m->jobs[m->contributions[at].job];
+    job->state = STORE_RETRACTED;
+    job->outcome = STORE_NO_OUTCOME;
+    for (int64_t i = at; i + 1 < m->n_contributions; i++) {
+        m->contributions[i] = m->contributions[i + 1];
+    }
+    m->n_contributions--;
+    m->totals.retracted++;
+}
+
+int model_retract(model *m, int64_t id) {
+    const model_job *job = find(m, id);
+    if (job == NULL) {
+        return STORE_NOT_FOUND;
+    }
+    if (job->state == STORE_RETRACTED) {
+        return SHEAR_OK;
+    }
+    for (int64_t i = 0; i < m->n_contributions; i++) {
+        if (m->contributions[i].job == id) {
+            take_back(m, i);
+            return SHEAR_OK;
+        }
+    }
+    return STORE_WRONG_STATE;
+}
+
+static bool is_pending(const model *m, int field, int settings) {
+    for (int64_t id = 1; id <= m->n_jobs; id++) {
+        const model_job *job = &m->jobs[id];
+        if (job->kept && job->state <= STORE_WAITING && job->field == field &&
+            job->settings == settings) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int64_t forget_row(model *m, int field, int settings, store_forgotten *out) {
+    int64_t n = 0;
+    for (int64_t i = m->n_contributions - 1; i >= 0; i--) {
+        const model_contribution *c = &m->contributions[i];
+        if (c->field == field && c->settings == settings) {
+            out->jobs += m->jobs[c->job].kept;
+            take_back(m, i);
+            n++;
+        }
+    }
+    out->contributions += n;
+    out->rows += n > 0;
+    return n;
+}
+
+int model_forget(model *m, int field, int settings, store_forgotten *out) {
+    enum { SETTINGS = 2 };
+    *out = (store_forgotten){0};
+    for (int pass = 0; pass < 2; pass++) { /* all or nothing: first whether it may be */
+        for (int s = 0; s < SETTINGS; s++) {
+            bool counted = false;
+            for (int64_t i = 0; i < m->n_contributions; i++) {
+                counted |= m->contributions[i].field == field && m->contributions[i].settings == s;
+            }
+            if (!counted || (settings != MODEL_NONE && settings != s)) {
+                continue;
+            }
+            if (pass == 0 && is_pending(m, field, s)) {
+                return STORE_WRONG_STATE;
+            }
+            if (pass == 1) {
+                forget_row(m, field, s, out);
+            }
+        }
+    }
+    return out->rows > 0 ? SHEAR_OK : STORE_NOT_FOUND;
 }
 
 /* The finished job that goes first, and how many there are. */

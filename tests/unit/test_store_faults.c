@@ -172,6 +172,10 @@ static int act_retire(store *s, shear_error *err) {
     return code;
 }
 
+static int act_retract(store *s, shear_error *err) {
+    return store_retract(s, 1, err);
+}
+
 /* A group that is given up at its first failure. */
 static int act_group(store *s, shear_error *err) {
     static int (*const parts[])(store *, shear_error *) = {act_finish, act_submit, act_retry,
@@ -191,9 +195,10 @@ typedef int (*action)(store *s, shear_error *err);
 
 /* In the order of the pages they touch: where the failure's kind matters little, the last ones do.
  */
-static const action actions[] = {act_checkpoint,       act_learn, act_next, act_submit, act_release,
-                                 act_cancel,           act_retry, act_fail, act_finish, act_retire,
-                                 act_finish_new_field, act_group};
+static const action actions[] = {act_checkpoint, act_learn,  act_next,    act_submit,
+                                 act_release,    act_cancel, act_retry,   act_fail,
+                                 act_finish,     act_retire, act_retract, act_finish_new_field,
+                                 act_group};
 enum { N_ACTIONS = sizeof actions / sizeof actions[0] };
 
 /* ---- One failure ---- */

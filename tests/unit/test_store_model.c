@@ -152,7 +152,7 @@ static void do_release(pair *p) {
 static void do_cancel(pair *p) {
     shear_error err = {0};
     int end[2];
-    const int64_t id = pick(p, (int)draw(p, STORE_RETRACTED));
+    const int64_t id = pick(p, (int)draw(p, STORE_N_STATES));
     const int64_t now = fx_now(&p->f);
     FX_CODE(model_cancel(p->m, id, now, &end[0]), store_cancel(p->f.s, id, now, &end[1], &err));
     assert_int_equal(end[0], end[1]);
@@ -162,6 +162,22 @@ static void do_retry(pair *p) {
     shear_error err = {0};
     const int64_t id = pick(p, draw(p, 2) == 0 ? STORE_FAILED : STORE_CANCELLED);
     FX_CODE(model_retry(p->m, id), store_retry(p->f.s, id, MAX_UNFINISHED, &err));
+}
+
+static void do_retract(pair *p) {
+    shear_error err = {0};
+    const int64_t id = pick(p, draw(p, 8) == 0 ? STORE_RETRACTED : STORE_DONE);
+    FX_CODE(model_retract(p->m, id), store_retract(p->f.s, id, &err));
+}
+
+static void do_forget(pair *p) {
+    shear_error err = {0};
+    store_forgotten gone[2];
+    const int field = (int)draw(p, FIELDS);
+    const int which = draw_or_none(p, SETTINGS);
+    FX_CODE(model_forget(p->m, field, which, &gone[0]),
+            store_forget(p->f.s, fields[field], name_of(digests, which), &gone[1], &err));
+    assert_memory_equal(&gone[0], &gone[1], sizeof gone[0]);
 }
 
 static void do_retire(pair *p) {
@@ -204,9 +220,9 @@ typedef struct weighed {
 } weighed;
 
 static const weighed actions[] = {
-    {do_submit, 230}, {do_next, 200},  {do_learn, 170},  {do_checkpoint, 40},
-    {do_finish, 130}, {do_fail, 70},   {do_release, 20}, {do_cancel, 35},
-    {do_retry, 35},   {do_retire, 20}, {do_group, 46},   {do_restart, 4},
+    {do_submit, 225}, {do_next, 200},   {do_learn, 170},  {do_checkpoint, 40}, {do_finish, 130},
+    {do_fail, 65},    {do_release, 20}, {do_cancel, 35},  {do_retry, 35},      {do_retire, 20},
+    {do_group, 41},   {do_restart, 4},  {do_retract, 13}, {do_forget, 2},
 };
 
 static void step(pair *p) {
@@ -312,6 +328,7 @@ static void compare_numbers(pair *p) {
     assert_int_equal(t.retired, w->retired);
     assert_int_equal(t.attempts, w->attempts);
     assert_int_equal(t.interrupted, w->interrupted);
+    assert_int_equal(t.retracted, w->retracted);
     assert_memory_equal(t.failures, w->failures, sizeof t.failures);
 }
 
@@ -360,7 +377,7 @@ static void pair_free(pair *p, fixture *f) {
 static void check_variety(const model *m) {
     const store_totals *t = &m->totals;
     assert_true(t->counted > 50 && t->duplicates > 20 && t->failed > 20 && t->cancelled > 20);
-    assert_true(t->retired > 20 && t->interrupted > 5);
+    assert_true(t->retired > 20 && t->interrupted > 5 && t->retracted > 10);
     assert_true(t->failures[1] > 10 && t->failures[2] > 10 && t->failures[3] > 10);
 }
 

@@ -164,6 +164,28 @@ static void test_diagnostics(void **state) {
     assert_near(r.mean_flux, (double)mean, 1e-14, r.mean_flux, "mean_flux");
 }
 
+/* What is joined and leaves again was never there: the same text. */
+static void leave_again(shear_field_sums *total, const shear_row *rows) {
+    shear_field_sums *more = new_sums();
+    char *before = NULL;
+    char *after = NULL;
+    for (int b = 0; b < blocks_in(N); b += 3) {
+        const shear_block_sums block = block_number(rows, N, b);
+        shear_field_sums_add(more, &block);
+    }
+    assert_int_equal(shear_field_sums_format(total, &before, NULL), SHEAR_OK);
+    shear_field_sums_join(total, more);
+    assert_int_equal(shear_field_sums_format(total, &after, NULL), SHEAR_OK);
+    assert_string_not_equal(before, after);
+    free(after);
+    shear_field_sums_leave(total, more);
+    assert_int_equal(shear_field_sums_format(total, &after, NULL), SHEAR_OK);
+    assert_string_equal(before, after);
+    shear_field_sums_free(more);
+    free(before);
+    free(after);
+}
+
 /* Blocks in any order, over any number of shards, also by way of text: the same bits. */
 static void test_any_order(void **state) {
     (void)state;
@@ -188,6 +210,7 @@ static void test_any_order(void **state) {
             free(text);
         }
         shear_result r;
+        leave_again(total, rows);
         shear_field_result(total, &r);
         assert_true(r.g1 == expected.g1 && r.g2 == expected.g2 && r.g1_err == expected.g1_err &&
                     r.g2_err == expected.g2_err && r.cov12 == expected.cov12 &&

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was counted is taken back: the field is then what it would be had the file never been there;
+and a field that one file keeps from being measured says which."""
+import os
+import shutil
+import struct
+import unittest
+
+from daemon import (DaemonTest, SHEARCTL, content_of, measured, mock, named, numbers, until)
+import subprocess
+
+
+def poisoned(path, value):
+    """The first pixels of the galaxies are absurd: the sum of w D is far below 0."""
+    content = bytearray(content_of(path))
+    at = content.index(b"END" + b" " * 77)
+    at = content.index(b"END" + b" " * 77, at + 80) if content[:at].find(b"NAXIS   =                    0") >= 0 else at
+    data = -(-(at + 80) // 2880) * 2880
+    content[data:data + 4 * 400] = struct.pack(">f", value) * 400
+    with open(path, "wb") as f:
+        f.write(content)
+    return path
+
+
+class Retract(DaemonTest):
+    def setUp(self):
+        super().setUp()
+        self.daemon_ = self.daemon({"catalogues.enabled": "true", "access.admin_users": "root"})
+
+    def file(self, name, seed, stamps=48):
+        return mock(os.path.join(self.daemon_.data, name), stamps, 32, seed)
+
+    def count(self, path, **params):
+        job = self.daemon_.submit(path, field="f", **params)["id"]
+        return self.daemon_.wait_state(job, "done")
+
+    def catalogues(self):
+        return sorted(n for n in os.listdir(self.daemon_.path("catalogues")) if n[0] != ".")
+
+    def test_as_if_never(self):
+        daemon = self.daemon_
+        paths = [self.file(f"{i}.fits", i + 1) for i in range(4)]
+        jobs = [self.count(path)["id"] for path in paths]
+        for estimator in ("mean", "pdf-sym"):
+            settings = {} if estimator == "mean" else {"estimator": estimator}
+            if settings:
+                jobs = [self.count(path, settings=settings)["id"] for path in paths]
+            digest = daemon.job(jobs[0])["digest"]
+            options = ("--estimator", estimator)
+
+            def row():
+                return next(r for r in daemon.call("field", field="f")["rows"]
+                            if r["digest"] == digest)
+            self.assertEqual(numbers(row()), measured(paths, *options))
+            gone = daemon.call("retract", id=jobs[1])
+            self.assertEqual((gone["state"], gone["outcome"], gone["catalogue"]),
+                             ("retracted", None, None))
+            self.assertEqual(numbers(row()), measured(paths[:1] + paths[2:], *options))
+            self.assertEqual(daemon.call("retract", id=jobs[1])["state"], "retracted")
+            again = self.count(paths[1], settings=settings)
+            self.assertEqual(again["outcome"], "counted")
+            self.assertEqual(numbers(row()), measured(paths, *options))
+        names = {os.path.basename(j["catalogue"]) for j in daemon.jobs() if j["catalogue"]}
+        until(lambda: set(self.catalogues()) == names, "catalogues of retracted jobs are gone")
+        daemon.kill()
+        daemon.start()
+        self.assertEqual(set(self.catalogues()), names)
+
+    def test_last_one(self):
+        """A field without contributions is gone; who watches it is told."""
+        daemon = self.daemon_
+        job = self.count(self.file("a.fits", 1))["id"]
+        with daemon.client() as client:
+            client.call("subscribe", fields=["f"])
+            client.call("retract", id=job)
+
+            def told():
+                client.call("status")
+                return [n["params"]["field"] for n in client.notices
+                        if n["method"] == "field_changed" and n["params"]["field"]["jobs"] == 0]
+            self.assertEqual(until(told, "the field's change is told", step=0.1)[-1]["g1"], None)
+        with self.assertRefused("no_such_field"):
+            daemon.call("field", field="f")
+        status = daemon.call("status")
+        self.assertEqual((status["states"]["retracted"], status["totals"]["retracted"]), (1, 1))
+
+    def test_dropped(self):
+        """The file stays in done/, and may be dropped again."""
+        daemon = self.daemon_
+        path = mock(os.path.join(self.directory, "a.fits"))
+        daemon.drop(path, "a.fits")
+        job = until(lambda: daemon.jobs(states=["done"]), "it is done")[0]["id"]
+        daemon.wait_idle()
+        daemon.shearctl("retract", str(job))
+        self.assertEqual(daemon.job(job)["file_now"], daemon.folder("done", "a.fits"))
+        daemon.drop(path, "a.fits")
+        again = until(lambda: daemon.jobs(states=["done"]), "it is done")[0]
+        self.assertEqual(again["outcome"], "counted")
+
+    def test_refused(self):
+        daemon = self.daemon_
+        path = self.file("a.fits", 1)
+        first = self.count(path)["id"]
+        shutil.copy(path, path + ".fits")
+        second = self.count(path + ".fits")
+        self.assertEqual(second["outcome"], "duplicate")
+        with self.assertRefused("wrong_state") as caught:
+            daemon.call("retract", id=second["id"])
+        self.assertIn(f"duplicate of job {first}", str(caught.exception))
+        with self.assertRefused("no_such_job"):
+            daemon.call("retract", id=99)
+        with self.assertRefused("no_such_field"):
+            daemon.call("forget", field="none")
+
+    def test_forget(self):
+        daemon = self.daemon_
+        paths = [self.file(f"{i}.fits", i + 1) for i in range(3)]
+        for path in paths:
+            self.count(path)
+        other = self.count(paths[0], settings={"beta-ratio": 1.6})
+        run = subprocess.run([SHEARCTL, "forget", "--socket", daemon.socket, "f"],
+                             capture_output=True, encoding="utf-8", env=daemon.env)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("4 contributions", run.stderr)
+        self.assertEqual(len(daemon.call("field", field="f")["rows"]), 2)
+        self.assertIn("1 jobs retracted",
+                      daemon.shearctl("forget", "f", "--digest", other["digest"], "--yes"))
+        self.assertRow(daemon, "f", measured(paths), 3)
+        self.assertEqual(daemon.call("forget", field="f"),
+                         {"field": "f", "rows": 1, "contributions": 3, "jobs": 3})
+        with self.assertRefused("no_such_field"):
+            daemon.call("field", field="f")
+        until(lambda: not self.catalogues(), "the catalogues are gone")
+        self.assertEqual(self.count(paths[0])["outcome"], "counted")
+
+    def test_culprit(self):
+        """One bad file: the field says why it has no result, whose file it is, and recovers."""
+        daemon = self.daemon_
+        good = [self.file(f"{i}.fits", i + 1) for i in range(2)]
+        for path in good:
+            self.count(path)
+        row = daemon.call("field", field="f")["rows"][0]
+        self.assertEqual((row["reason"], row["culprit"]), (None, None))
+        bad = self.count(poisoned(self.file("bad.fits", 9), -1e15))
+        self.assertEqual(bad["outcome"], "counted")
+        row = daemon.call("field", field="f")["rows"][0]
+        self.assertIsNone(row["g1"])
+        self.assertIn("w D", row["reason"])
+        self.assertIn(f"job {bad['id']}", row["reason"])
+        self.assertEqual((row["culprit"]["job"], row["culprit"]["file"]), (bad["id"], bad["source"]["path"]))
+        self.assertEqual(row["culprit"]["checksum"], bad["checksum"])
+        self.assertIn("w D", daemon.call("fields")["fields"][0]["reason"])
+        for text in (daemon.shearctl("field", "f"), daemon.shearctl("fields")):
+            self.assertIn("w D", text)
+        self.assertIn(f"shearctl retract {bad['id']}", daemon.shearctl("field", "f"))
+        daemon.shearctl("retract", str(bad["id"]))
+        self.assertRow(daemon, "f", measured(good), 2)
+
+    def test_too_few(self):
+        daemon = self.daemon_
+        self.count(self.file("one.fits", 1, 1))
+        row = daemon.call("field", field="f")["rows"][0]
+        self.assertEqual(row["reason"], "fewer than two usable stamps: 1 of 1")
+        self.assertIsNone(row["culprit"])
+
+
+if __name__ == "__main__":
+    unittest.main()
