@@ -256,13 +256,13 @@ int catalogues_open(service *s, shear_error *err);
 void catalogues_remove_retracted(service *s);
 
 /* reasons.c: why a field has no result */
-typedef struct reason {
+typedef struct field_reason {
     char *text; /* NULL: it has one */
     char *file, *checksum;
     int64_t job, contribution; /* of the worst contribution, where one is to blame; else 0 */
-} reason;
+} field_reason;
 /* Texts are malloc'd, the caller's. What cannot be found out is left out. */
-void reason_find(service *s, const store_field *f, const shear_result *result, reason *out);
+void reason_find(service *s, const store_field *f, const shear_result *result, field_reason *out);
 /* The same without looking at the contributions. Static text; NULL: it has a result. */
 const char *reason_brief(const store_field *f, const shear_result *result);
 

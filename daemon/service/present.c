@@ -83,7 +83,7 @@ void present_job(service *s, const store_job *job, shear_msg_job *out) {
                            .digest = job->settings_digest,
                            .checksum = job->content,
                            .result = job->result,
-                           .catalogue = job->catalogue,
+                           .catalogue = job->state != STORE_RETRACTED ? job->catalogue : NULL,
                            .dropped_name = job->dropped,
                            .file_now = spooled_where(s, job)};
     if (shear_source_parse(&out->source, job->source, &ignored) != SHEAR_RPC_OK) {
@@ -200,7 +200,7 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
     shear_field_sums *sums = NULL;
     shear_result result;
     shear_settings settings;
-    reason why = {0};
+    field_reason why = {0};
     char *report_text = NULL;
     int64_t jobs = 0;
     int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);

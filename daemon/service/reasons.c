@@ -112,11 +112,11 @@ static char *text_of(const char *brief, const shear_result *r, const worst *w, c
     return n > 0 ? text : NULL;
 }
 
-void reason_find(service *s, const store_field *f, const shear_result *result, reason *out) {
+void reason_find(service *s, const store_field *f, const shear_result *result, field_reason *out) {
     shear_error ignored;
     worst w = {0};
     const char *brief = reason_brief(f, result);
-    *out = (reason){0};
+    *out = (field_reason){0};
     if (brief == NULL) {
         return;
     }
@@ -124,7 +124,7 @@ void reason_find(service *s, const store_field *f, const shear_result *result, r
         find_worst(s, f, &w, &ignored);
     }
     if (w.id != 0) {
-        *out = (reason){
+        *out = (field_reason){
             .job = w.job, .contribution = w.id, .file = file_of(s, w.job), .checksum = w.checksum};
     }
     out->text = text_of(brief, result, &w, out->file);

@@ -4,19 +4,25 @@ and a field that one file keeps from being measured says which."""
 import os
 import shutil
 import struct
+import subprocess
 import unittest
 
-from daemon import (DaemonTest, SHEARCTL, content_of, measured, mock, named, numbers, until)
-import subprocess
+from daemon import DaemonTest, content_of, measured, mock, numbers, until
+from fitsfile import BLOCK, card
+from tool import SHEARCTL
 
 
-def poisoned(path, value):
-    """The first pixels of the galaxies are absurd: the sum of w D is far below 0."""
+def poisoned(path):
+    """One pixel of one galaxy is a sentinel, -1e30: the sum of w D falls far below 0."""
     content = bytearray(content_of(path))
-    at = content.index(b"END" + b" " * 77)
-    at = content.index(b"END" + b" " * 77, at + 80) if content[:at].find(b"NAXIS   =                    0") >= 0 else at
-    data = -(-(at + 80) // 2880) * 2880
-    content[data:data + 4 * 400] = struct.pack(">f", value) * 400
+    end = next(i for i in range(0, len(content), 80) if content[i:i + 80] == card("END"))
+    data = -(-(end + 80) // BLOCK) * BLOCK
+    at = content.index(b"BITPIX  =                  -32", 0)
+    while at > data:  # the galaxies are in the first HDU that has pixels
+        end = next(i for i in range(data, len(content), 80) if content[i:i + 80] == card("END"))
+        data = -(-(end + 80) // BLOCK) * BLOCK
+    at = data + 4 * (7 * 32 * 32 + 5 * 32 + 5)
+    content[at:at + 4] = struct.pack(">f", -1e30)
     with open(path, "wb") as f:
         f.write(content)
     return path
@@ -141,7 +147,7 @@ class Retract(DaemonTest):
             self.count(path)
         row = daemon.call("field", field="f")["rows"][0]
         self.assertEqual((row["reason"], row["culprit"]), (None, None))
-        bad = self.count(poisoned(self.file("bad.fits", 9), -1e15))
+        bad = self.count(poisoned(self.file("bad.fits", 9)))
         self.assertEqual(bad["outcome"], "counted")
         row = daemon.call("field", field="f")["rows"][0]
         self.assertIsNone(row["g1"])

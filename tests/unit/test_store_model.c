@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 3000, COMPARE_EVERY = 150, MAX_UNFINISHED = 25 };
+enum { STEPS = 4000, COMPARE_EVERY = 150, MAX_UNFINISHED = 25 };
 
 static const char *const fields[] = {"alpha", "beta", "gamma"};
 static const char *const contents[] = {"c0", "c1", "c2", "c3", "c4", "c5", "c6", "c7"};
@@ -220,9 +220,9 @@ typedef struct weighed {
 } weighed;
 
 static const weighed actions[] = {
-    {do_submit, 225}, {do_next, 200},   {do_learn, 170},  {do_checkpoint, 40}, {do_finish, 130},
-    {do_fail, 65},    {do_release, 20}, {do_cancel, 35},  {do_retry, 35},      {do_retire, 20},
-    {do_group, 41},   {do_restart, 4},  {do_retract, 13}, {do_forget, 2},
+    {do_submit, 220}, {do_next, 195},   {do_learn, 170},  {do_checkpoint, 40}, {do_finish, 130},
+    {do_fail, 65},    {do_release, 20}, {do_cancel, 40},  {do_retry, 35},      {do_retire, 20},
+    {do_group, 41},   {do_restart, 4},  {do_retract, 18}, {do_forget, 2},
 };
 
 static void step(pair *p) {
