@@ -141,7 +141,8 @@ class ZshCompletion(ToolTest):
         self.assertEqual(self.zsh.complete("shearctl measure --zeros sk")[1],
                          "shearctl measure --zeros skip ")
         found, _ = self.zsh.complete("shearctl jobs --state=")
-        self.assertEqual(found, ["cancelled", "done", "failed", "queued", "running", "waiting"])
+        self.assertEqual(found, ["cancelled", "done", "failed", "queued", "retracted",
+                                 "running", "waiting"])
 
     def test_files(self):
         found, _ = self.zsh.complete("shearctl measure ")

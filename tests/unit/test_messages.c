@@ -208,7 +208,8 @@ static void test_wire(void **state) {
         line, "{\"jsonrpc\":\"2.0\",\"id\":\"x\\\"y\",\"result\":{\"field\":\"A\",\"mixed\":false,"
               "\"rows\":[{\"g1\":0.01,\"g2\":null,\"digest\":\"d\",\"jobs\":2,\"unfinished\":1,"
               "\"partial\":true,\"running\":[3],\"updated\":\"1970-01-01T00:00:00.001Z\","
-              "\"contributions\":[],\"more\":false,\"files_left_out\":0}]}}\n");
+              "\"contributions\":[],\"more\":false,\"files_left_out\":0,\"reason\":null,"
+              "\"culprit\":null}]}}\n");
     free(line);
     const shear_notice_params lost = {.lost = {.count = 12}};
     assert_int_equal(shear_notice_line(&line, &n, SHEAR_NOTICE_LOST, &lost, &error), 0);

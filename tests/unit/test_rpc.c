@@ -151,7 +151,7 @@ static void test_wrong_parameters(void **state) {
         {CALL("wait", "{\"ids\":[1],\"timeout_s\":\"1\"}"), SHEAR_RPC_BAD_PARAMETER, "7",
          "timeout_s", "a number"},
         {CALL("jobs", "{\"states\":[\"failed\",\"lost\"]}"), SHEAR_RPC_BAD_PARAMETER, "7",
-         "states[1]", "queued, running, waiting, done, failed, cancelled, not \"lost\""},
+         "states[1]", "queued, running, waiting, done, failed, cancelled, retracted, not \"lost\""},
         {CALL("jobs", "{\"states\":\"failed\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "states",
          "an array"},
         {CALL("jobs", "{\"limit\":0}"), SHEAR_RPC_BAD_PARAMETER, "7", "limit", "from 1 to 200"},
@@ -423,9 +423,9 @@ static void test_methods(void **state) {
     for (int i = 0; i < SHEAR_N_METHODS; i++) {
         assert_string_equal(names[i], shear_method_name(i));
         assert_int_equal(shear_method_find(names[i]), i);
-        assert_int_equal(shear_method_needs_admin(i), i == SHEAR_METHOD_RELOAD ||
-                                                          i == SHEAR_METHOD_DRAIN ||
-                                                          i == SHEAR_METHOD_SHUTDOWN);
+        assert_int_equal(shear_method_needs_admin(i),
+                         i == SHEAR_METHOD_RELOAD || i == SHEAR_METHOD_DRAIN ||
+                             i == SHEAR_METHOD_FORGET || i == SHEAR_METHOD_SHUTDOWN);
     }
     assert_null(shear_method_name(-1));
     assert_null(shear_method_name(SHEAR_N_METHODS));
