@@ -60,8 +60,7 @@ static char *dump(fixture *f) {
         " c.elapsed_us, account, true_g1, true_g2,"
         " (SELECT group_concat(hex(bytes)) FROM contribution_terms WHERE contribution = c.id)"
         " FROM contributions c JOIN fields f ON f.id = field ORDER BY f.name, f.settings, c.id",
-        "SELECT count(*), sum(length(bytes)) FROM contribution_terms",
-        "SELECT fields FROM totals"};
+        "SELECT count(*), sum(length(bytes)) FROM contribution_terms", "SELECT fields FROM totals"};
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
