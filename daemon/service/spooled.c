@@ -25,6 +25,9 @@ static bool is_job_file(const char *name) {
     return ends_with(name, ".json");
 }
 
+/* How many names are looked at for a file whose place is not known: of many jobs, and of one. */
+enum { GLANCE = 8, SEARCH = 256 };
+
 bool spooled_name(const store_job *job, char name[SPOOL_NAME_SIZE]) {
     if (job->origin != STORE_SPOOL || job->key == NULL || job->dropped == NULL) {
         return false;
@@ -54,7 +57,10 @@ char *spooled_where(const service *s, const store_job *job) {
     if (s->spool == NULL || !spooled_name(job, name)) {
         return NULL;
     }
-    const spool_place place = place_of(job);
+    spool_place place = place_of(job);
+    if (place.name[0] == '\0' && shear_job_state_is_final(job->state)) {
+        spool_find(s->spool, name, GLANCE, &place); /* the service died before it was kept */
+    }
     const char *where = spool_where(s->spool, name, &place, buffer);
     return where != NULL && asprintf(&path, "%s/%s", s->config.spool.directory, where) > 0 ? path
                                                                                            : NULL;
@@ -72,7 +78,7 @@ int spooled_take_back(service *s, const store_job *job, shear_error *err) {
     }
     spool_place place = place_of(job);
     if (place.name[0] == '\0') { /* of an older version's job, or the power failed */
-        spool_find(s->spool, name, &place);
+        spool_find(s->spool, name, SEARCH, &place);
     }
     const int code = spool_take_back(s->spool, name, &place, err);
     return is_job_file(job->dropped) ? SHEAR_OK : code;

@@ -81,8 +81,7 @@ static bool has_key(const folders *f, int folder, const char *report, const char
     return found;
 }
 
-void spool_find(const spool *s, const char *active_name, spool_place *place) {
-    enum { NAMES = 256 };
+void spool_find(const spool *s, const char *active_name, int names, spool_place *place) {
     const char *name = name_of_active(active_name);
     char key[SPOOL_KEY_SIZE];
     *place = (spool_place){.name = ""};
@@ -90,7 +89,7 @@ void spool_find(const spool *s, const char *active_name, spool_place *place) {
         return;
     }
     name_key(key, active_name);
-    for (int64_t n = 0; n < NAMES; n++) {
+    for (int64_t n = 0; n < names; n++) {
         char one[NAME_SIZE];
         char report[NAME_SIZE + 8];
         name_number(one, name, n);

@@ -130,8 +130,8 @@ int spool_take_back(spool *s, const char *active_name, const spool_place *place,
 const char *spool_where(const spool *s, const char *active_name, const spool_place *place,
                         char buffer[SPOOL_PLACE_SIZE]);
 /* Look for an ended file whose place was not kept: for a report that has its key in it, among the
- * first names that it may have been given. The place is not known where there is none. */
-void spool_find(const spool *s, const char *active_name, spool_place *place);
+ * first `names` that it may have been given. The place is not known where there is none. */
+void spool_find(const spool *s, const char *active_name, int names, spool_place *place);
 
 typedef struct spool_stats {
     int64_t waiting; /* in incoming/: those that settle, and those that wait for room */

@@ -13,7 +13,7 @@ add_dependencies(faultshim sheard sheard-reader shearctl)
 # Sanitizers make all of it slow: fewer kills, faults and malformed files there; the seeds are the same.
 set(counts "")
 if(SHEAR_SANITIZE)
-  set(counts ";SHEARD_CRASHES=4;SHEARD_FAULTS=1;SHEARD_MUTANTS=80;SHEARD_CLIENTS=100;SHEARD_MALFORMED=200;SHEARD_JOBS=200")
+  set(counts ";SHEARD_CRASHES=4;SHEARD_FAULTS=1;SHEARD_MUTANTS=80;SHEARD_CLIENTS=100;SHEARD_MALFORMED=200;SHEARD_JOBS=200;SHEARD_DROPPED=30;SHEARD_DROPPED_KILLS=4")
 endif()
 set(names # one a line: whoever adds one does not get into another's way
   access

@@ -2,12 +2,18 @@
 """Dropped files: what was taken is measured, whatever interrupts; and what ended badly can be tried
 again, for as long as its file is there."""
 import os
+import random
 import shutil
 import signal
 import sqlite3
+import time
 import unittest
 
-from daemon import DaemonTest, content_of, mock, named, stamps_for, until
+from daemon import DaemonTest, RpcError, content_of, mock, named, stamps_for, until
+
+FILES = int(os.environ.get("SHEARD_DROPPED", "100"))
+KILLS = int(os.environ.get("SHEARD_DROPPED_KILLS", "10"))
+SEED = int(os.environ.get("SHEARD_SEED", "7"))
 
 MANY = 100  # more than the spool tells in a turn
 SLOW = {"measure.interpolation": "bicubic", "measure.oversample": 16}
@@ -221,6 +227,81 @@ class Retry(DaemonTest):
         daemon.call("cancel", id=number)
         daemon.wait_state(number, "cancelled")
         self.succeeds(daemon, job, jobs=2)
+
+
+class Crashes(DaemonTest):
+    """kill -9 at random moments with many files in active/, while jobs are cancelled and tried
+    again: each file is measured once, and none is lost. SHEARD_DROPPED files, SHEARD_DROPPED_KILLS
+    kills; SHEARD_SEED makes another run of it."""
+    # What a client may hear; anything else of a retry would be a file lost.
+    EXPECTED = ("wrong_state", "queue_full", "draining", "stopping")
+
+    def mischief(self, daemon, rng, until_then):
+        """Some waiting jobs are cancelled, and cancelled ones tried again."""
+        with daemon.client(max(0.01, until_then - time.monotonic())) as client:
+            for method, state in (("cancel", "queued"), ("retry", "cancelled")):
+                for job in client.call("jobs", states=[state], limit=40)["jobs"]:
+                    if rng.random() < 0.3:
+                        try:
+                            client.call(method, id=job["id"])
+                        except RpcError as error:
+                            self.assertIn(error.code, self.EXPECTED, error)
+
+    def live(self, daemon, rng, seconds):
+        end = time.monotonic() + seconds
+        daemon.spawn()
+        while time.monotonic() < end:
+            try:
+                self.mischief(daemon, rng, end)
+            except (OSError, EOFError, ValueError):
+                time.sleep(0.002)
+        self.assertTrue(daemon.alive(), daemon.log_text())
+        daemon.kill()
+
+    def settle(self, daemon):
+        """All that was cancelled is tried again, until nothing is left to do."""
+        def done():
+            with daemon.client() as client:
+                for job in client.call("jobs", states=["cancelled"], limit=200)["jobs"]:
+                    client.call("retry", id=job["id"])
+                states = client.call("status")["states"]
+            return states["done"] == FILES and not daemon.dropped("active")
+        until(done, "all are done", 1200, 0.05)
+
+    def test_many(self):
+        rng = random.Random(SEED)
+        daemon = self.daemon()
+        content = content_of(mock(os.path.join(self.directory, "a.fits"), 4, 16))
+        large = content_of(mock(os.path.join(self.directory, "b.fits"), 400, 16))
+        contents = {f"x{i}.fits": named(large if i % 16 == 0 else content, f"f{i}")
+                    for i in range(FILES)}
+        daemon.kill()
+        for name, text in contents.items():
+            daemon.drop(None, name, text)
+        daemon.start()
+        until(lambda: not daemon.dropped("incoming"), "all are taken")
+        daemon.kill()
+        left, before = 0, 0
+        for _ in range(KILLS):
+            before = len(daemon.dropped("active"))
+            left += before
+            self.live(daemon, rng, rng.choice((0.05, 0.3)) * rng.random())
+        self.settle(daemon.start())
+        print(f"{KILLS} kills with {left / KILLS:.0f} of {FILES} files in active/ on average, "
+              f"{before} before the last")
+        jobs = daemon.jobs()
+        self.assertEqual(len(jobs), FILES)
+        self.assertEqual({(j["state"], j["outcome"]) for j in jobs}, {("done", "counted")})
+        self.assertEqual(sorted(j["dropped_name"] for j in jobs), sorted(contents))
+        self.assertEqual({j["file_now"] for j in jobs},
+                         {daemon.folder("done", name) for name in contents})
+        self.assertEqual(daemon.call("status")["totals"]["counted"], FILES)
+        for folder, names in (("incoming", []), ("active", []), ("failed", []),
+                              ("done", [*contents, *(name + ".json" for name in contents)])):
+            self.assertEqual(daemon.dropped(folder), sorted(names), folder)
+        for name, text in contents.items():
+            self.assertEqual(content_of(daemon.folder("done", name)), text)
+            self.assertEqual(daemon.side("done", name)["state"], "done")
 
 
 if __name__ == "__main__":

@@ -207,11 +207,11 @@ static void found_by_its_report(void **state) {
     }
     assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits")), 0);
     assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits.json")), 0);
-    spool_find(f->spool, f->found[2].active_name, &place);
+    spool_find(f->spool, f->found[2].active_name, 9, &place);
     assert_string_equal(place.name, "failed/a.2.fits");
     assert_int_equal(take_back(f, 2, &place), SHEAR_OK);
     assert_int_equal(fixture_count(f, "failed"), 4);
-    spool_find(f->spool, f->found[1].active_name, &place);
+    spool_find(f->spool, f->found[1].active_name, 9, &place);
     assert_string_equal(place.name, "");
 }
 
