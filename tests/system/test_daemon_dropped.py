@@ -270,9 +270,9 @@ class Crashes(DaemonTest):
 
     def test_many(self):
         rng = random.Random(SEED)
-        daemon = self.daemon()
-        content = content_of(mock(os.path.join(self.directory, "a.fits"), 4, 16))
-        large = content_of(mock(os.path.join(self.directory, "b.fits"), 400, 16))
+        daemon = self.daemon({**SLOW, "daemon.workers": 1})  # so that there is much left to kill
+        content = content_of(mock(os.path.join(self.directory, "a.fits"), 8, 32))
+        large = content_of(mock(os.path.join(self.directory, "b.fits"), 64, 32))
         contents = {f"x{i}.fits": named(large if i % 16 == 0 else content, f"f{i}")
                     for i in range(FILES)}
         daemon.kill()
