@@ -253,7 +253,7 @@ static int take_directory(service *s, const char *path, shear_error *err) {
     }
     const int error = write_mark(s, path);
     if (error == EEXIST) {
-        return catalogues_open(s, err);
+        return fail_foreign(s, "another service takes the directory at this moment", err);
     }
     return error == 0 ? SHEAR_OK
                       : shear_fail(err, SHEAR_E_IO, "let the service write into that directory",
@@ -298,7 +298,6 @@ static int sweep(service *s, const char *mark, shear_error *err) {
     return code;
 }
 
-/* NOLINTNEXTLINE(misc-no-recursion): once, where another service has written the mark meanwhile */
 int catalogues_open(service *s, shear_error *err) {
     char text[64];
     char why[160];

@@ -123,9 +123,7 @@ void reason_find(service *s, const store_field *f, const shear_result *result, f
     if (f->jobs > 0 && result->n_used >= 2) {
         find_worst(s, f, &w, &ignored);
     }
-    if (w.id != 0) {
-        *out = (field_reason){
-            .job = w.job, .contribution = w.id, .file = file_of(s, w.job), .checksum = w.checksum};
-    }
+    *out = (field_reason){.job = w.job, .contribution = w.id, .checksum = w.checksum};
+    out->file = w.id != 0 ? file_of(s, w.job) : NULL;
     out->text = text_of(brief, result, &w, out->file);
 }

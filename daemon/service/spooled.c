@@ -256,6 +256,7 @@ static void submit_job_file(service *s, const spool_file *file, submission *sub)
     } else if (shear_job_file_parse(&submit, text, n, &s->config.measure, &error) == SHEAR_RPC_OK) {
         sub->submit = &submit;
         submit_file(s, file, sub);
+        sub->submit = NULL;
         shear_submit_deinit(&submit);
         free(text);
         return;
