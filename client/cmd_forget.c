@@ -3,7 +3,6 @@
 #include "message.h"
 #include "options.h"
 #include "service.h"
-#include "style.h"
 
 #include <inttypes.h>
 
@@ -52,7 +51,7 @@ static int tell(struct forget *f) {
     }
     message_fail("--yes does it",
                  "this would take back %" PRId64 " contributions to field %s, in %zu results", jobs,
-                 style_clean(reply.field.field, name, sizeof name), reply.field.n_rows);
+                 message_clean(reply.field.field, name, sizeof name), reply.field.n_rows);
     shear_reply_deinit(&reply, SHEAR_METHOD_FIELD);
     return EXIT_CODE_USAGE;
 }
@@ -65,7 +64,7 @@ static int forget(struct forget *f) {
         const shear_msg_forgotten *r = &reply.forget;
         printf("field %s forgotten: %" PRId64 " results of %" PRId64 " contributions, %" PRId64
                " jobs retracted\n",
-               style_clean(r->field, name, sizeof name), r->rows, r->contributions, r->jobs);
+               message_clean(r->field, name, sizeof name), r->rows, r->contributions, r->jobs);
     }
     shear_reply_deinit(&reply, SHEAR_METHOD_FORGET);
     return code;
