@@ -39,6 +39,7 @@ class Restart(DaemonTest):
             daemon.drop(None, f"x{i}.fits", named(content, f"f{i}"))
         until(lambda: len(daemon.dropped("active")) == count + 1 and not daemon.dropped("incoming"),
               "all are taken")
+        until(lambda: len(daemon.jobs()) == count + 1, "all are jobs", step=0.1)
         return daemon
 
     def finished(self, daemon, count=MANY):
