@@ -5,7 +5,7 @@ for many settings and kinds of files.
 What differs by nature:
   seconds        how long it took, in all and of each file
   the row's own  digest, jobs, unfinished, partial, running, updated, contributions, more,
-                 files_left_out: measure has no jobs"""
+                 files_left_out, reason, culprit: measure has no jobs"""
 import json
 import math
 import os
@@ -17,7 +17,7 @@ from daemon import SHEARCTL, DaemonTest, mock, until
 
 TIMED = ("seconds",)
 ROW_ONLY = {"digest", "jobs", "unfinished", "partial", "running", "updated", "contributions", "more",
-            "files_left_out"}
+            "files_left_out", "reason", "culprit"}
 
 # Each: the options of the mock, the options of measure. The first ones are the files' kinds with the
 # default settings, the others settings.
