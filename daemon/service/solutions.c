@@ -332,7 +332,7 @@ static asked *note_asked(solutions *all, server_handle to, int64_t first, size_t
         **at = (asked){.to = to, .first = first};
     }
     asked *a = *at;
-    solution **room = realloc(a->waits_for, (n + 1) * sizeof(*room));
+    solution **room = realloc(a->waits_for, (n + 1) * sizeof(solution *));
     a->waits_for = room != NULL ? room : a->waits_for;
     a->n = a->left = 0;
     return room != NULL ? a : NULL;

@@ -101,8 +101,8 @@ def flooding(function, *arguments, uid=None, processes=1):
     for _ in range(processes):
         pid = os.fork()
         if pid == 0:
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
             with contextlib.suppress(BaseException):
-                os.nice(0)
                 if uid is not None:
                     os.setgroups([])
                     os.setgid(uid)
