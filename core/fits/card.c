@@ -82,8 +82,14 @@ bool sf_card_double(const char card[SF_CARD], double *out) {
     char text[SF_CARD + 1];
     const int start = value_start(card);
     int n = 0;
-    for (int i = start; i < SF_CARD && memchr("+-.0123456789EeDd", card[i], 17) != NULL; i++) {
-        text[n++] = card[i] == 'D' || card[i] == 'd' ? 'E' : card[i];
+    for (int i = start;
+         i < SF_CARD && card[i] != '\0' && strchr("+-.0123456789EeDd", card[i]) != NULL; i++) {
+        const bool fortran = card[i] == 'D' || card[i] == 'd';
+        text[n] = 'E';
+        if (!fortran) {
+            text[n] = card[i];
+        }
+        n++;
     }
     text[n] = '\0';
     char *end = text;

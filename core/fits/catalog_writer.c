@@ -162,8 +162,8 @@ static int write_copied(shear_catalog *c, int64_t first, int count, const shear_
         if (sf_catalog_copied[i] == SHEAR_COL_ID) {
             write_ids(c, first, count, b->id, status);
         } else {
-            fits_write_col(c->out.fits, TDOUBLE, column, first + 1, 1, count,
-                           (double *)(uintptr_t)doubles[i], status);
+            fits_write_col(c->out.fits, TDOUBLE, column, first + 1, 1, count, (void *)doubles[i],
+                           status);
         }
     }
     return column;

@@ -24,6 +24,13 @@ static int64_t width_of(char type) {
     return at != NULL ? widths[at - types] : 0;
 }
 
+static char upper(char c) {
+    static const char small[] = "abcdefghijklmnopqrstuvwxyz";
+    static const char capital[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    const char *at = c != '\0' ? strchr(small, c) : NULL;
+    return at != NULL ? capital[at - small] : c;
+}
+
 /* rT, where r is a count (1 where it is left out) and T a letter; behind P and Q another one. */
 static bool parse_form(const char *form, sf_column *c) {
     int64_t repeat = 0;
@@ -35,8 +42,8 @@ static bool parse_form(const char *form, sf_column *c) {
         repeat = 10 * repeat + (*p - '0');
     }
     c->repeat = p == form ? 1 : repeat;
-    c->type = (char)toupper((unsigned char)*p);
-    c->element = *p != '\0' ? (char)toupper((unsigned char)p[1]) : '\0';
+    c->type = upper(*p);
+    c->element = *p != '\0' ? upper(p[1]) : '\0';
     if (c->type == 'X') {
         c->width = c->repeat / 8 + (c->repeat % 8 != 0 ? 1 : 0);
         return true;

@@ -153,7 +153,7 @@ static void put(const sink *s, int64_t i, const unsigned char *bytes) {
 /* Whole rows at a time where they are short, else cell by cell. */
 static int read_rows(const sf_table *t, const sink *s, int64_t first, int64_t count,
                      shear_error *err) {
-    unsigned char buffer[BUFFER];
+    unsigned char buffer[BUFFER] = {0};
     const sf_column *c = s->column;
     const int64_t row = t->hdu->axes[0];
     const int64_t many = row <= BUFFER ? BUFFER / row : 1;
