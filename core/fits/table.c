@@ -28,7 +28,10 @@ static char upper(char c) {
     static const char small[] = "abcdefghijklmnopqrstuvwxyz";
     static const char capital[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
     const char *at = c != '\0' ? strchr(small, c) : NULL;
-    return at != NULL ? capital[at - small] : c;
+    if (at != NULL) {
+        return capital[at - small];
+    }
+    return c;
 }
 
 /* rT, where r is a count (1 where it is left out) and T a letter; behind P and Q another one. */
@@ -43,7 +46,9 @@ static bool parse_form(const char *form, sf_column *c) {
     }
     c->repeat = p == form ? 1 : repeat;
     c->type = upper(*p);
-    c->element = *p != '\0' ? upper(p[1]) : '\0';
+    if (*p != '\0') {
+        c->element = upper(p[1]);
+    }
     if (c->type == 'X') {
         c->width = c->repeat / 8 + (c->repeat % 8 != 0 ? 1 : 0);
         return true;
