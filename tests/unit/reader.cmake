@@ -3,3 +3,6 @@
 shear_add_test(reader SOURCES test_reader.c LIBRARIES fits_fixtures sheard_reader LABELS reader)
 target_compile_definitions(test_reader PRIVATE SHEARD_READER="$<TARGET_FILE:sheard-reader>")
 add_dependencies(test_reader sheard-reader)
+if(SHEAR_SANITIZE)
+  target_compile_definitions(test_reader PRIVATE SHEAR_SANITIZED)
+endif()
