@@ -283,6 +283,20 @@ static void clean(service *s, int64_t id, bool part, void *context) {
     free(path);
 }
 
+/* What is left of a mark that was being written when its service died. */
+static void remove_begun_marks(const service *s) {
+    const size_t n = sizeof mark_name - 1;
+    DIR *directory = opendir(s->config.catalogues.directory);
+    for (const struct dirent *e; directory != NULL && (e = readdir(directory)) != NULL;) {
+        if (strncmp(e->d_name, mark_name, n) == 0 && e->d_name[n] == '.') {
+            unlinkat(dirfd(directory), e->d_name, 0);
+        }
+    }
+    if (directory != NULL) {
+        closedir(directory);
+    }
+}
+
 /* Files' times may lag behind the clock by a tick of it. */
 static int sweep(service *s, const char *mark, shear_error *err) {
     enum { MARGIN_S = 2 };
@@ -290,6 +304,7 @@ static int sweep(service *s, const char *mark, shear_error *err) {
     const int64_t now_s = wall_ms() / 1000 - MARGIN_S;
     const struct timespec seen[2] = {{.tv_nsec = UTIME_OMIT}, {.tv_sec = now_s}};
     const int code = for_each(s, clean, NULL, err);
+    remove_begun_marks(s);
     /* Where this fails the next start has more to look at. */
     if (code == SHEAR_OK && stat(mark, &st) == 0 && st.st_mtim.tv_sec < now_s &&
         utimensat(AT_FDCWD, mark, seen, AT_SYMLINK_NOFOLLOW) != 0) {

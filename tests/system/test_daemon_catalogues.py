@@ -49,7 +49,7 @@ class Owner(DaemonTest):
         first.stop()
         self.assertEqual(set(os.listdir(self.catalogues)),
                          {MARK, "1.shear.fits", "2.shear.fits"})
-        for name in (".1.shear.fits.part", ".77.shear.fits.part"):  # perhaps somebody's work
+        for name in (".1.shear.fits.part", ".77.shear.fits.part", MARK + ".77"):  # perhaps somebody's work
             with open(os.path.join(self.catalogues, name), "wb"):
                 pass
         other = self.one("other")
