@@ -75,7 +75,7 @@ size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t room) {
 }
 
 /* What keeps files from being taken, for those who ask (spool_get_stats). */
-static void note_trouble(spool *s, const char *format, ...) {
+static void __attribute__((format(printf, 2, 3))) note_trouble(spool *s, const char *format, ...) {
     va_list list;
     if (s->trouble[0] == '\0') {
         s->trouble_since_ms = s->call.now_ms(s->call.context);
