@@ -128,23 +128,28 @@ static const int allowed[] = {
     SCMP_SYS(sigaltstack),
 };
 
+/* libseccomp's own macros leave a member out, which clang minds. */
+static struct scmp_arg_cmp equals(unsigned argument, scmp_datum_t value) {
+    return (struct scmp_arg_cmp){.arg = argument, .op = SCMP_CMP_EQ, .datum_a = value};
+}
+
 /* Calls with arguments that reach beyond this process otherwise: to the service, which is of the
  * same user. F_SETOWN and F_SETSIG of fcntl would send it signals; F_SETFL serves them. */
 static int allow_some(scmp_filter_ctx filter) {
     static const int commands[] = {F_GETFL, F_GETFD, F_SETFD, F_DUPFD, F_DUPFD_CLOEXEC};
     const scmp_datum_t self = (scmp_datum_t)getpid();
     int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
-                              SCMP_A0(SCMP_CMP_EQ, self)); /* abort() */
+                              equals(0, self)); /* abort() */
     for (size_t i = 0; rc == 0 && i < sizeof commands / sizeof *commands; i++) {
         rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1,
-                              SCMP_A1(SCMP_CMP_EQ, (scmp_datum_t)commands[i]));
+                              equals(1, (scmp_datum_t)commands[i]));
     }
     if (rc == 0) { /* getrlimit */
-        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), 2,
-                              SCMP_A0(SCMP_CMP_EQ, 0), SCMP_A2(SCMP_CMP_EQ, 0));
+        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), 2, equals(0, 0),
+                              equals(2, 0));
     }
     return rc == 0 ? seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(sched_getaffinity), 1,
-                                      SCMP_A0(SCMP_CMP_EQ, 0))
+                                      equals(0, 0))
                    : rc;
 }
 
