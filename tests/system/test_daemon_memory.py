@@ -60,6 +60,8 @@ class Memory(DaemonTest):
             for first in range(0, JOBS, BATCH):
                 self.batch(daemon, client, first)
                 if early is None and first + BATCH >= JOBS // 10:
+                    # The loop's pool of threads begins with the first look at the data roots.
+                    until(lambda: client.call("status")["uptime_s"] > 7.0, "it has looked at the roots")
                     early = memory_kib(daemon.process.pid)
             # A connection or a reader may be on its way out still.
             until(lambda: all(b <= a for a, b in zip(early[1:], memory_kib(daemon.process.pid)[1:])),
