@@ -12,7 +12,9 @@ add_dependencies(faultshim sheard sheard-reader shearctl)
 
 # Sanitizers make all of it slow: fewer kills, faults and malformed files there; the seeds are the same.
 set(counts "")
+set(hangs 600) # seconds after which a test hangs
 if(SHEAR_SANITIZE)
+  set(hangs 1200)
   set(counts ";SHEARD_CRASHES=4;SHEARD_FAULTS=1;SHEARD_MUTANTS=80;SHEARD_CLIENTS=100;SHEARD_MALFORMED=200;SHEARD_JOBS=200;SHEARD_DROPPED=30;SHEARD_DROPPED_KILLS=4")
 endif()
 set(names # one a line: whoever adds one does not get into another's way
@@ -43,7 +45,7 @@ foreach(name ${names})
   add_test(NAME system_daemon_${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_daemon_${name}.py)
   set_tests_properties(system_daemon_${name} PROPERTIES
-    LABELS "system;daemon" TIMEOUT 600
+    LABELS "system;daemon" TIMEOUT ${hangs}
     ENVIRONMENT "SHEARD=$<TARGET_FILE:sheard>;SHEARCTL=$<TARGET_FILE:shearctl>;FAULTSHIM=$<TARGET_FILE:faultshim>;SHEAR_SANITIZED=${sanitized};SHEARD_SERVICE=${PROJECT_BINARY_DIR}/systemd/sheard.service${counts}")
 endforeach()
 
