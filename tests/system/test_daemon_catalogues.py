@@ -7,6 +7,7 @@ import sqlite3
 import unittest
 
 from daemon import DaemonTest, RpcError, content_of, mock, stamps_for, until
+from tool import SANITIZED
 
 SHIM = os.path.abspath(os.environ["FAULTSHIM"])
 MARK = ".sheard-database"
@@ -166,7 +167,8 @@ class Orphans(DaemonTest):
             daemon.wait_state(first, "cancelled")
             until(lambda: os.listdir(daemon.path("catalogues")) == [MARK], "nothing is left")
             daemon.kill()
-        self.assertGreater(in_place, 0, "no kill came between the rename and the commit")
+        if not SANITIZED:  # which makes all so slow that the kills may fall on the other job's end
+            self.assertGreater(in_place, 0, "no kill came between the rename and the commit")
 
     def test_cancelled_at_the_end(self):
         """Cancelled while it ends: a catalogue that is in place already goes with it."""
