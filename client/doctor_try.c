@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <grp.h>
 #include <pwd.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -41,6 +42,8 @@ static bool become(const struct passwd *user) {
 /* In a child, which may give itself up. 0 or errno. */
 static int try_as(const struct passwd *user, const char *directory) {
     int status = 0;
+    fflush(NULL); /* what was said is said once: a sanitizer's _exit writes out the child's copy,
+                     too */
     const pid_t pid = fork();
     if (pid == 0) {
         const bool good = user == NULL || become(user);
