@@ -320,6 +320,13 @@ def rate(size, *options):
         return stamps / seconds
 
 
+# A measurement that takes long for few stamps; a sanitizer makes it slower by itself.
+SLOW_OVERSAMPLE = 8 if SANITIZED else 16
+SLOW = {"interpolation": "bicubic", "oversample": SLOW_OVERSAMPLE}
+SLOW_MEASURE = {f"measure.{key}": value for key, value in SLOW.items()}  # of the configuration
+SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", str(SLOW_OVERSAMPLE), "--threads", "1")
+
+
 def stamps_for(seconds, size, *options):
     """As many stamps as take about so long to measure, or somewhat longer: however fast the machine
     and the measurement are. Never so few that all could have been read when the first are measured:

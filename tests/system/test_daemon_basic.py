@@ -10,11 +10,9 @@ import subprocess
 import time
 import unittest
 
-from daemon import (DaemonTest, FINAL, content_of, measured, mock, named, numbers, stamps_for,
+from daemon import (SLOW, SLOW_OPTIONS, DaemonTest, FINAL, content_of, measured, mock, named, numbers, stamps_for,
                     until)
 
-SLOW = {"interpolation": "bicubic", "oversample": 16}
-SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "16")
 
 
 class Jobs(DaemonTest):

@@ -8,12 +8,10 @@ import shutil
 import sqlite3
 import unittest
 
-from daemon import DaemonTest, RpcError, content_of, mock, stamps_for, until
+from daemon import SLOW_MEASURE, SLOW_OPTIONS, DaemonTest, RpcError, content_of, mock, stamps_for, until
 
 SHIM = os.path.abspath(os.environ["FAULTSHIM"])
 MARK = ".sheard-database"
-SLOW = {"measure.interpolation": "bicubic", "measure.oversample": 16}
-SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "16", "--threads", "1")
 
 
 def bytes_of(directory):
@@ -132,7 +130,7 @@ class Orphans(DaemonTest):
         the last thing that the daemon does. Another job, the first, is held meanwhile."""
         name = f"run{at}"
         where = os.path.join(self.directory, name, "catalogues")
-        daemon = self.daemon({**SLOW, "catalogues.enabled": "true", "daemon.workers": 2,
+        daemon = self.daemon({**SLOW_MEASURE, "catalogues.enabled": "true", "daemon.workers": 2,
                               "daemon.max_active_jobs": 1}, name=name, start=False)
         stamps = stamps_for(10, 32, *SLOW_OPTIONS)
         first = daemon.start().held(daemon.submit(

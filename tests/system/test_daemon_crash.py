@@ -11,15 +11,13 @@ import threading
 import time
 import unittest
 
-from daemon import (DaemonTest, RpcError, content_of, measured, mock, named, stamps_for, until)
+from daemon import (SLOW, SLOW_OPTIONS, DaemonTest, RpcError, content_of, measured, mock, named, stamps_for, until)
 
 CRASHES = int(os.environ.get("SHEARD_CRASHES", "12"))
 SEED = int(os.environ.get("SHEARD_SEED", "3"))
 PARTS = 4     # files of a field: half are submitted, half are dropped
 BLOCK = 16        # stamps
 CHECKPOINT_S = 5  # between two checkpoints of a job
-SLOW = {"interpolation": "bicubic", "oversample": 16}
-SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "16")
 BACKLOG = 24  # jobs that may be unfinished before the stream pauses
 
 
@@ -189,7 +187,7 @@ class Checkpoint(DaemonTest):
 
     def large(self, daemon, seconds=6, **more):
         """A job that is measured for about so long, held in the middle, and its file."""
-        stamps = stamps_for(seconds, 32, *SLOW_OPTIONS, "--threads", "1")
+        stamps = stamps_for(seconds, 32, *SLOW_OPTIONS)
         path = mock(os.path.join(daemon.data, "large.fits"), stamps, 32, 9)
         return daemon.held(daemon.submit(path, settings={**SLOW, **more})["id"]), path
 

@@ -9,15 +9,13 @@ import sqlite3
 import time
 import unittest
 
-from daemon import DaemonTest, RpcError, content_of, mock, named, stamps_for, until
+from daemon import SLOW_MEASURE, SLOW_OPTIONS, DaemonTest, RpcError, content_of, mock, named, stamps_for, until
 
 FILES = int(os.environ.get("SHEARD_DROPPED", "100"))
 KILLS = int(os.environ.get("SHEARD_DROPPED_KILLS", "10"))
 SEED = int(os.environ.get("SHEARD_SEED", "7"))
 
 MANY = 100  # more than the spool tells in a turn
-SLOW = {"measure.interpolation": "bicubic", "measure.oversample": 16}
-SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "16", "--threads", "1")
 
 
 def large(path):
@@ -29,7 +27,7 @@ class Restart(DaemonTest):
     """All in active/, none measured: the readers are held."""
 
     def full(self, count=MANY, settings=None):
-        daemon = self.daemon({**SLOW, "daemon.workers": 1, "daemon.max_active_jobs": 1,
+        daemon = self.daemon({**SLOW_MEASURE, "daemon.workers": 1, "daemon.max_active_jobs": 1,
                               **(settings or {})})
         first = large(os.path.join(self.directory, "first.fits"))
         daemon.drop(first, "first.fits")
@@ -85,7 +83,7 @@ class Restart(DaemonTest):
 
     def test_job_file(self):
         """Its input is gone when it is told again: that is its job's failure, not the file's."""
-        daemon = self.daemon({**SLOW, "daemon.workers": 1, "daemon.max_active_jobs": 1,
+        daemon = self.daemon({**SLOW_MEASURE, "daemon.workers": 1, "daemon.max_active_jobs": 1,
                               "retry.attempts": 1})
         path = large(os.path.join(daemon.data, "large.fits"))
         daemon.held(daemon.submit(path)["id"])
@@ -107,7 +105,7 @@ class Retry(DaemonTest):
 
     def one(self, name="a.fits"):
         """A dropped file's job in the middle of its measurement."""
-        daemon = self.daemon({**SLOW, "daemon.workers": 1, "retry.attempts": 1})
+        daemon = self.daemon({**SLOW_MEASURE, "daemon.workers": 1, "retry.attempts": 1})
         daemon.drop(self.large, name)
         return daemon, daemon.held(until(daemon.jobs, "it is a job")[0]["id"])
 
@@ -271,7 +269,7 @@ class Crashes(DaemonTest):
 
     def test_many(self):
         rng = random.Random(SEED)
-        daemon = self.daemon({**SLOW, "daemon.workers": 1})  # so that there is much left to kill
+        daemon = self.daemon({**SLOW_MEASURE, "daemon.workers": 1})  # so that there is much left to kill
         content = content_of(mock(os.path.join(self.directory, "a.fits"), 8, 32))
         large = content_of(mock(os.path.join(self.directory, "b.fits"), 64, 32))
         contents = {f"x{i}.fits": named(large if i % 16 == 0 else content, f"f{i}")

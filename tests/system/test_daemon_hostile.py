@@ -13,7 +13,7 @@ import subprocess
 import threading
 import unittest
 
-from daemon import SHEARD, Client, DaemonTest, FINAL, content_of, measured, mock, named, until
+from daemon import SLOW, SLOW_OPTIONS, SHEARD, Client, DaemonTest, FINAL, content_of, measured, mock, named, until
 from fitsfile import BLOCK
 from tool import SANITIZED
 
@@ -131,9 +131,8 @@ class BadFiles(DaemonTest):
     def test_reader_dies(self):
         """Kill the process that reads: the job is tried once more, and nothing else notices."""
         daemon = self.daemon({"retry.first_delay": "10ms"})
-        slow = {"interpolation": "bicubic", "oversample": 16}
         path = mock(os.path.join(daemon.data, "a.fits"), 800, 32)
-        job = daemon.held(daemon.submit(path, settings=slow)["id"])
+        job = daemon.held(daemon.submit(path, settings=SLOW)["id"])
         other = mock(os.path.join(daemon.data, "b.fits"), 8, 32)
         for pid in daemon.children():
             os.kill(pid, signal.SIGKILL)
@@ -142,14 +141,13 @@ class BadFiles(DaemonTest):
         history = daemon.call("job", id=job)["history"]
         self.assertEqual([a["ending"] for a in history], ["failed", "done"])
         self.assertEqual((history[0]["class"], history[0]["code"]), ("bug", "reader_crashed"))
-        self.assertRow(daemon, "a", measured([path], "--interpolation", "bicubic", "--oversample",
-                                             "16"), 1)
+        self.assertRow(daemon, "a", measured([path], *SLOW_OPTIONS), 1)
 
     def test_reader_hangs(self):
         """Twice: then the job has failed, and says that the reader did not answer."""
         daemon = self.daemon({"retry.first_delay": "10ms", "reader.wall_time": "3s"})
         path = mock(os.path.join(daemon.data, "a.fits"), 4000, 32)
-        job = daemon.submit(path, settings={"interpolation": "bicubic", "oversample": 16})["id"]
+        job = daemon.submit(path, settings=SLOW)["id"]
         for attempt in (1, 2):
             until(lambda: (j := daemon.job(job))["attempts"] == attempt and
                   j["progress"]["done"] and daemon.children(), "it measures")
@@ -165,9 +163,8 @@ class BadFiles(DaemonTest):
 
     def test_a_hung_reader_holds_up_its_job_only(self):
         daemon = self.daemon()
-        slow = {"interpolation": "bicubic", "oversample": 16}
         path = mock(os.path.join(daemon.data, "a.fits"), 800, 32)
-        job = daemon.held(daemon.submit(path, settings=slow)["id"])
+        job = daemon.held(daemon.submit(path, settings=SLOW)["id"])
         for i in range(4):
             other = mock(os.path.join(daemon.data, f"b{i}.fits"), 40, 32, i)
             self.assertEqual(daemon.submit(other, wait=True)["state"], "done")
@@ -175,8 +172,7 @@ class BadFiles(DaemonTest):
         self.assertTrue(daemon.call("field", field="a")["rows"][0]["partial"])
         daemon.go_on()
         self.assertEqual(daemon.wait_state(job, *FINAL)["state"], "done")
-        self.assertRow(daemon, "a", measured([path], "--interpolation", "bicubic", "--oversample",
-                                             "16"), 1)
+        self.assertRow(daemon, "a", measured([path], *SLOW_OPTIONS), 1)
 
     def test_more_memory_than_the_reader_has(self):
         daemon = self.daemon({"reader.shared_memory": "1M", "retry.first_delay": "10ms"})
@@ -206,12 +202,11 @@ class BadFiles(DaemonTest):
     def test_what_hangs_can_be_cancelled_and_stopped(self):
         """Without waiting for its reader, and the job is not blamed for it."""
         daemon = self.daemon({"reader.wall_time": "1h"})
-        slow = {"interpolation": "bicubic", "oversample": 16}
         path = mock(os.path.join(daemon.data, "a.fits"), 800, 32)
-        job = daemon.held(daemon.submit(path, settings=slow)["id"])
+        job = daemon.held(daemon.submit(path, settings=SLOW)["id"])
         daemon.call("cancel", id=job)
         self.assertEqual(daemon.wait_state(job, *FINAL)["state"], "cancelled")
-        job = daemon.held(daemon.submit(path, settings=slow)["id"])
+        job = daemon.held(daemon.submit(path, settings=SLOW)["id"])
         daemon.signal(signal.SIGTERM)
         until(lambda: daemon.call("status")["state"] == "stopping", "it stops")
         daemon.signal(signal.SIGTERM)
@@ -263,9 +258,8 @@ class BadClients(DaemonTest):
     def test_stalls_and_leaves(self):
         with self.d.client() as stalled, self.d.client() as leaving:
             stalled.send(b'{"jsonrpc":"2.0","id":1,"meth')
-            slow = {"interpolation": "bicubic", "oversample": 16}
             large = mock(os.path.join(self.d.data, "large.fits"), 400, 32)
-            leaving.ask("submit", {"path": large, "settings": slow, "wait": True, "key": "k"})
+            leaving.ask("submit", {"path": large, "settings": SLOW, "wait": True, "key": "k"})
             leaving.ask("wait", {"ids": [1]})
             until(lambda: self.d.jobs(), "the job is there")
             leaving.close()

@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import unittest
 
-from daemon import SHEARD, DaemonTest, mock
+from daemon import SLOW, SHEARD, DaemonTest, mock
 from tool import SHEARCTL
 
 
@@ -114,7 +114,7 @@ class Probe(DaemonTest):
     def test_beside_jobs(self):
         d = self.daemon()
         slow = d.held(d.submit(mock(d.data + "/a.fits", 400, 32),
-                               settings={"interpolation": "bicubic", "oversample": 16})["id"])
+                               settings=SLOW)["id"])
         self.assertTrue(d.call("probe")["ok"], "a job whose reader hangs does not hold it up")
         d.call("cancel", id=slow)
 

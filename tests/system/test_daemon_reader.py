@@ -7,7 +7,7 @@ import subprocess
 import unittest
 import zlib
 
-from daemon import DaemonTest, FINAL, content_of, measured, mock, until
+from daemon import SLOW, DaemonTest, FINAL, content_of, measured, mock, until
 from fitsfile import BLOCK, header, image, primary
 
 TIB = 1 << 40
@@ -213,8 +213,7 @@ class TooLarge(DaemonTest):
     def test_at_its_turn(self):
         """The limit was lowered, without a restart, while the job waited. The file has grown: as well."""
         daemon = self.daemon({"daemon.max_active_jobs": 1, "daemon.workers": 1})
-        slow = {"interpolation": "bicubic", "oversample": 16}
-        first = daemon.held(daemon.submit(mock(os.path.join(daemon.data, "a.fits"), 800, 32), settings=slow)["id"])
+        first = daemon.held(daemon.submit(mock(os.path.join(daemon.data, "a.fits"), 800, 32), settings=SLOW)["id"])
         large = mock(os.path.join(daemon.data, "large.fits"), 200, 32)
         second = daemon.submit(large)["id"]
         daemon.settings["reader.max_file_bytes"] = "1M"

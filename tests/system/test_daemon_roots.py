@@ -7,7 +7,7 @@ import os
 import subprocess
 import unittest
 
-from daemon import SHEARD, DaemonTest, measured, mock, until
+from daemon import SLOW, SHEARD, DaemonTest, measured, mock, until
 from tool import SHEARCTL
 
 
@@ -54,7 +54,7 @@ class MissingRoot(DaemonTest):
         slow = mock(os.path.join(self.missing, "slow.fits"), 400, 32)
         path = mock(os.path.join(self.missing, "a.fits"), 16, 32, 3)
         expected = measured([path])
-        job = d.held(d.submit(slow, settings={"interpolation": "bicubic", "oversample": 16})["id"])
+        job = d.held(d.submit(slow, settings=SLOW)["id"])
         waits = d.submit(path, field="late")["id"]
         os.rename(self.missing, self.away)
         d.call("cancel", id=job)
@@ -84,7 +84,7 @@ class MissingRoot(DaemonTest):
         d = self.daemon_with(self.missing, **{"daemon.max_active_jobs": 1})
         mock(os.path.join(self.away, "a.fits"))
         slow = mock(os.path.join(self.away, "slow.fits"), 400, 32)
-        job = d.held(d.submit(slow, settings={"interpolation": "bicubic", "oversample": 16})["id"])
+        job = d.held(d.submit(slow, settings=SLOW)["id"])
         waits = d.submit(os.path.join(self.missing, "a.fits"))["id"]
         os.rename(self.away, self.away + "2")
         d.call("cancel", id=job)

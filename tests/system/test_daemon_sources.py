@@ -8,13 +8,11 @@ import sys
 import unittest
 
 import fitsfile
-from daemon import (DaemonTest, FINAL, content_of, measured, mock, numbers, stamps_for, until)
+from daemon import (SLOW, SLOW_OPTIONS, DaemonTest, FINAL, content_of, measured, mock, numbers, stamps_for, until)
 from tool import SHEARCTL
 from test_daemon_access import OTHER, USER, as_user
 
 PARTS = ("galaxy", "noise", "psf")
-SLOW = {"interpolation": "bicubic", "oversample": 32}
-SLOW_OPTIONS = ("--interpolation", "bicubic", "--oversample", "32", "--threads", "1")
 
 
 def options_of(parts):
