@@ -88,9 +88,9 @@ static options parse(int argc, char **argv) {
         } else if (strcmp(argv[i], "--stages") == 0) {
             o.format = STAGES;
         } else if (strcmp(argv[i], "--rounds") == 0 && has_value) {
-            o.rounds = atoi(argv[++i]);
+            o.rounds = (int)strtol(argv[++i], NULL, 10);
         } else if (strcmp(argv[i], "--threads") == 0 && has_value) {
-            o.threads = atoi(argv[++i]);
+            o.threads = (int)strtol(argv[++i], NULL, 10);
         } else if (strcmp(argv[i], "--only") == 0 && has_value) {
             o.only = argv[++i];
         } else {

@@ -25,10 +25,11 @@ static bool find_beneath_prefix(char *path, size_t size) {
         }
         *slash = '\0';
     }
-    if (strlen(path) + sizeof name > size) {
+    const size_t length = strlen(path);
+    if (length + sizeof name > size) {
         return false;
     }
-    strcat(path, name);
+    memcpy(path + length, name, sizeof name);
     return access(path, F_OK) == 0;
 }
 

@@ -113,9 +113,10 @@ int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_
                          bool overwrite, shear_error *err) {
     int rc = sf_catalog_new(catalog, path, info, err);
     shear_catalog *c = *catalog;
-    if (rc == SHEAR_OK) {
-        rc = sf_output_create(&c->out, path, overwrite, err);
+    if (c == NULL) {
+        return rc;
     }
+    rc = sf_output_create(&c->out, path, overwrite, err);
     if (rc == SHEAR_OK) {
         rc = sf_catalog_create_table(c, info, NULL, err);
     }
