@@ -28,14 +28,13 @@ static const char mark_name[] = ".sheard-database";
 static const char final_suffix[] = ".shear.fits";
 static const char part_suffix[] = ".shear.fits.part";
 
-char *catalogue_path(const service *s, int64_t job) {
+static char *path_in(const char *directory, int64_t job) {
     char *path = NULL;
-    if (!s->config.catalogues.enabled ||
-        asprintf(&path, "%s/%" PRId64 "%s", s->config.catalogues.directory, job, final_suffix) <
-            0) {
-        path = NULL;
-    }
-    return path;
+    return asprintf(&path, "%s/%" PRId64 "%s", directory, job, final_suffix) > 0 ? path : NULL;
+}
+
+char *catalogue_path(const service *s, int64_t job) {
+    return s->config.catalogues.enabled ? path_in(s->config.catalogues.directory, job) : NULL;
 }
 
 /* The job of "JOB.shear.fits" or ".JOB.shear.fits.part"; 0 for other names. */
@@ -62,13 +61,26 @@ static void remove_final(const char *path, int64_t job) {
     }
 }
 
-static char *mark_path(const service *s) {
+static char *mark_in(const char *directory) {
     char *path = NULL;
-    return asprintf(&path, "%s/%s", s->config.catalogues.directory, mark_name) > 0 ? path : NULL;
+    return asprintf(&path, "%s/%s", directory, mark_name) > 0 ? path : NULL;
+}
+
+/* Its text, or errno as a negative number; -ENOENT: there is none. */
+static int read_mark(const char *path, char *text, size_t size) {
+    const int fd = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    const ssize_t n = fd >= 0 ? read(fd, text, size - 1) : -1;
+    const int error = n < 0 ? -errno : 0;
+    if (fd >= 0) {
+        close(fd);
+    }
+    text[n > 0 ? n : 0] = '\0';
+    text[strcspn(text, "\n")] = '\0';
+    return error;
 }
 
 static bool is_since_mark(const service *s, const char *path) {
-    char *mark = mark_path(s);
+    char *mark = mark_in(s->config.catalogues.directory);
     struct stat marked;
     struct stat st;
     const bool found = mark != NULL && stat(mark, &marked) == 0 && stat(path, &st) == 0;
@@ -85,6 +97,17 @@ static bool is_catalogue_of(const char *path, int64_t job) {
     return slash != NULL && job_of(slash + 1, &part) == job && !part;
 }
 
+/* Its directory may have been left to another database since: what has this name is that one's. */
+static bool is_ours(const service *s, const char *path) {
+    char text[64];
+    char *directory = strndup(path, (size_t)(strrchr(path, '/') - path));
+    char *mark = directory != NULL ? mark_in(directory) : NULL;
+    const int error = mark != NULL ? read_mark(mark, text, sizeof text) : -ENOMEM;
+    free(directory);
+    free(mark);
+    return error == -ENOENT || (error == 0 && strcmp(text, store_identity(s->store)) == 0);
+}
+
 /* A failure: the next start tries it again. */
 void catalogues_remove_retracted(service *s) {
     shear_error err = {0};
@@ -92,7 +115,8 @@ void catalogues_remove_retracted(service *s) {
     char *path = NULL;
     int code = store_next_leftover(s->store, 0, &id, &path, &err);
     while (code == SHEAR_OK && id != 0) {
-        const bool gone = !is_catalogue_of(path, id) || unlink(path) == 0 || errno == ENOENT;
+        const bool gone =
+            !is_catalogue_of(path, id) || !is_ours(s, path) || unlink(path) == 0 || errno == ENOENT;
         if (!gone) {
             log_warning("job %" PRId64 " is retracted: its catalogue %s cannot be removed: %s", id,
                         path, strerror(errno));
@@ -126,6 +150,7 @@ void catalogue_forget(const service *s, const store_job *job) {
 /* ---- what lies in the directory ---- */
 
 typedef struct found {
+    const char *directory;
     int64_t last_job; /* of this database */
     int64_t known;    /* files that this database tells of */
     int64_t strange;  /* a job that has one, and that this database has not had yet; or 0 */
@@ -141,8 +166,7 @@ static bool same_file(const char *a, const char *b) {
 
 typedef void visitor(service *s, int64_t id, bool part, void *context);
 
-static int for_each(service *s, visitor *visit, void *context, shear_error *err) {
-    const char *path = s->config.catalogues.directory;
+static int for_each(service *s, const char *path, visitor *visit, void *context, shear_error *err) {
     DIR *directory = opendir(path);
     if (directory == NULL) {
         return shear_fail(err, SHEAR_E_IO, "let the service read and write it",
@@ -164,7 +188,7 @@ static void judge(service *s, int64_t id, bool part, void *context) {
     found *f = context;
     store_job job = {0};
     shear_error ignored;
-    char *path = catalogue_path(s, id);
+    char *path = path_in(f->directory, id);
     f->any = true;
     f->strange = id > f->last_job ? id : f->strange;
     if (path != NULL && store_job_get(s->store, id, &job, &ignored) == SHEAR_OK) {
@@ -177,19 +201,6 @@ static void judge(service *s, int64_t id, bool part, void *context) {
 
 /* ---- the mark ---- */
 
-/* Its text, or errno as a negative number; -ENOENT: there is none. */
-static int read_mark(const char *path, char *text, size_t size) {
-    const int fd = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    const ssize_t n = fd >= 0 ? read(fd, text, size - 1) : -1;
-    const int error = n < 0 ? -errno : 0;
-    if (fd >= 0) {
-        close(fd);
-    }
-    text[n > 0 ? n : 0] = '\0';
-    text[strcspn(text, "\n")] = '\0';
-    return error;
-}
-
 static int sync_directory(const char *path) {
     const int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     const int error = fd < 0 || fsync(fd) != 0 ? errno : 0;
@@ -200,7 +211,7 @@ static int sync_directory(const char *path) {
 }
 
 /* It appears whole; EEXIST where another service was faster. */
-static int write_mark(const service *s, const char *path) {
+static int write_mark(const service *s, const char *directory, const char *path) {
     char text[64];
     char temporary[4400];
     snprintf(temporary, sizeof temporary, "%s.%ld", path, (long)getpid());
@@ -218,10 +229,11 @@ static int write_mark(const service *s, const char *path) {
         error = errno;
     }
     unlink(temporary);
-    return error == 0 ? sync_directory(s->config.catalogues.directory) : error;
+    return error == 0 ? sync_directory(directory) : error;
 }
 
-static int fail_foreign(const service *s, const char *why, shear_error *err) {
+static int fail_foreign(const service *s, const char *directory, const char *why,
+                        shear_error *err) {
     char advice[240];
     snprintf(advice, sizeof advice,
              "set [catalogues] directory to another one, or move its *.shear.fits files and "
@@ -229,16 +241,16 @@ static int fail_foreign(const service *s, const char *why, shear_error *err) {
              mark_name, store_identity(s->store));
     return shear_fail(err, SHEAR_E_EXISTS, advice,
                       "the catalogues in '%s' belong to another database than %s/sheard.db: %s",
-                      s->config.catalogues.directory, s->config.daemon.state_dir, why);
+                      directory, s->config.daemon.state_dir, why);
 }
 
 /* Without a mark: is it free, or was it ours before there were marks? */
-static int take_directory(service *s, const char *path, shear_error *err) {
+static int take_directory(service *s, const char *directory, const char *path, shear_error *err) {
     char why[160];
-    found f = {0};
+    found f = {.directory = directory};
     int code = store_last_job(s->store, &f.last_job, err);
     if (code == SHEAR_OK) {
-        code = for_each(s, judge, &f, err);
+        code = for_each(s, directory, judge, &f, err);
     }
     if (code != SHEAR_OK) {
         return code;
@@ -246,18 +258,44 @@ static int take_directory(service *s, const char *path, shear_error *err) {
     if (f.strange != 0) {
         snprintf(why, sizeof why,
                  "there is one of a job %" PRId64 ", which this one has not had yet", f.strange);
-        return fail_foreign(s, why, err);
+        return fail_foreign(s, directory, why, err);
     }
     if (f.any && f.known == 0) {
-        return fail_foreign(s, "this one tells of none of them", err);
+        return fail_foreign(s, directory, "this one tells of none of them", err);
     }
-    const int error = write_mark(s, path);
+    const int error = write_mark(s, directory, path);
     if (error == EEXIST) {
-        return fail_foreign(s, "another service takes the directory at this moment", err);
+        return fail_foreign(s, directory, "another service takes the directory at this moment",
+                            err);
     }
     return error == 0 ? SHEAR_OK
                       : shear_fail(err, SHEAR_E_IO, "let the service write into that directory",
                                    "%s cannot be written: %s", path, strerror(error));
+}
+
+int catalogues_claim(service *s, const char *directory, shear_error *err) {
+    char text[64];
+    char why[160];
+    char *path = mark_in(directory);
+    if (path == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for the catalogues' mark");
+    }
+    int code = make_directory(directory, 0750, err);
+    const int error = code == SHEAR_OK ? read_mark(path, text, sizeof text) : 0;
+    if (code != SHEAR_OK) {
+        /* as it is told */
+    } else if (error == -ENOENT) {
+        code = take_directory(s, directory, path, err);
+    } else if (error != 0) {
+        code = shear_fail(err, SHEAR_E_IO, "let the service read that file", "%s: %s", path,
+                          strerror(-error));
+    } else if (strcmp(text, store_identity(s->store)) != 0) {
+        snprintf(why, sizeof why, "that has the id '%.40s', this one is %s", text,
+                 store_identity(s->store));
+        code = fail_foreign(s, directory, why, err);
+    }
+    free(path);
+    return code;
 }
 
 /* ---- the start ---- */
@@ -284,9 +322,9 @@ static void clean(service *s, int64_t id, bool part, void *context) {
 }
 
 /* What is left of a mark that was being written when its service died. */
-static void remove_begun_marks(const service *s) {
+static void remove_begun_marks(const char *path) {
     const size_t n = sizeof mark_name - 1;
-    DIR *directory = opendir(s->config.catalogues.directory);
+    DIR *directory = opendir(path);
     for (const struct dirent *e; directory != NULL && (e = readdir(directory)) != NULL;) {
         if (strncmp(e->d_name, mark_name, n) == 0 && e->d_name[n] == '.') {
             unlinkat(dirfd(directory), e->d_name, 0);
@@ -298,43 +336,28 @@ static void remove_begun_marks(const service *s) {
 }
 
 /* Files' times may lag behind the clock by a tick of it. */
-static int sweep(service *s, const char *mark, shear_error *err) {
+static int sweep(service *s, const char *directory, shear_error *err) {
     enum { MARGIN_S = 2 };
     struct stat st;
     const int64_t now_s = wall_ms() / 1000 - MARGIN_S;
     const struct timespec seen[2] = {{.tv_nsec = UTIME_OMIT}, {.tv_sec = now_s}};
-    const int code = for_each(s, clean, NULL, err);
-    remove_begun_marks(s);
+    char *mark = mark_in(directory);
+    const int code = for_each(s, directory, clean, NULL, err);
+    remove_begun_marks(directory);
     /* Where this fails the next start has more to look at. */
-    if (code == SHEAR_OK && stat(mark, &st) == 0 && st.st_mtim.tv_sec < now_s &&
+    if (code == SHEAR_OK && mark != NULL && stat(mark, &st) == 0 && st.st_mtim.tv_sec < now_s &&
         utimensat(AT_FDCWD, mark, seen, AT_SYMLINK_NOFOLLOW) != 0) {
         log_warning("%s: %s", mark, strerror(errno));
     }
+    free(mark);
     return code;
 }
 
 int catalogues_open(service *s, shear_error *err) {
-    char text[64];
-    char why[160];
-    char *path = s->config.catalogues.enabled ? mark_path(s) : NULL;
-    if (path == NULL) {
+    if (!s->config.catalogues.enabled) {
         return SHEAR_OK;
     }
-    const int error = read_mark(path, text, sizeof text);
-    int code = SHEAR_OK;
-    if (error == -ENOENT) {
-        code = take_directory(s, path, err);
-    } else if (error != 0) {
-        code = shear_fail(err, SHEAR_E_IO, "let the service read that file", "%s: %s", path,
-                          strerror(-error));
-    } else if (strcmp(text, store_identity(s->store)) != 0) {
-        snprintf(why, sizeof why, "that has the id '%.40s', this one is %s", text,
-                 store_identity(s->store));
-        code = fail_foreign(s, why, err);
-    }
-    if (code == SHEAR_OK) {
-        code = sweep(s, path, err);
-    }
-    free(path);
-    return code;
+    const char *directory = s->config.catalogues.directory;
+    const int code = catalogues_claim(s, directory, err);
+    return code == SHEAR_OK ? sweep(s, directory, err) : code;
 }

@@ -245,12 +245,16 @@ void spooled_end(service *s, store_job *job);
  * spool_take_back; a job file may be missing, for the job knows all that it said. */
 int spooled_take_back(service *s, const store_job *job, shear_error *err);
 
+int make_directory(const char *path, mode_t mode, shear_error *err); /* start.c; may be there */
+
 /* catalogues.c */
 char *catalogue_path(const service *s, int64_t job); /* malloc'd; NULL where there are none */
 /* A job is over: its temporary file, and a catalogue that it did not end with, go. */
 void catalogue_forget(const service *s, const store_job *job);
-/* At the start: their directory is made this database's, and what nobody needs goes. SHEAR_E_EXISTS
+/* The directory is made, where it is not there, and is this database's from now on. SHEAR_E_EXISTS
  * where it is another's. */
+int catalogues_claim(service *s, const char *directory, shear_error *err);
+/* At the start: their directory is claimed, and what nobody needs goes. */
 int catalogues_open(service *s, shear_error *err);
 /* Jobs were retracted, and that is on disk: their catalogues go. */
 void catalogues_remove_retracted(service *s);

@@ -113,6 +113,15 @@ void reload_reply_deinit(shear_msg_reloaded *reply) {
     *reply = (shear_msg_reloaded){0};
 }
 
+/* Catalogues that go elsewhere from now on: is it a place for them? */
+static int claim_catalogues(service *s, const sheard_config *fresh, shear_error *err) {
+    const bool same = s->config.catalogues.enabled &&
+                      strcmp(s->config.catalogues.directory, fresh->catalogues.directory) == 0;
+    return fresh->catalogues.enabled && !same
+               ? catalogues_claim(s, fresh->catalogues.directory, err)
+               : SHEAR_OK;
+}
+
 int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error) {
     enum { ROOM = 128 };
     static sheard_problems problems; /* large; one thread */
@@ -133,6 +142,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     } else {
         code = reload_access(&fresh, &admins, &submitters, &roots, &err);
         code = code == SHEAR_OK ? reload_hurried(&fresh, &hurried, &err) : code;
+        code = code == SHEAR_OK ? claim_catalogues(s, &fresh, &err) : code;
         if (code == SHEAR_OK) {
             const size_t all = sheard_config_changes(&s->config, &fresh, false, changed, ROOM);
             reply->n_restart = sheard_config_changes(&s->config, &fresh, true, restart, ROOM);

@@ -25,7 +25,7 @@ static bool is_admin(void *context, const access_peer *peer) {
     return peer_is_admin(context, peer);
 }
 
-static int make_directory(const char *path, mode_t mode, shear_error *err) {
+int make_directory(const char *path, mode_t mode, shear_error *err) {
     if (mkdir(path, mode) == 0 || errno == EEXIST) {
         return SHEAR_OK;
     }
@@ -44,9 +44,6 @@ static int open_store(service *s, shear_error *err) {
     int code = check_owner(s, err);
     if (code == SHEAR_OK) {
         code = make_directory(s->config.daemon.state_dir, 0750, err);
-    }
-    if (code == SHEAR_OK && s->config.catalogues.enabled) {
-        code = make_directory(s->config.catalogues.directory, 0750, err);
     }
     snprintf(path, sizeof path, "%s/sheard.db", s->config.daemon.state_dir);
     if (code == SHEAR_OK) {

@@ -69,6 +69,54 @@ class Owner(DaemonTest):
         path = mock(os.path.join(first.data, "more.fits"), 16, 32, 7)
         first.wait_state(first.submit(path)["id"], "done")
 
+    def test_reload(self):
+        """As a start: another's directory is refused, a new one is made and marked."""
+        first, other = self.with_catalogues("first"), self.one("other")
+        own = other.settings["catalogues.directory"] = os.path.join(self.directory, "own")
+        other.write_config()
+        other.start()
+        before = bytes_of(self.catalogues)
+        for bad in (self.catalogues, os.path.join(self.directory, "field.fits"),
+                    os.path.join(self.directory, "no", "parent"), "/proc"):
+            other.settings["catalogues.directory"] = bad
+            other.write_config()
+            with self.assertRefused("bad_config") as caught:
+                other.call("reload")
+            self.assertIn(bad, str(caught.exception))
+            self.assertEqual(other.call("status")["catalogues"], own)
+        path = mock(os.path.join(other.data, "a.fits"), 16, 32, 5)
+        other.wait_state(other.submit(path)["id"], "done")
+        self.assertEqual(bytes_of(self.catalogues), before)
+        more = other.settings["catalogues.directory"] = os.path.join(self.directory, "more")
+        other.write_config()
+        self.assertEqual(other.call("reload")["changed"], ["catalogues.directory"])
+        self.assertEqual(content_of(os.path.join(more, MARK)), content_of(os.path.join(own, MARK)))
+        # Switched on only now, where the directory has become another's meanwhile.
+        other.settings["catalogues.enabled"] = "false"
+        other.write_config()
+        other.call("reload")
+        shutil.copy(os.path.join(self.catalogues, MARK), more)
+        other.settings["catalogues.enabled"] = "true"
+        other.write_config()
+        with self.assertRefused("bad_config"):
+            other.call("reload")
+        self.assertNotIn("error", first.call("status"))
+
+    def test_retract_in_another_s(self):
+        """The directory that the catalogue was in has been left to another database, with a
+        catalogue of the same name."""
+        first = self.with_catalogues("first", 1)
+        first.settings["catalogues.directory"] = os.path.join(self.directory, "more")
+        first.write_config()
+        first.call("reload")
+        shutil.rmtree(self.catalogues)
+        self.with_catalogues("other", 1)
+        before = bytes_of(self.catalogues)
+        self.assertEqual(first.call("retract", id=1)["state"], "retracted")
+        first.stop()
+        first.start()
+        self.assertEqual(bytes_of(self.catalogues), before)
+
     def test_bad_mark(self):
         first = self.with_catalogues("first", 1)
         first.stop()
