@@ -45,8 +45,14 @@ static int fail_errno(shear_error *err, const char *what) {
         "the reader's sandbox: %s: %s", what, strerror(errno));
 }
 
+/* At most so much, and never more than whoever started the service allows. */
 static int limit(int resource, int64_t value, const char *what, shear_error *err) {
-    const struct rlimit r = {.rlim_cur = (rlim_t)value, .rlim_max = (rlim_t)value};
+    struct rlimit r;
+    if (getrlimit((__rlimit_resource_t)resource, &r) != 0) {
+        return fail_errno(err, what);
+    }
+    r.rlim_max = (rlim_t)value < r.rlim_max ? (rlim_t)value : r.rlim_max;
+    r.rlim_cur = r.rlim_max;
     return setrlimit((__rlimit_resource_t)resource, &r) == 0 ? SHEAR_OK : fail_errno(err, what);
 }
 

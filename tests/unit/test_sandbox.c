@@ -485,11 +485,38 @@ static void test_abort(void **state) {
     assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT);
 }
 
+static bool lower(int resource, rlim_t value) {
+    const struct rlimit r = {.rlim_cur = value / 2, .rlim_max = value};
+    return setrlimit((__rlimit_resource_t)resource, &r) == 0;
+}
+
+/* A service that may have less than its configuration says, and nobody's rights to raise that. */
+static void test_lower_limits(void **state) {
+    (void)state;
+    int status = 0;
+    const pid_t pid = fork();
+    if (pid == 0) {
+        unsigned guards = 0;
+        struct rlimit r;
+        if (!lower(RLIMIT_AS, 1 << 30) || !lower(RLIMIT_NOFILE, 32) ||
+            (geteuid() == 0 && setuid(65534) != 0)) {
+            _exit(3);
+        }
+        if (enter(&guards) != 0) {
+            _exit(2);
+        }
+        _exit(getrlimit(RLIMIT_AS, &r) == 0 && r.rlim_cur == 1 << 30 ? 0 : 1);
+    }
+    assert_int_equal(waitpid(pid, &status, 0), pid);
+    assert_int_equal(status, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_attempts),    cmocka_unit_test(test_attempts_in_namespaces),
-        cmocka_unit_test(test_nobody_else), cmocka_unit_test(test_ends),
-        cmocka_unit_test(test_work),        cmocka_unit_test(test_abort),
+        cmocka_unit_test(test_attempts),     cmocka_unit_test(test_attempts_in_namespaces),
+        cmocka_unit_test(test_nobody_else),  cmocka_unit_test(test_ends),
+        cmocka_unit_test(test_work),         cmocka_unit_test(test_abort),
+        cmocka_unit_test(test_lower_limits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
