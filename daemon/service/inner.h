@@ -259,14 +259,23 @@ int catalogues_open(service *s, shear_error *err);
 /* Jobs were retracted, and that is on disk: their catalogues go. */
 void catalogues_remove_retracted(service *s);
 
-/* reasons.c: why a field has no result */
+/* reasons.c: why a field has no result. The contributions that may be to blame are looked at some
+ * at a time, for there may be very many. */
 typedef struct field_reason {
     char *text; /* NULL: it has one */
     char *file, *checksum;
     int64_t job, contribution; /* of the worst contribution, where one is to blame; else 0 */
+    double worst_d;            /* its sum of w D */
+    const char *brief;         /* what is known without them */
+    int64_t n_stamps, n_used;
+    double sum_d;
+    int64_t seen; /* contributions up to this one have been looked at */
+    bool done;
 } field_reason;
-/* Texts are malloc'd, the caller's. What cannot be found out is left out. */
-void reason_find(service *s, const store_field *f, const shear_result *result, field_reason *out);
+void reason_begin(const store_field *f, const shear_result *result, field_reason *out);
+/* Some more; true: that was all, and the texts are made. What cannot be found out is left out. */
+bool reason_look(service *s, const store_field *f, field_reason *r);
+void reason_deinit(field_reason *r);
 /* The same without looking at the contributions. Static text; NULL: it has a result. */
 const char *reason_brief(const store_field *f, const shear_result *result);
 
@@ -292,9 +301,10 @@ void present_job_free(shear_msg_job *out);
 bool present_running(service *s, int64_t id, shear_msg_progress *p);
 /* Add the rows of a field that have no contribution yet, but running jobs. */
 int present_begun(service *s, const char *name, store_field_page *page, shear_error *err);
-/* `counted`: the contributions whose files are to be listed. */
+/* `counted`: the contributions whose files are to be listed. *why is begun, for the row's reason
+ * and culprit, which are left out. */
 int present_field(service *s, const store_field *f, const store_contribution_page *counted,
-                  shear_msg_field_row *out, shear_error *err);
+                  shear_msg_field_row *out, field_reason *why, shear_error *err);
 void present_field_free(shear_msg_field_row *out);
 void present_summary(service *s, const store_field *f, shear_msg_summary *out);
 void publish_job(service *s, const store_job *job);

@@ -34,7 +34,7 @@ static int list_contributions(const store_contribution_page *page, shear_msg_fie
                         : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page");
 }
 
-/* ---- field: a row in each step ---- */
+/* ---- field: a row in each step, or in several where it is to say what is to blame ---- */
 
 typedef struct field_rows {
     listing list;          /* first */
@@ -42,6 +42,10 @@ typedef struct field_rows {
     store_field_page page; /* once all results are at hand */
     bool ready;
     size_t next;
+    bool made; /* what follows, of the next one */
+    shear_msg_field_row row;
+    store_contribution_page contributions;
+    field_reason why;
 } field_rows;
 
 /* The rows, and their results. */
@@ -69,28 +73,40 @@ static int find_rows(field_rows *w) {
     return SERVER_PAUSE;
 }
 
-static bool add_row(field_rows *w, const store_field *f) {
-    shear_msg_field_row row = {0};
-    store_contribution_page contributions = {0};
-    shear_error err = {0};
-    bool good = false;
+static int make_row(field_rows *w, const store_field *f, shear_error *err) {
+    w->made = true;
     int code =
-        find_contributions(w->list.s, &w->list.request.params.field, f, &contributions, &err);
+        find_contributions(w->list.s, &w->list.request.params.field, f, &w->contributions, err);
     if (code == SHEAR_OK) {
-        code = present_field(w->list.s, f, &contributions, &row, &err);
+        code = present_field(w->list.s, f, &w->contributions, &w->row, &w->why, err);
     }
-    if (code == SHEAR_OK) {
-        code = list_contributions(&contributions, &row, &err);
-    }
+    return code == SHEAR_OK ? list_contributions(&w->contributions, &w->row, err) : code;
+}
+
+static void clear_row(field_rows *w) {
+    free((shear_msg_contribution *)w->row.contributions);
+    store_contribution_page_deinit(&w->contributions);
+    present_field_free(&w->row);
+    reason_deinit(&w->why);
+    w->made = false;
+}
+
+/* A step of the next row. */
+static void row_step(field_rows *w, const store_field *f) {
+    shear_error err = {0};
+    const int code = w->made ? SHEAR_OK : make_row(w, f, &err);
     if (code != SHEAR_OK) {
         listing_refuse_store(&w->list, code, &err);
-    } else {
-        good = listing_add(&w->list, &row);
+    } else if (reason_look(w->list.s, f, &w->why)) {
+        w->row.reason = w->why.text;
+        w->row.culprit = (shear_msg_culprit){.job = w->why.job,
+                                             .contribution = w->why.contribution,
+                                             .file = w->why.file,
+                                             .checksum = w->why.checksum};
+        (void)listing_add(&w->list, &w->row);
+        clear_row(w);
+        w->next++;
     }
-    free((shear_msg_contribution *)row.contributions);
-    store_contribution_page_deinit(&contributions);
-    present_field_free(&row);
-    return good;
 }
 
 static int rows_step(void *context) {
@@ -105,9 +121,11 @@ static int rows_step(void *context) {
         const shear_reply rest = {.field = {.field = p->field, .mixed = w->page.n > 1}};
         listing_reply(&w->list, &rest);
     } else {
-        const store_field *f = &w->page.fields[w->next++];
+        const store_field *f = &w->page.fields[w->next];
         if (p->digest == NULL || strcmp(p->digest, f->settings_digest) == 0) {
-            (void)add_row(w, f);
+            row_step(w, f);
+        } else {
+            w->next++;
         }
     }
     solutions_since(s, INT64_MAX);
@@ -117,6 +135,7 @@ static int rows_step(void *context) {
 static void rows_drop(void *context) {
     field_rows *w = context;
     solutions_forget(w->list.s, w->list.to);
+    clear_row(w);
     store_field_page_deinit(&w->page);
     listing_deinit(&w->list);
     free(w);

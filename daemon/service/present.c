@@ -196,11 +196,10 @@ static int result_of(service *s, const store_field *f, const shear_settings *set
 }
 
 int present_field(service *s, const store_field *f, const store_contribution_page *counted,
-                  shear_msg_field_row *out, shear_error *err) {
+                  shear_msg_field_row *out, field_reason *why, shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_result result;
     shear_settings settings;
-    field_reason why = {0};
     char *report_text = NULL;
     int64_t jobs = 0;
     int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
@@ -222,7 +221,7 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
         code = field_report(s, f, &settings, &result, counted, &report_text, err);
     }
     if (code == SHEAR_OK) {
-        reason_find(s, f, &result, &why);
+        reason_begin(f, &result, why);
     }
     shear_field_sums_free(sums);
     if (code != SHEAR_OK) {
@@ -237,21 +236,13 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
                                  .running = running,
                                  .n_running = n,
                                  .files_left_out = f->jobs - (int64_t)counted->n,
-                                 .updated_ms = f->updated_ms,
-                                 .reason = why.text,
-                                 .culprit = {.job = why.job,
-                                             .contribution = why.contribution,
-                                             .file = why.file,
-                                             .checksum = why.checksum}};
+                                 .updated_ms = f->updated_ms};
     return SHEAR_OK;
 }
 
 void present_field_free(shear_msg_field_row *out) {
     free((char *)out->report);
     free((int64_t *)out->running);
-    free((char *)out->reason);
-    free((char *)out->culprit.file);
-    free((char *)out->culprit.checksum);
     *out = (shear_msg_field_row){0};
 }
 

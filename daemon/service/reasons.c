@@ -25,18 +25,12 @@ const char *reason_brief(const store_field *f, const shear_result *r) {
                                                       : "the sums have no finite solution";
 }
 
-typedef struct worst {
-    int64_t id, job;
-    char *checksum;
-    double sum_d;
-} worst;
-
 /* Smaller is worse, and what is no number at all the worst. */
 static bool is_worse(double a, double b) {
     return isnan(a) ? !isnan(b) : a < b;
 }
 
-static int look_at(service *s, const store_contribution *c, worst *w, shear_error *err) {
+static int look_at(service *s, const store_contribution *c, field_reason *r, shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_result own;
     char *text = NULL;
@@ -47,10 +41,12 @@ static int look_at(service *s, const store_contribution *c, worst *w, shear_erro
     if (code == SHEAR_OK) {
         shear_field_result(sums, &own);
         const bool to_blame = own.n_used > 0 && !(own.sum_d > 0.0 && isfinite(own.sum_d));
-        if (to_blame && (w->id == 0 || is_worse(own.sum_d, w->sum_d))) {
-            free(w->checksum);
-            *w = (worst){
-                .id = c->id, .job = c->job, .checksum = strdup(c->content), .sum_d = own.sum_d};
+        if (to_blame && (r->contribution == 0 || is_worse(own.sum_d, r->worst_d))) {
+            free(r->checksum);
+            r->contribution = c->id;
+            r->job = c->job;
+            r->checksum = strdup(c->content);
+            r->worst_d = own.sum_d;
         }
     }
     shear_field_sums_free(sums);
@@ -58,23 +54,20 @@ static int look_at(service *s, const store_contribution *c, worst *w, shear_erro
     return code;
 }
 
-/* All contributions, page by page. */
-static int find_worst(service *s, const store_field *f, worst *w, shear_error *err) {
-    int64_t last = 0;
-    bool more = true;
-    int code = SHEAR_OK;
-    while (code == SHEAR_OK && more) {
-        store_contribution_page page = {0};
-        code = store_contributions(s->store, f->name, f->settings_digest, last, STORE_PAGE_MAX,
-                                   &page, err);
-        for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
-            code = look_at(s, &page.items[i], w, err);
-            last = page.items[i].id;
-        }
-        more = page.more;
-        store_contribution_page_deinit(&page);
+/* False: there are no more, or they cannot be read. */
+static bool look_at_some(service *s, const store_field *f, field_reason *r) {
+    enum { SOME = 32 }; /* a millisecond */
+    store_contribution_page page = {0};
+    shear_error ignored;
+    int code =
+        store_contributions(s->store, f->name, f->settings_digest, r->seen, SOME, &page, &ignored);
+    for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
+        code = look_at(s, &page.items[i], r, &ignored);
+        r->seen = page.items[i].id;
     }
-    return code;
+    const bool more = code == SHEAR_OK && page.more;
+    store_contribution_page_deinit(&page);
+    return more;
 }
 
 /* As its owner calls it. NULL: the job is forgotten. */
@@ -98,32 +91,43 @@ static char *file_of(service *s, int64_t id) {
     return name;
 }
 
-static char *text_of(const char *brief, const shear_result *r, const worst *w, const char *file) {
+static char *text_of(const field_reason *r) {
     char *text = NULL;
     int n = 0;
     if (r->n_used < 2) {
-        n = asprintf(&text, "%s: %" PRId64 " of %" PRId64, brief, r->n_used, r->n_stamps);
-    } else if (w->id != 0) {
-        n = asprintf(&text, "%s (%.3g): job %" PRId64 "%s%s alone brings %.3g", brief, r->sum_d,
-                     w->job, file != NULL ? ", " : "", file != NULL ? file : "", w->sum_d);
+        n = asprintf(&text, "%s: %" PRId64 " of %" PRId64, r->brief, r->n_used, r->n_stamps);
+    } else if (r->contribution != 0) {
+        n = asprintf(&text, "%s (%.3g): job %" PRId64 "%s%s alone brings %.3g", r->brief, r->sum_d,
+                     r->job, r->file != NULL ? ", " : "", r->file != NULL ? r->file : "",
+                     r->worst_d);
     } else {
-        n = asprintf(&text, "%s", brief);
+        n = asprintf(&text, "%s", r->brief);
     }
     return n > 0 ? text : NULL;
 }
 
-void reason_find(service *s, const store_field *f, const shear_result *result, field_reason *out) {
-    shear_error ignored;
-    worst w = {0};
-    const char *brief = reason_brief(f, result);
-    *out = (field_reason){0};
-    if (brief == NULL) {
-        return;
+void reason_begin(const store_field *f, const shear_result *result, field_reason *out) {
+    *out = (field_reason){.brief = reason_brief(f, result),
+                          .n_stamps = result->n_stamps,
+                          .n_used = result->n_used,
+                          .sum_d = result->sum_d};
+    out->done = out->brief == NULL;
+}
+
+bool reason_look(service *s, const store_field *f, field_reason *r) {
+    const bool blames = f->jobs > 0 && r->n_used >= 2;
+    if (r->done || (blames && look_at_some(s, f, r))) {
+        return r->done;
     }
-    if (f->jobs > 0 && result->n_used >= 2) {
-        find_worst(s, f, &w, &ignored);
-    }
-    *out = (field_reason){.job = w.job, .contribution = w.id, .checksum = w.checksum};
-    out->file = w.id != 0 ? file_of(s, w.job) : NULL;
-    out->text = text_of(brief, result, &w, out->file);
+    r->file = r->contribution != 0 ? file_of(s, r->job) : NULL;
+    r->text = text_of(r);
+    r->done = true;
+    return true;
+}
+
+void reason_deinit(field_reason *r) {
+    free(r->text);
+    free(r->file);
+    free(r->checksum);
+    *r = (field_reason){.done = true};
 }

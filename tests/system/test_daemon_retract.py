@@ -3,8 +3,10 @@
 and a field that one file keeps from being measured says which."""
 import os
 import shutil
+import sqlite3
 import struct
 import subprocess
+import time
 import unittest
 
 from daemon import DaemonTest, content_of, measured, mock, numbers, until
@@ -161,6 +163,27 @@ class Retract(DaemonTest):
         self.assertIn(f"shearctl retract {bad['id']}", daemon.shearctl("field", "f"))
         daemon.shearctl("retract", str(bad["id"]))
         self.assertRow(daemon, "f", measured(good), 2)
+
+    def test_culprit_of_many(self):
+        """Whose file it is, is looked for while others are served: also among very many."""
+        daemon = self.daemon_
+        many = 10000
+        self.count(self.file("good.fits", 1, 2))
+        bad = self.count(poisoned(self.file("bad.fits", 9)))
+        daemon.stop()
+        with sqlite3.connect(os.path.join(daemon.state, "sheard.db")) as base:
+            base.execute("with recursive n(i) as (select 1 union all select i + 1 from n where i < ?)"
+                         " insert into contributions (field, job, content, n_stamps, n_used, counted_ms, sums)"
+                         " select field, 100 + i, content || i, n_stamps, n_used, counted_ms, sums"
+                         " from contributions, n where job <> ?", (many, bad["id"]))
+            base.execute("update fields set jobs = jobs + ?", (many,))
+        base.close()
+        daemon.start()
+        begun = time.monotonic()
+        row = daemon.call("field", field="f", limit=1)["rows"][0]
+        took_ms = 1e3 * (time.monotonic() - begun)
+        self.assertEqual((row["jobs"], row["culprit"]["job"]), (many + 2, bad["id"]))
+        self.assertLess(daemon.call("status")["loop"]["longest_ms"], took_ms / 5)
 
     def test_too_few(self):
         daemon = self.daemon_
