@@ -160,6 +160,22 @@ static int run_all(struct measure_group *g, const struct measure_options *o,
     return code;
 }
 
+static int fail_invalid(const struct measure_group *g, shear_error *err) {
+    const shear_result *r = &g->result;
+    if (r->n_used < 2) {
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "\"shearctl validate\" tells why stamps are left out",
+                          "field %s: %lld of %lld stamps are usable: no shear could be measured",
+                          g->field, (long long)r->n_used, (long long)r->n_stamps);
+    }
+    return shear_fail(err, SHEAR_E_FORMAT,
+                      "see that the PSF is right, and that no stamp has absurd pixels: one file "
+                      "can spoil all the others",
+                      "field %s: the sum of w D of its %lld usable stamps is %.3g, and gives no "
+                      "shear",
+                      g->field, (long long)r->n_used, r->sum_d);
+}
+
 /* What stands out in the result. A field without a usable stamp is bad input, but its counts are
  * worth showing. */
 static void judge(struct measure_group *g, size_t done) {
@@ -174,10 +190,7 @@ static void judge(struct measure_group *g, size_t done) {
     }
     if (!g->result.valid) {
         shear_error err = {0};
-        int code =
-            shear_fail(&err, SHEAR_E_FORMAT, "\"shearctl validate\" tells why stamps are left out",
-                       "field %s: %lld of %lld stamps are usable: no shear could be measured",
-                       g->field, (long long)g->result.n_used, (long long)g->result.n_stamps);
+        const int code = fail_invalid(g, &err);
         fail_all(g, code, &err);
     } else if (!isfinite(g->result.g1_err) || !isfinite(g->result.g2_err)) {
         shear_error err = {0};

@@ -158,6 +158,9 @@ class Retract(DaemonTest):
         self.assertEqual((row["culprit"]["job"], row["culprit"]["file"]), (bad["id"], bad["source"]["path"]))
         self.assertEqual(row["culprit"]["checksum"], bad["checksum"])
         self.assertIn("w D", daemon.call("fields")["fields"][0]["reason"])
+        run = subprocess.run([SHEARCTL, "measure", bad["source"]["path"]], capture_output=True, encoding="utf-8")
+        self.assertEqual(run.returncode, 3)
+        self.assertIn("the sum of w D of its 48 usable stamps is -", run.stderr)
         for text in (daemon.shearctl("field", "f"), daemon.shearctl("fields")):
             self.assertIn("w D", text)
         self.assertIn(f"shearctl retract {bad['id']}", daemon.shearctl("field", "f"))
