@@ -52,12 +52,23 @@ static void tell_root(struct doctor *d, const shear_msg_root *r) {
     }
 }
 
+static void tell_disk(struct doctor *d, const shear_msg_disk *disk) {
+    if (disk->problem) {
+        doctor_say(d, disk->use, SHEAR_FINDING_FAIL,
+                   "see that it is there, and that the service may write to it", "%s: %s",
+                   disk->path, disk->problem);
+    } else {
+        doctor_say_room(d, disk->use, disk->path, disk->free_bytes);
+    }
+}
+
 void doctor_check_told(struct doctor *d) {
     const shear_msg_status *s = &d->status.status;
-    doctor_say_room(d, "state", s->state_dir, s->store.free_bytes);
+    for (size_t i = 0; i < s->n_disks; i++) {
+        tell_disk(d, &s->disks[i]);
+    }
     doctor_check_local(d, s->state_dir);
     if (s->spool.path) {
-        doctor_say_room(d, "spool", s->spool.path, s->spool.free_bytes);
         doctor_check_clock(d);
     }
     for (size_t i = 0; i < s->n_roots; i++) {

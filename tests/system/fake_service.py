@@ -54,6 +54,8 @@ def status(**other):
             "loop": {"longest_ms": 8.5, "longest_minute_ms": 3.2, "unsent_bytes": 0, "dropped": 1},
             "spool": {"path": "/var/spool/sheard", "watching": True, "incoming": 1, "active": 2, "done": 3, "failed": 4,
                       "free_bytes": 5 << 30},
+            "disks": [{"use": "state", "path": "/var/lib/sheard", "free_bytes": 6 << 30, "bytes": 9 << 30,
+                       "same_as": None, "problem": None}],
             "store": {"path": "/var/lib/sheard/sheard.db", "schema": 1, "bytes": 2 << 20, "free_bytes": 6 << 30,
                       "commits": 99},
             "config": "/etc/sheard/sheard.conf", "state_dir": "/var/lib/sheard", "catalogues": "/var/lib/sheard/catalogues",

@@ -736,14 +736,16 @@ esac
         """For what it sees, of its own configuration: nothing of that is here."""
         reason = "data root /mnt/away is missing: No such file or directory"
         gone = {"path": "/mnt/away", "missing": True, "reason": reason}
+        disks = [{"use": use, "path": f"/nonexistent/{use}", "free_bytes": n << 30, "bytes": 9 << 30,
+                  "same_as": None, "problem": None} for use, n in (("state", 6), ("spool", 5), ("catalogues", 4))]
         self.serve(status=status(config="/nonexistent/other.conf", state_dir="/nonexistent/state",
-                                 spool={**status()["spool"], "path": "/nonexistent/spool"},
+                                 spool={**status()["spool"], "path": "/nonexistent/spool"}, disks=disks,
                                  roots=[{"path": "/nonexistent/data", "missing": False, "reason": None}, gone]),
                    probe=PROBED)
         _, all_found, found = self.alone(self.program())
         self.assertEqual(found["state"]["level"], "ok")
-        self.assertIn("/nonexistent/state: 6", found["state"]["message"])
-        self.assertIn("/nonexistent/spool: 5", found["spool"]["message"])
+        for use, n in (("state", 6), ("spool", 5), ("catalogues", 4)):
+            self.assertIn(f"/nonexistent/{use}: {n}", found[use]["message"])
         roots = [(f["level"], f["message"]) for f in all_found if f["subject"] == "data root"]
         self.assertEqual(roots[0][0], "warn")
         self.assertIn("/nonexistent/data is there for the service, but you may not", roots[0][1])
@@ -753,6 +755,18 @@ esac
         self.assertEqual([f for f in all_found if f["level"] == "fail"], [])
         for name in ("view", "lock", "seccomp"):
             self.assertNotIn(name, found)
+
+    def test_a_disk_of_the_service(self):
+        """Every one that it writes to: gone, or full."""
+        disk = {"use": "state", "path": "/s", "free_bytes": 6 << 30, "bytes": 9 << 30, "same_as": None, "problem": None}
+        gone = {**disk, "use": "catalogues", "path": "/c", "free_bytes": 0, "problem": "No such file or directory"}
+        full = {**disk, "use": "scratch", "path": "/t", "free_bytes": 0}
+        self.serve(status=status(config=self.touch("sheard.conf"), disks=[disk, gone, full]), probe=PROBED)
+        answer, found = self.findings()
+        self.assertCode(answer, OTHER)
+        self.assertEqual({use: (found[use]["level"], found[use]["message"]) for use in ("state", "catalogues", "scratch")},
+                         {"state": ("ok", "/s: 6.0 GiB free"), "catalogues": ("fail", "/c: No such file or directory"),
+                          "scratch": ("fail", "/t: only 0 B free")})
 
     def test_data_roots_are_the_services_word(self):
         """What --check-config makes of them here counts only where nobody answers."""
