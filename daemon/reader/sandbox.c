@@ -7,6 +7,7 @@
 #include <seccomp.h>
 #include <stdbool.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -106,10 +107,8 @@ static const int allowed[] = {
     SCMP_SYS(fallocate),
     SCMP_SYS(close),
     SCMP_SYS(dup),
-    SCMP_SYS(mmap),
     SCMP_SYS(munmap),
     SCMP_SYS(mremap),
-    SCMP_SYS(mprotect),
     SCMP_SYS(madvise),
     SCMP_SYS(brk),
     SCMP_SYS(futex),
@@ -139,6 +138,19 @@ static struct scmp_arg_cmp equals(unsigned argument, scmp_datum_t value) {
     return (struct scmp_arg_cmp){.arg = argument, .op = SCMP_CMP_EQ, .datum_a = value};
 }
 
+static struct scmp_arg_cmp without(unsigned argument, scmp_datum_t bits) {
+    return (struct scmp_arg_cmp){.arg = argument, .op = SCMP_CMP_MASKED_EQ, .datum_a = bits};
+}
+
+/* Memory, but no new code in it: all that the reader runs is mapped by now. */
+static int allow_memory(scmp_filter_ctx filter) {
+    const int rc =
+        seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mmap), 1, without(2, PROT_EXEC));
+    return rc == 0 ? seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mprotect), 1,
+                                      without(2, PROT_EXEC))
+                   : rc;
+}
+
 /* Calls with arguments that reach beyond this process otherwise: to the service, which is of the
  * same user. F_SETOWN and F_SETSIG of fcntl would send it signals; F_SETFL serves them. */
 static int allow_some(scmp_filter_ctx filter) {
@@ -164,6 +176,7 @@ static int enter_seccomp(shear_error *err) {
      * reader that was taken over gains nothing by trying. */
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     int rc = filter != NULL ? allow_some(filter) : -ENOMEM;
+    rc = rc == 0 ? allow_memory(filter) : rc;
     for (size_t i = 0; rc == 0 && i < sizeof allowed / sizeof allowed[0]; i++) {
         rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
     }

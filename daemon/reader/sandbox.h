@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/sandbox.h: what the reader child may do: read and write what is open, take memory, answer
- * its socket, and end. It opens nothing, and no call takes a path or another process. */
+ * its socket, and end. It opens nothing, no call takes a path or another process, and no memory
+ * becomes code. */
 #ifndef SHEARD_READER_SANDBOX_H
 #define SHEARD_READER_SANDBOX_H
 

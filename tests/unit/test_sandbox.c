@@ -231,6 +231,20 @@ static long try_ioctl(const scene *s) {
     int n = 0;
     return syscall(SYS_ioctl, s->file, 0x541B /* FIONREAD */, &n);
 }
+static long try_map_code(const scene *s) {
+    (void)s;
+    return mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) != MAP_FAILED
+               ? 0
+               : -1;
+}
+static long try_map_file_as_code(const scene *s) {
+    return mmap(NULL, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE, s->file, 0) != MAP_FAILED ? 0 : -1;
+}
+static long try_make_code(const scene *s) {
+    void *page = mmap(NULL, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    (void)s;
+    return page != MAP_FAILED ? mprotect(page, 4096, PROT_READ | PROT_EXEC) : -1;
+}
 static long try_uring(const scene *s) {
     struct io_uring_params p = {0};
     (void)s;
@@ -285,6 +299,9 @@ static const attempt attempts[] = {
     {"memfd_create", try_memfd, false},
     {"unshare", try_unshare, false},
     {"ioctl", try_ioctl, false},
+    {"mmap of code", try_map_code, false},
+    {"mmap of the input as code", try_map_file_as_code, true}, /* /tmp may be noexec */
+    {"mprotect to code", try_make_code, false},
     {"io_uring_setup", try_uring, true},
     {"PR_SET_DUMPABLE", try_dumpable, false},
 };
