@@ -162,11 +162,14 @@ static int next_row(store *s, const char *name, char **digest, int64_t *id, shea
     return code;
 }
 
+/* With these settings (NULL: any; also such as nothing was counted with so far). */
 static int check_finished(store *s, const char *name, const char *digest, shear_error *err) {
     bool row = false;
-    query q = query_on(s, SQL_FIELD_UNFINISHED);
+    query q = query_on(s, digest != NULL ? SQL_FIELD_UNFINISHED : SQL_FIELD_PENDING);
     query_text(&q, name);
-    query_text(&q, digest);
+    if (digest != NULL) {
+        query_text(&q, digest);
+    }
     int code = query_step(&q, &row, err);
     const int64_t n = row ? query_get_int(&q) : 0;
     query_end(&q);
@@ -198,7 +201,7 @@ static int forget(store *s, const char *name, const char *wanted, store_forgotte
     int code = next_row(s, name, &digest, &field, err);
     while (code == SHEAR_OK && field != 0) {
         if (wanted == NULL || strcmp(wanted, digest) == 0) {
-            code = check_finished(s, name, digest, err);
+            code = check_finished(s, name, wanted, err);
             if (code == SHEAR_OK) {
                 code = forget_row(s, field, out, err);
             }

@@ -9,7 +9,8 @@ import subprocess
 import time
 import unittest
 
-from daemon import DaemonTest, content_of, measured, mock, numbers, until
+from daemon import (SLOW, SLOW_OPTIONS, DaemonTest, content_of, measured, mock, numbers,
+                    stamps_for, until)
 from fitsfile import BLOCK, card
 from tool import SHEARCTL
 
@@ -123,6 +124,17 @@ class Retract(DaemonTest):
     def test_forget(self):
         daemon = self.daemon_
         paths = [self.file(f"{i}.fits", i + 1) for i in range(3)]
+        for path in paths:
+            self.count(path)
+        digest = daemon.job(1)["digest"]
+        more = self.file("more.fits", 9, stamps_for(10, 32, *SLOW_OPTIONS))
+        running = daemon.held(daemon.submit(more, field="f", settings=SLOW)["id"])
+        with self.assertRefused("wrong_state"):  # though nothing was counted with its settings yet
+            daemon.call("forget", field="f")
+        self.assertEqual(daemon.call("forget", field="f", digest=digest)["jobs"], 3)
+        daemon.call("cancel", id=running)
+        daemon.go_on()
+        daemon.wait_state(running, "cancelled")
         for path in paths:
             self.count(path)
         other = self.count(paths[0], settings={"beta-ratio": 1.6})

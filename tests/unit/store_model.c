@@ -245,7 +245,7 @@ static bool is_pending(const model *m, int field, int settings) {
     for (int64_t id = 1; id <= m->n_jobs; id++) {
         const model_job *job = &m->jobs[id];
         if (job->kept && job->state <= STORE_WAITING && job->field == field &&
-            job->settings == settings) {
+            (settings == MODEL_NONE || job->settings == settings)) {
             return true;
         }
     }
@@ -279,7 +279,7 @@ int model_forget(model *m, int field, int settings, store_forgotten *out) {
             if (!counted || (settings != MODEL_NONE && settings != s)) {
                 continue;
             }
-            if (pass == 0 && is_pending(m, field, s)) {
+            if (pass == 0 && is_pending(m, field, settings)) {
                 return STORE_WRONG_STATE;
             }
             if (pass == 1) {
