@@ -256,9 +256,10 @@ int spool_refuse(spool *s, const char *active_name, shear_error *err) {
 }
 
 int spool_open_file(const spool *s, const char *active_name, int *out, shear_error *err) {
+    const char *name = name_of_active(active_name);
     struct stat st;
     *out = -1;
-    if (name_of_active(active_name) == NULL) {
+    if (name == NULL) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "'%.255s' is no name of the spool's",
                           active_name);
     }
@@ -281,7 +282,7 @@ int spool_open_file(const spool *s, const char *active_name, int *out, shear_err
                       code == SPOOL_DENIED ? "let the service's group read what is put into "
                                              "incoming/ (chmod g+r)"
                                            : NULL,
-                      "%s/active/%s: cannot be opened: %s", s->folders.path, active_name,
+                      "the dropped file '%s' cannot be opened: %s", name,
                       code == SPOOL_NOT_REGULAR ? "it is no regular file" : strerror(error));
 }
 
