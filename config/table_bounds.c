@@ -23,7 +23,7 @@ const sheard_setting config_bound_rows[] = {
      .max = 100000,
      .unit = "connections",
      .help = "Clients that may be connected at once. Each needs a file descriptor (LimitNOFILE in "
-             "sheard.service)."},
+             "sheard.service): where there are not as many, fewer are taken."},
     {.section = "limits",
      .key = "user_connections",
      .type = SHEARD_T_INT,

@@ -99,11 +99,14 @@ static void warn_roots(struct scene *scene) {
  * memory, its channel and its catalogue. */
 enum { OWN_DESCRIPTORS = 64, JOB_DESCRIPTORS = 6 };
 
+int64_t sheard_config_own_descriptors(const sheard_config *config) {
+    return OWN_DESCRIPTORS + JOB_DESCRIPTORS * config->daemon.max_active_jobs;
+}
+
 static void warn_descriptors(struct scene *scene) {
     const sheard_config *c = scene->config;
     struct rlimit limit;
-    uint64_t needed = (uint64_t)(c->limits.connections + OWN_DESCRIPTORS +
-                                 JOB_DESCRIPTORS * c->daemon.max_active_jobs);
+    uint64_t needed = (uint64_t)(c->limits.connections + sheard_config_own_descriptors(c));
     if (getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_max < needed) {
         problems_warn(scene->problems, where(scene, "limits", "connections"),
                       "lower it, or raise LimitNOFILE in sheard.service",

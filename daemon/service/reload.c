@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The configuration anew, while the service runs. */
 #include "engine/machine.h"
+#include "service/descriptors.h"
 #include "service/inner.h"
 
 #include <stdlib.h>
@@ -22,7 +23,8 @@ static const char **names_of(const size_t *indices, size_t n) {
 server_limits reload_server_limits(const sheard_config *c) {
     server_limits limits;
     server_limits_init(&limits);
-    limits.connections = (size_t)c->limits.connections;
+    descriptors_raise(c);
+    limits.connections = (size_t)descriptors_connections(c);
     limits.user_connections = (size_t)c->limits.user_connections;
     limits.reserved_connections = (size_t)c->limits.admin_connections;
     limits.unsent_bytes = (size_t)c->limits.unsent_bytes;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the service says of itself. */
+#include "service/descriptors.h"
 #include "service/inner.h"
 
 #include <inttypes.h>
@@ -19,7 +20,7 @@ shear_msg_limits status_limits(const service *s) {
                               .list = SHEAR_MSG_LIST_MAX,
                               .jobs_page = SHEAR_MSG_JOBS_PAGE,
                               .fields_page = SHEAR_MSG_FIELDS_PAGE,
-                              .connections = c->limits.connections,
+                              .connections = descriptors_connections(c),
                               .in_flight = c->limits.requests_in_flight,
                               .idle_s = c->limits.idle_timeout_ms / 1000,
                               .queue = c->limits.queue};

@@ -4,6 +4,7 @@ How long others wait is held in processor time of the service's own turns, which
 shows it by the clock."""
 import contextlib
 import os
+import resource
 import unittest
 
 import flood
@@ -110,6 +111,25 @@ class Connections(DaemonTest):
             until(lambda: d.call("status")["connections"] == 19, "the rest but what is reserved is taken")
             as_user(self, 65503, lambda: knocks("[limits] connections"))
             self.assertTrue(d.call("hello")["admin"])
+
+    def test_descriptors_of_its_own(self):
+        """Clients do not use up the descriptors that jobs need, whatever the limits are: the soft one is raised, and of a hard
+        one that is too low for so many connections the service keeps its share."""
+        for limits, expected, connections in (("100:2300", 2000 + 64 + 6 * 4, 2000), ("100:240", 240, 240 - 64 - 6 * 4)):
+            with self.subTest(limits), contextlib.ExitStack() as stack:
+                d = self.daemon({"limits.connections": 2000, "limits.user_connections": 2000, "daemon.max_active_jobs": 4},
+                                start=False, name=limits)
+                d.prefix = ["prlimit", "--nofile=" + limits]
+                client = stack.enter_context(d.start().client())
+                soft = resource.prlimit(d.process.pid, resource.RLIMIT_NOFILE)[0]
+                self.assertEqual((soft, client.call("status")["limits"]["connections"]), (expected, connections))
+                if connections < 2000:
+                    self.assertIn(f"file descriptors for {connections} only", d.log_text())
+                    stack.enter_context(flood.flooding(hold, d.socket))
+                    reserved = 0 if client.call("hello")["admin"] else 16
+                    until(lambda: client.call("status")["connections"] == connections - reserved, "all that are to be had are held")
+                    path = mock(d.data + "/a.fits", 8)
+                    self.assertEqual(client.call("submit", path=path, wait=True)["job"]["state"], "done")
 
 
 def hold(path):

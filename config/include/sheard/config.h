@@ -216,6 +216,9 @@ int sheard_config_check(const sheard_config *config, sheard_problems *problems);
  * database. */
 void sheard_config_warnings(const sheard_config *config, sheard_problems *problems);
 
+/* File descriptors that the service needs beside those of its clients' connections. */
+int64_t sheard_config_own_descriptors(const sheard_config *config);
+
 /* `sheard --check-config`: read, warn, print every problem and a verdict to `out`. Returns the
  * number of errors. */
 size_t sheard_config_check_file(const char *path, const sheard_list *assignments, FILE *out);
