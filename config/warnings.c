@@ -39,15 +39,15 @@ static bool user_known(const char *name, char *buf) {
     return found != NULL || (code != 0 && code != ENOENT);
 }
 
-static const char no_start[] = "where there is none, the service does not start";
-
 static void warn_names(struct scene *scene, const char *key, const sheard_list *names, bool users,
                        char *buf) {
     for (size_t i = 0; i < names->n; i++) {
         const char *name = names->items[i];
         const bool is_number = name[strspn(name, "0123456789")] == '\0'; /* that will do, too */
         if (!is_number && !(users ? user_known(name, buf) : group_known(name, buf))) {
-            problems_warn(scene->problems, where(scene, "access", key), no_start,
+            problems_warn(scene->problems, where(scene, "access", key),
+                          "take it out, or reload the service once there is one: until then "
+                          "nobody has its rights",
                           "[access] %s: this system has no %s '%s'", key, users ? "user" : "group",
                           name);
         }
@@ -66,7 +66,8 @@ static void warn_accounts(struct scene *scene) {
     warn_names(scene, "priority_users", &c->access.priority_users, true, buf);
     warn_names(scene, "priority_groups", &c->access.priority_groups, false, buf);
     if (c->daemon.socket_group[0] != '\0' && !group_known(c->daemon.socket_group, buf)) {
-        problems_warn(scene->problems, where(scene, "daemon", "socket_group"), no_start,
+        problems_warn(scene->problems, where(scene, "daemon", "socket_group"),
+                      "where there is none, the service does not start",
                       "[daemon] socket_group: this system has no group '%s'",
                       c->daemon.socket_group);
     }

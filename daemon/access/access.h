@@ -60,11 +60,14 @@ int access_peer_from_text(uid_t uid, gid_t gid, const char *groups, access_peer 
 
 typedef struct access_list access_list;
 
-/* Asks the user database, once. A name may be a number. SHEAR_E_SETTING: no such user or group;
- * SHEAR_E_IO: the database cannot be asked; SHEAR_E_NOMEM. *list is NULL on error. */
+/* Asks the user database, once. A name may be a number. A name that the database does not know (of
+ * a user who has left) stands for nobody, and is told below. SHEAR_E_IO: the database cannot be
+ * asked; SHEAR_E_NOMEM. *list is NULL on error. */
 int access_list_new(access_list **list, char *const *users, size_t n_users, char *const *groups,
                     size_t n_groups, shear_error *err);
 void access_list_free(access_list *list); /* NULL is accepted */
+/* What is to be said of the i-th name that was not known; NULL after the last. */
+const char *access_list_unknown(const access_list *list, size_t i);
 /* Is the peer one of the users, or does it have one of the groups? No, where the list is empty. */
 bool access_list_has(const access_list *list, const access_peer *peer);
 

@@ -5,13 +5,15 @@
 #include <errno.h>
 #include <grp.h>
 #include <pwd.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct access_list {
     uid_t *users;
     gid_t *groups;
-    size_t n_users, n_groups;
+    char **unknown; /* what is said of them */
+    size_t n_users, n_groups, n_unknown;
 };
 
 /* A name of digits only, below (uid_t)-1, which is nobody. */
@@ -25,25 +27,34 @@ static bool read_number(const char *name, unsigned *id) {
     return value < 0xffffffffULL;
 }
 
-static int fail_name(int error, const char *kind, const char *name, shear_error *err) {
-    if (error == 0 || error == ENOENT || error == ESRCH) {
-        return shear_fail(err, SHEAR_E_SETTING, "see the names in the section [access]",
-                          "there is no %s '%s'", kind, name);
+/* Not found: it is told, unless the database could not answer. */
+static int not_found(access_list *list, int error, const char *kind, const char *name,
+                     shear_error *err) {
+    if (error != 0 && error != ENOENT && error != ESRCH) {
+        return shear_fail(err, SHEAR_E_IO, NULL, "%s '%s' cannot be looked up: %s", kind, name,
+                          strerror(error));
     }
-    return shear_fail(err, SHEAR_E_IO, NULL, "%s '%s' cannot be looked up: %s", kind, name,
-                      strerror(error));
+    char *text = NULL;
+    if (asprintf(&text, "[access]: there is no %s '%s': nobody has its rights", kind, name) < 0) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of users");
+    }
+    list->unknown[list->n_unknown++] = text;
+    return SHEAR_OK;
 }
 
-static int find_user(const char *name, uid_t *id, shear_error *err) {
+static int add_user(access_list *list, const char *name, shear_error *err) {
     char texts[16384];
     struct passwd entry;
     struct passwd *found = NULL;
+    uid_t *id = &list->users[list->n_users];
     const int error = getpwnam_r(name, &entry, texts, sizeof texts, &found);
     if (found != NULL) {
         *id = entry.pw_uid;
-        return SHEAR_OK;
+    } else if (!read_number(name, id)) {
+        return not_found(list, error, "user", name, err);
     }
-    return read_number(name, id) ? SHEAR_OK : fail_name(error, "user", name, err);
+    list->n_users++;
+    return SHEAR_OK;
 }
 
 /* Returns 0 or errno; *found tells. The members of a large group may need much room. */
@@ -69,10 +80,15 @@ static int ask_for_group(const char *name, gid_t *id, bool *found) {
     return error;
 }
 
-static int find_group(const char *name, gid_t *id, shear_error *err) {
+static int add_group(access_list *list, const char *name, shear_error *err) {
     bool found = false;
+    gid_t *id = &list->groups[list->n_groups];
     const int error = ask_for_group(name, id, &found);
-    return found || read_number(name, id) ? SHEAR_OK : fail_name(error, "group", name, err);
+    if (!found && !read_number(name, id)) {
+        return not_found(list, error, "group", name, err);
+    }
+    list->n_groups++;
+    return SHEAR_OK;
 }
 
 int access_list_new(access_list **out, char *const *users, size_t n_users, char *const *groups,
@@ -83,16 +99,17 @@ int access_list_new(access_list **out, char *const *users, size_t n_users, char 
     if (list != NULL) {
         list->users = calloc(n_users + 1, sizeof *list->users);
         list->groups = calloc(n_groups + 1, sizeof *list->groups);
+        list->unknown = calloc(n_users + n_groups + 1, sizeof *list->unknown);
     }
-    if (list == NULL || list->users == NULL || list->groups == NULL) {
+    if (list == NULL || list->users == NULL || list->groups == NULL || list->unknown == NULL) {
         access_list_free(list);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of users");
     }
-    for (; list->n_users < n_users && code == SHEAR_OK; list->n_users++) {
-        code = find_user(users[list->n_users], &list->users[list->n_users], err);
+    for (size_t i = 0; i < n_users && code == SHEAR_OK; i++) {
+        code = add_user(list, users[i], err);
     }
-    for (; list->n_groups < n_groups && code == SHEAR_OK; list->n_groups++) {
-        code = find_group(groups[list->n_groups], &list->groups[list->n_groups], err);
+    for (size_t i = 0; i < n_groups && code == SHEAR_OK; i++) {
+        code = add_group(list, groups[i], err);
     }
     if (code != SHEAR_OK) {
         access_list_free(list);
@@ -104,10 +121,18 @@ int access_list_new(access_list **out, char *const *users, size_t n_users, char 
 
 void access_list_free(access_list *list) {
     if (list != NULL) {
+        for (size_t i = 0; i < list->n_unknown; i++) {
+            free(list->unknown[i]);
+        }
+        free(list->unknown);
         free(list->users);
         free(list->groups);
     }
     free(list);
+}
+
+const char *access_list_unknown(const access_list *list, size_t i) {
+    return i < list->n_unknown ? list->unknown[i] : NULL;
 }
 
 bool access_list_has(const access_list *list, const access_peer *peer) {

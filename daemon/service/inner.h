@@ -414,6 +414,7 @@ void reload_reply_deinit(shear_msg_reloaded *reply);
 int reload_access(const sheard_config *c, access_list **admins, access_list **submitters,
                   access_roots **roots, shear_error *err);
 int reload_hurried(const sheard_config *c, access_list **hurried, shear_error *err);
+void reload_warn_names(const service *s); /* log those that are no user or group */
 server_limits reload_server_limits(const sheard_config *c);
 spool_tuning reload_spool_tuning(const sheard_config *c);
 int64_t reload_memory(const sheard_config *c);              /* the jobs' budget, in bytes */

@@ -100,12 +100,37 @@ int reload_hurried(const sheard_config *c, access_list **hurried, shear_error *e
                            c->access.priority_groups.items, c->access.priority_groups.n, err);
 }
 
+/* Names that nobody has: into list[room], where that is not NULL; returns how many. */
+static size_t unknown_names(const service *s, const char **list, size_t room) {
+    const access_list *const lists[] = {s->admins, s->submitters, s->hurried};
+    size_t n = 0;
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
+        const char *text = NULL;
+        for (size_t i = 0; n < room && (text = access_list_unknown(lists[k], i)) != NULL; i++) {
+            if (list != NULL) {
+                list[n] = text;
+            }
+            n++;
+        }
+    }
+    return n;
+}
+
 /* What is as it was asked for, and will not work now. */
 static const char **warnings_of(const service *s, size_t *n) {
-    const size_t room = s->config.access.data_roots.n;
+    const size_t room = s->config.access.data_roots.n + unknown_names(s, NULL, SIZE_MAX);
     const char **list = calloc(room + 1, sizeof *list);
     *n = list != NULL ? roots_problems(s, list, room) : 0;
+    *n += list != NULL ? unknown_names(s, list + *n, room - *n) : 0;
     return list;
+}
+
+void reload_warn_names(const service *s) {
+    const char *texts[64];
+    const size_t n = unknown_names(s, texts, sizeof texts / sizeof *texts);
+    for (size_t i = 0; i < n; i++) {
+        log_warning("%s", texts[i]);
+    }
 }
 
 void reload_reply_deinit(shear_msg_reloaded *reply) {
@@ -178,6 +203,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     s->submitters = submitters;
     s->hurried = hurried;
     s->roots = roots;
+    reload_warn_names(s);
     reply->changed = names_of(changed, reply->n_changed);
     reply->restart = names_of(restart, reply->n_restart);
     reply->warnings = warnings_of(s, &reply->n_warnings);

@@ -166,6 +166,7 @@ int service_open(service **out, sheard_config *config, const char *config_path,
         code = reload_hurried(&s->config, &s->hurried, err);
     }
     if (code == SHEAR_OK) {
+        reload_warn_names(s);
         name_user(s->user, sizeof s->user);
         code = roots_set(s, err);
     }

@@ -53,6 +53,21 @@ class Access(DaemonTest):
         os.chmod(path, mode)
         return path
 
+    def test_names_that_nobody_has(self):
+        """A user who has left does not keep the service from starting, and a group that is not there lets nobody in."""
+        lists = {"access.admin_users": "root, left-9", "access.priority_groups": "gone-9", "access.submit_groups": "missing-9"}
+        said = [f"there is no {what}: nobody has its rights" for what in ("user 'left-9'", "group 'missing-9'", "group 'gone-9'")]
+        path = self.file("a.fits")
+        self.d.settings.update(lists)
+        self.d.write_config()
+        self.assertEqual(self.d.call("reload")["warnings"], ["[access]: " + text for text in said])
+        self.d.stop()
+        self.d.start()
+        for text in said:
+            self.assertEqual(self.d.log_text().count(text), 2, "once as reloaded, once as started")
+        self.refused(USER, path, "not_owner")
+        self.accepted(0, path)
+
     def test_permissions_of_the_peer(self):
         secret = self.file("secret.fits", mode=0o600)
         self.refused(USER, secret, "not_readable")
