@@ -221,7 +221,8 @@ const sheard_setting config_bound_rows[] = {
      .min = 1,
      .max = 1000,
      .unit = "attempts",
-     .help = "A job fails for good after this many (with the default delays: after half a day)."},
+     .help = "A job fails for good after this many (with the default delays: after half a day). "
+             "For a data root that is missing and for a full disk it waits, however long."},
 
     {.section = "retention",
      .key = "jobs_max_age",

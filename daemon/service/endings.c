@@ -73,9 +73,11 @@ ending_reason ending_reason_of(const shear_error *error) {
     }
 }
 
-/* A disk may be away for longer than any number of attempts: that is nothing of the job's. */
+/* A disk may be away, or full, for longer than any number of attempts: that is nothing of the
+ * job's. */
 static bool is_patient(const ending_reason *reason) {
-    return strcmp(reason->name, shear_rpc_code_get(SHEAR_RPC_ROOT_MISSING)->name) == 0;
+    return strcmp(reason->name, shear_rpc_code_get(SHEAR_RPC_ROOT_MISSING)->name) == 0 ||
+           strcmp(reason->name, shear_rpc_code_get(SHEAR_RPC_DISK_FULL)->name) == 0;
 }
 
 /* When to try again: a transient failure with doubling back-off and a limit, a bug once, bad data

@@ -97,11 +97,12 @@ class Full(DaemonTest):
         """No room for a catalogue: the job waits, says why, and is done when there is room."""
         where = self.disk + "/catalogues"
         daemon = self.daemon({"catalogues.enabled": "true", "catalogues.directory": where,
-                              "retry.attempts": 1000}, name="other")
+                              "retry.attempts": 2}, name="other")
         part = mock(os.path.join(daemon.data, "part.fits"), 200, 32)
         self.fill()
         job = daemon.submit(part, field="f")["id"]
-        waiting = daemon.wait_state(job, "waiting")
+        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["attempts"] > 2, "it waits, however often it was tried")
+        waiting = daemon.job(job)
         self.assertEqual((waiting["class"], waiting["code"]), ("transient", "disk_full"), waiting)
         self.assertIn(where, waiting["message"])
         self.empty()

@@ -148,13 +148,13 @@ class Scratch(DaemonTest):
     def test_full(self):
         """Others have filled the disk: the job is tried again until there is room, and says why it waits."""
         disk = self.disk("48m")
-        daemon = self.daemon({"reader.scratch": disk, "retry.attempts": 1000})
+        daemon = self.daemon({"reader.scratch": disk, "retry.attempts": 2})
         filler = os.path.join(disk, "filler")
         with open(filler, "wb") as f:
             f.write(bytes(41 << 20))
         plain = mock(os.path.join(self.directory, "a.fits"), 400, 32)
         job = daemon.submit(self.put(daemon, "a.fits.gz", gzipped(content_of(plain))), field="a")["id"]
-        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["code"], "it waits")
+        until(lambda: (j := daemon.job(job))["state"] == "waiting" and j["attempts"] > 2, "it waits, however often it was tried")
         waiting = daemon.job(job)
         self.assertEqual((waiting["class"], waiting["code"]), ("transient", "disk_full"))
         self.assertIn(disk, waiting["message"])
