@@ -94,6 +94,8 @@ const struct command cmd_forget = {
              "jobs, also those\n"
              "that the service no longer lists. Not while jobs of the field are unfinished. "
              "Administrators.\n"
+             "The field is gone at once; very many jobs take a while, and go on without shearctl, "
+             "too.\n"
              "\n"
              "  --digest TEXT           only the result of these settings\n"
              "  --yes                   do it; without, only say what it would take "

@@ -9,8 +9,8 @@
  * A catalogue is in place before its job's end is on disk. Where the service dies between, or that
  * end is another one (cancelled meanwhile), it is nobody's: it goes at the job's end, or at the
  * next start. The mark's time of change says since when there may be such ones: what was there
- * before the directory was marked is never removed, and no start looks at what the last one has
- * seen. */
+ * before the directory was marked is never taken for one, and no start looks at what the last one
+ * has seen. */
 #include "service/inner.h"
 
 #include "shear/catalog.h"
@@ -97,15 +97,36 @@ static bool is_catalogue_of(const char *path, int64_t job) {
     return slash != NULL && job_of(slash + 1, &part) == job && !part;
 }
 
-/* Its directory may have been left to another database since: what has this name is that one's. */
-static bool is_ours(const service *s, const char *path) {
+/* Its directory may have been left to another database since: what has this name is that one's. Is
+ * what lies in a directory without a mark ours? */
+static bool is_ours(const service *s, const char *path, bool unmarked) {
     char text[64];
     char *directory = strndup(path, (size_t)(strrchr(path, '/') - path));
     char *mark = directory != NULL ? mark_in(directory) : NULL;
     const int error = mark != NULL ? read_mark(mark, text, sizeof text) : -ENOMEM;
     free(directory);
     free(mark);
-    return error == -ENOENT || (error == 0 && strcmp(text, store_identity(s->store)) == 0);
+    return (error == -ENOENT && unmarked) ||
+           (error == 0 && strcmp(text, store_identity(s->store)) == 0);
+}
+
+/* True: there is none any more. */
+static bool remove_retracted(int64_t id, const char *path) {
+    const bool gone = unlink(path) == 0 || errno == ENOENT;
+    if (!gone) {
+        log_warning("job %" PRId64 " is retracted: its catalogue %s cannot be removed: %s", id,
+                    path, strerror(errno));
+    }
+    return gone;
+}
+
+bool catalogue_leaves(const service *s, const store_leaving *l) {
+    char *path = l->kept ? NULL : path_in(s->config.catalogues.directory, l->job);
+    const char *named = l->kept ? l->catalogue : path;
+    const bool gone = named == NULL || !is_catalogue_of(named, l->job) ||
+                      !is_ours(s, named, l->kept) || remove_retracted(l->job, named);
+    free(path);
+    return gone;
 }
 
 /* A failure: the next start tries it again. */
@@ -116,11 +137,7 @@ void catalogues_remove_retracted(service *s) {
     int code = store_next_leftover(s->store, 0, &id, &path, &err);
     while (code == SHEAR_OK && id != 0) {
         const bool gone =
-            !is_catalogue_of(path, id) || !is_ours(s, path) || unlink(path) == 0 || errno == ENOENT;
-        if (!gone) {
-            log_warning("job %" PRId64 " is retracted: its catalogue %s cannot be removed: %s", id,
-                        path, strerror(errno));
-        }
+            !is_catalogue_of(path, id) || !is_ours(s, path, true) || remove_retracted(id, path);
         code = gone ? group_begin(s, &err) : SHEAR_OK;
         if (code == SHEAR_OK && gone) {
             code = store_catalogue_gone(s->store, id, &err);

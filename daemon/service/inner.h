@@ -70,6 +70,10 @@ typedef struct wait_user {
     size_t ids; /* that its waits name */
 } wait_user;
 
+/* ---- method_forget.c ---- */
+
+typedef struct forgotten forgotten;
+
 /* ---- users.c ---- */
 
 enum { KNOWN_USERS = 64 };
@@ -165,6 +169,8 @@ struct service {
     waiter_list waiters; /* asleep */
     TAILQ_HEAD(, wait_user) wait_users;
     size_t wait_ids; /* of all users */
+    TAILQ_HEAD(, forgotten) forgotten;
+    bool forgetting; /* this group has contributions of forgotten fields that leave */
     changed_field *news;
     uv_timer_t news_soon;
     int64_t news_round;
@@ -258,6 +264,16 @@ int catalogues_claim(service *s, const char *directory, shear_error *err);
 int catalogues_open(service *s, shear_error *err);
 /* Jobs were retracted, and that is on disk: their catalogues go. */
 void catalogues_remove_retracted(service *s);
+/* That of a contribution of a forgotten field; of a retired job, as it is called in the directory.
+ * True: there is none any more. */
+bool catalogue_leaves(const service *s, const store_leaving *leaving);
+
+/* method_forget.c */
+/* Contributions of fields that were forgotten are left, it may be from before the start: some of
+ * them leave with this group, and the others after it. Where that fails, it is tried with the next
+ * call, once a second. */
+void forget_go_on(service *s);
+void forget_free(service *s);
 
 /* reasons.c: why a field has no result. The contributions that may be to blame are looked at some
  * at a time, for there may be very many. */

@@ -151,6 +151,7 @@ static void on_tick(uv_timer_t *timer) {
     waits_expire(s);
     news_publish(s);
     roots_tick(s);
+    forget_go_on(s);
     log_flush();
     if (s->notify.watchdog_ms > 0) {
         notify_watchdog(&s->notify, NULL);

@@ -17,6 +17,8 @@ void method_retry(service *s, const server_request *r);
 
 /* method_retract.c */
 void method_retract(service *s, const server_request *r);
+
+/* method_forget.c */
 void method_forget(service *s, const server_request *r);
 
 /* method_jobs.c */

@@ -150,6 +150,7 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     s->notify.fd = -1;
     TAILQ_INIT(&s->waiters);
     TAILQ_INIT(&s->wait_users);
+    TAILQ_INIT(&s->forgotten);
     int code = SHEAR_OK;
     for (size_t i = 0; i < assignments->n && code == SHEAR_OK; i++) {
         code = sheard_list_append(&s->assignments, assignments->items[i], err);
@@ -212,6 +213,7 @@ void service_close(service *s) {
     engine_free(s->engine);
     news_free(s);
     solutions_free(s->solutions);
+    forget_free(s);
     store_close(s->store);
     access_list_free(s->admins);
     access_list_free(s->submitters);

@@ -48,6 +48,10 @@ static const char *const contradictions[][2] = {
     {"SELECT j.id FROM jobs j LEFT JOIN contributions c ON c.job = j.id"
      " WHERE (j.outcome = 1) <> (c.job IS NOT NULL)",
      "a counted job has no contribution, or another one has"},
+    {"SELECT id FROM contributions WHERE field NOT IN (SELECT id FROM fields)"
+     " AND field NOT IN (SELECT field FROM forgotten)",
+     "a contribution has no field"},
+    {"SELECT field FROM forgotten JOIN fields f ON f.id = field", "a forgotten field is there"},
     {"SELECT j.id FROM jobs j JOIN contributions c ON c.job = j.id JOIN fields f ON f.id = c.field"
      " WHERE j.field <> f.name OR j.settings <> f.settings OR j.content <> c.content"
      " OR j.n_stamps <> c.n_stamps OR j.n_used <> c.n_used",

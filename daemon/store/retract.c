@@ -13,7 +13,7 @@
 typedef struct counted {
     int64_t id, field; /* id 0: the job has no contribution */
     int64_t n_stamps, n_used, counted_ms;
-    int64_t jobs; /* of the field, this one among them */
+    int64_t jobs; /* of the field, this one among them; 0: it is gone (store_forget) */
     char *packed, *field_packed;
 } counted;
 
@@ -74,6 +74,9 @@ static int subtract(const counted *c, char **packed, shear_error *err) {
 
 static int leave_field(store *s, const counted *c, shear_error *err) {
     char *packed = NULL;
+    if (c->jobs == 0) {
+        return SHEAR_OK;
+    }
     if (c->jobs == 1) {
         return query_run_id(s, SQL_FIELD_DROP, c->field, err);
     }
@@ -140,96 +143,6 @@ static int retract(store *s, int64_t id, shear_error *err) {
 int store_retract(store *s, int64_t id, shear_error *err) {
     const int code = operation_begin(s, err);
     return code == SHEAR_OK ? operation_end(s, retract(s, id, err), err) : code;
-}
-
-/* ---- whole fields ---- */
-
-/* The first row of the name whose digest is after `digest`, which becomes its; id 0: none. */
-static int next_row(store *s, const char *name, char **digest, int64_t *id, shear_error *err) {
-    bool row = false;
-    query q = query_on(s, SQL_FIELD_ROWS);
-    query_text(&q, name);
-    query_text(&q, *digest != NULL ? *digest : "");
-    int code = query_step(&q, &row, err);
-    *id = row ? query_get_int(&q) : 0;
-    char *next = row ? query_get_text(&q) : NULL;
-    if (row) {
-        code = query_got(&q, err);
-    }
-    query_end(&q);
-    free(*digest);
-    *digest = next;
-    return code;
-}
-
-/* With these settings (NULL: any; also such as nothing was counted with so far). */
-static int check_finished(store *s, const char *name, const char *digest, shear_error *err) {
-    bool row = false;
-    query q = query_on(s, digest != NULL ? SQL_FIELD_UNFINISHED : SQL_FIELD_PENDING);
-    query_text(&q, name);
-    if (digest != NULL) {
-        query_text(&q, digest);
-    }
-    int code = query_step(&q, &row, err);
-    const int64_t n = row ? query_get_int(&q) : 0;
-    query_end(&q);
-    return code == SHEAR_OK && n > 0
-               ? shear_fail(err, STORE_WRONG_STATE, "wait for them, or cancel them",
-                            "%" PRId64 " unfinished jobs belong to field '%.*s'", n,
-                            STORE_FIELD_MAX, name)
-               : code;
-}
-
-static int changed_by(store *s, enum sql which, int64_t field, int64_t *n, shear_error *err) {
-    const int code = query_run_id(s, which, field, err);
-    *n += code == SHEAR_OK ? sqlite3_changes64(s->db) : 0;
-    return code;
-}
-
-static int forget_row(store *s, int64_t field, store_forgotten *out, shear_error *err) {
-    int code = changed_by(s, SQL_JOBS_RETRACT, field, &out->jobs, err);
-    if (code == SHEAR_OK) {
-        code = changed_by(s, SQL_CONTRIBUTIONS_DROP, field, &out->contributions, err);
-    }
-    return code == SHEAR_OK ? changed_by(s, SQL_FIELD_DROP, field, &out->rows, err) : code;
-}
-
-static int forget(store *s, const char *name, const char *wanted, store_forgotten *out,
-                  shear_error *err) {
-    char *digest = NULL;
-    int64_t field = 0;
-    int code = next_row(s, name, &digest, &field, err);
-    while (code == SHEAR_OK && field != 0) {
-        if (wanted == NULL || strcmp(wanted, digest) == 0) {
-            code = check_finished(s, name, wanted, err);
-            if (code == SHEAR_OK) {
-                code = forget_row(s, field, out, err);
-            }
-        }
-        if (code == SHEAR_OK) {
-            code = next_row(s, name, &digest, &field, err);
-        }
-    }
-    free(digest);
-    if (code == SHEAR_OK && out->rows == 0) {
-        code = shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names and settings",
-                          "nothing was counted in a field '%.*s'%s", STORE_FIELD_MAX, name,
-                          wanted != NULL ? " with these settings" : "");
-    }
-    return code;
-}
-
-int store_forget(store *s, const char *name, const char *settings_digest, store_forgotten *out,
-                 shear_error *err) {
-    *out = (store_forgotten){0};
-    int code = operation_begin(s, err);
-    if (code == SHEAR_OK) {
-        code = operation_end(s, forget(s, name, settings_digest, out, err), err);
-    }
-    if (code != SHEAR_OK) {
-        *out = (store_forgotten){0};
-    }
-    return code;
 }
 
 /* ---- catalogues that are to go ---- */

@@ -291,7 +291,21 @@ static const char *const version_4[] = {
     " END",
     NULL};
 
-const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3, version_4};
+static const char *const version_5[] = {
+    /* Fields that are gone, and whose contributions are still to go: these refer to no field then.
+     * A foreign key cannot be altered: as the check above. */
+    "CREATE TABLE forgotten("
+    " id INTEGER PRIMARY KEY AUTOINCREMENT,"
+    " field INTEGER NOT NULL UNIQUE,"
+    " name TEXT NOT NULL"
+    ") STRICT",
+    "PRAGMA writable_schema = ON",
+    "UPDATE sqlite_schema SET sql = replace(sql, ' REFERENCES fields(id)', '')"
+    " WHERE type = 'table' AND name = 'contributions'",
+    "PRAGMA writable_schema = RESET", NULL};
+
+const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3, version_4,
+                                                  version_5};
 
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err) {

@@ -97,8 +97,6 @@ const char *const sql_texts[SQL_N] = {
     [SQL_CHECKPOINT_TERMS] = "SELECT bytes FROM checkpoint_terms WHERE job = ?1 ORDER BY end_block",
 
     [SQL_JOB_RETRACT] = "UPDATE jobs SET state = 6, outcome = 0 WHERE id = ?1",
-    [SQL_JOBS_RETRACT] = "UPDATE jobs SET state = 6, outcome = 0 WHERE id IN (SELECT job"
-                         " FROM contributions INDEXED BY contributions_order WHERE field = ?1)",
     [SQL_LEFTOVER] = "SELECT id, catalogue FROM jobs INDEXED BY jobs_leftover"
                      " WHERE state = 6 AND catalogue IS NOT NULL AND id > ?1 ORDER BY id LIMIT 1",
     [SQL_CATALOGUE_GONE] = "UPDATE jobs SET catalogue = NULL WHERE id = ?1 AND state = 6",
@@ -109,8 +107,11 @@ const char *const sql_texts[SQL_N] = {
         " ON c.field = f.id WHERE f.name = ?1 AND f.settings = ?2"
         " AND c.content = ?3 ORDER BY c.id LIMIT 1",
     [SQL_FIELD_FIND] = "SELECT id, sums FROM fields WHERE name = ?1 AND settings = ?2",
-    [SQL_FIELD_ADD] = "INSERT INTO fields(name, settings, sums, n_stamps, n_used, updated_ms, jobs)"
-                      " VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1)",
+    /* Its number is not that of a forgotten field whose contributions are still there. */
+    [SQL_FIELD_ADD] =
+        "INSERT INTO fields(id, name, settings, sums, n_stamps, n_used, updated_ms, jobs)"
+        " VALUES (1 + max((SELECT coalesce(max(id), 0) FROM fields),"
+        "  (SELECT coalesce(max(field), 0) FROM forgotten)), ?1, ?2, ?3, ?4, ?5, ?6, 1)",
     [SQL_FIELD_JOIN] =
         "UPDATE fields SET sums = ?2, n_stamps = n_stamps + ?3, n_used = n_used + ?4,"
         " updated_ms = max(updated_ms, ?5), jobs = jobs + 1 WHERE id = ?1",
@@ -120,7 +121,7 @@ const char *const sql_texts[SQL_N] = {
         " jobs = jobs - 1, updated_ms = iif(updated_ms > ?5, updated_ms, (SELECT max(counted_ms)"
         "  FROM contributions INDEXED BY contributions_order WHERE field = ?1)) WHERE id = ?1",
     [SQL_FIELD_DROP] = "DELETE FROM fields WHERE id = ?1",
-    [SQL_FIELD_ROWS] = "SELECT id, settings FROM fields WHERE name = ?1 AND settings > ?2"
+    [SQL_FIELD_ROWS] = "SELECT id, settings, jobs FROM fields WHERE name = ?1 AND settings > ?2"
                        " ORDER BY settings LIMIT 1",
     [SQL_FIELD_UNFINISHED] = "SELECT count(*) FROM jobs INDEXED BY jobs_pending"
                              " WHERE field = ?1 AND settings = ?2 AND state < 3",
@@ -128,12 +129,17 @@ const char *const sql_texts[SQL_N] = {
         "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
         " counted_ms, elapsed_us, account, true_g1, true_g2)"
         " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
-    [SQL_CONTRIBUTION_OF] = "SELECT c.id, c.field, c.n_stamps, c.n_used, c.counted_ms, f.jobs,"
-                            " c.sums, f.sums FROM contributions c CROSS JOIN fields f"
-                            " ON f.id = c.field WHERE c.job = ?1",
+    [SQL_CONTRIBUTION_OF] = "SELECT c.id, c.field, c.n_stamps, c.n_used, c.counted_ms,"
+                            " coalesce(f.jobs, 0), c.sums, f.sums FROM contributions c"
+                            " LEFT JOIN fields f ON f.id = c.field WHERE c.job = ?1",
     [SQL_CONTRIBUTION_DROP] = "DELETE FROM contributions WHERE id = ?1",
-    [SQL_CONTRIBUTIONS_DROP] = "DELETE FROM contributions INDEXED BY contributions_order"
-                               " WHERE field = ?1",
+
+    [SQL_FORGOTTEN_ADD] = "INSERT INTO forgotten(field, name) VALUES (?1, ?2)",
+    [SQL_FORGOTTEN_NEXT] =
+        "SELECT g.id, g.name, c.id, c.job, j.id IS NOT NULL, j.catalogue FROM forgotten g"
+        " LEFT JOIN contributions c INDEXED BY contributions_order ON c.field = g.field"
+        " LEFT JOIN jobs j ON j.id = c.job WHERE g.id > 0 ORDER BY g.id LIMIT 1",
+    [SQL_FORGOTTEN_DROP] = "DELETE FROM forgotten WHERE id = ?1",
 
     [SQL_TERMS_ADD] =
         "INSERT INTO contribution_terms(contribution, part, bytes) VALUES (?1, ?2, ?3)",

@@ -361,13 +361,29 @@ int store_cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *
 int store_retract(store *s, int64_t id, shear_error *err);
 
 typedef struct store_forgotten {
-    int64_t rows, contributions, jobs; /* jobs: that were kept, and are RETRACTED now */
+    int64_t rows, contributions;
+    int64_t last; /* the rows' numbers (store_leaving) are those up to this one */
 } store_forgotten;
-/* All that was counted in a field, with these settings (NULL: any): its jobs are retracted, its
- * records gone. STORE_NOT_FOUND where nothing was counted; STORE_WRONG_STATE where unfinished jobs
- * are known to be of it. */
+/* All that was counted in a field, with these settings (NULL: any): its records are gone, whose
+ * contributions are to leave (below): they count and are recognised no more. STORE_NOT_FOUND where
+ * nothing was counted; STORE_WRONG_STATE where unfinished jobs are known to be of it. */
 int store_forget(store *s, const char *name, const char *settings_digest, store_forgotten *out,
                  shear_error *err);
+
+/* What is to leave next, first of the field that was forgotten first, until nothing is left, also
+ * after a restart: whoever has forgotten fields calls these two in turn. */
+typedef struct store_leaving {
+    int64_t forgotten; /* number of the field's row, in the order of forgetting; 0: none is left */
+    int64_t contribution; /* 0: all of them have left, and the row's number is to go */
+    int64_t job;          /* the contribution's */
+    bool kept;            /* not retired: it becomes RETRACTED */
+    char *field;          /* its name */
+    char *catalogue;      /* of a job that is kept */
+} store_leaving;
+void store_leaving_deinit(store_leaving *leaving);
+int store_next_leaving(store *s, store_leaving *next, shear_error *err);
+/* `catalogue_gone`: the job's file is not there any more; else store_next_leftover tells of it. */
+int store_leave(store *s, const store_leaving *leaving, bool catalogue_gone, shear_error *err);
 
 /* A retracted job tells its catalogue until store_catalogue_gone: the file must go after the change
  * is on disk, and may be left where the service dies between. The first such job after `after`, in

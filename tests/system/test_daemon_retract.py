@@ -12,7 +12,7 @@ import unittest
 from daemon import (SLOW, SLOW_OPTIONS, DaemonTest, content_of, measured, mock, numbers,
                     stamps_for, until)
 from fitsfile import BLOCK, card
-from tool import SHEARCTL
+from tool import SANITIZED, SHEARCTL
 
 
 def poisoned(path):
@@ -29,6 +29,10 @@ def poisoned(path):
     with open(path, "wb") as f:
         f.write(content)
     return path
+
+
+FORGOTTEN = 4000 if SANITIZED else 20000
+TURN_MS = 300 if SANITIZED else 50  # at once, that many take a second
 
 
 class Retract(DaemonTest):
@@ -152,6 +156,117 @@ class Retract(DaemonTest):
             daemon.call("field", field="f")
         until(lambda: not self.catalogues(), "the catalogues are gone")
         self.assertEqual(self.count(paths[0])["outcome"], "counted")
+
+    def counted_many(self, many):
+        """The field has that many more of the one contribution that it has: of jobs 2, 3, ..., each with a catalogue."""
+        daemon = self.daemon_
+        catalogue = self.count(self.file("a.fits", 1, 2))["catalogue"]
+        daemon.stop()
+        with sqlite3.connect(os.path.join(daemon.state, "sheard.db")) as base:
+            def names(table):
+                return [name for _, name, *_ in base.execute(f"pragma table_info({table})")]
+
+            def repeat(table, **other):
+                columns = names(table)
+                values = ", ".join(other.get(c, c) for c in columns)
+                base.execute("with recursive n(i) as (select 2 union all select i + 1 from n where i <= ?)"
+                             f" insert into {table} ({', '.join(columns)}) select {values} from {table}, n where {table}.id = 1",
+                             (many,))
+            repeat("jobs", id="i", catalogue=f"'{os.path.dirname(catalogue)}/' || i || '.shear.fits'")
+            repeat("contributions", id="i", job="i", content="content || i")
+            base.execute("update fields set (jobs, n_stamps, n_used) = (select count(*), sum(n_stamps), sum(n_used) from contributions)")
+            base.execute("update totals set counted = counted + ?", (many,))
+        base.close()
+        for i in range(2, many + 2):
+            with open(os.path.join(os.path.dirname(catalogue), f"{i}.shear.fits"), "wb"):
+                pass
+        daemon.start()
+
+    def assertAllForgotten(self, jobs):
+        status = self.daemon_.call("status")
+        self.assertEqual(status["totals"]["retracted"], jobs)
+        self.assertEqual((status["states"]["done"], status["states"]["retracted"]), (0, jobs))
+        self.assertEqual(self.catalogues(), [])
+        with self.assertRefused("no_such_field"):
+            self.daemon_.call("field", field="f")
+
+    def test_forget_several(self):
+        """Each reply tells of its own field, whatever else is being forgotten."""
+        daemon = self.daemon_
+        paths = [self.file(f"{i}.fits", i + 1, 2) for i in range(3)]
+        for path in paths:
+            self.count(path)
+        self.count(paths[0], settings={"beta-ratio": 1.6})
+        daemon.wait_state(daemon.submit(paths[0], field="g")["id"], "done")
+        with daemon.client() as client:
+            asked = [client.ask("forget", {"field": name}) for name in "fgf"]
+            self.assertEqual(client.answer(asked[0]), {"field": "f", "rows": 2, "contributions": 4, "jobs": 4})
+            self.assertEqual(client.answer(asked[1]), {"field": "g", "rows": 1, "contributions": 1, "jobs": 1})
+            with self.assertRefused("no_such_field"):
+                client.answer(asked[2])
+        self.assertEqual(self.catalogues(), [])
+
+    def test_forget_many(self):
+        """Others are served meanwhile, and see at once that the field is gone."""
+        daemon = self.daemon_
+        self.counted_many(FORGOTTEN)
+        with daemon.client() as client:
+            number = client.ask("forget", {"field": "f"})
+            until(lambda: not daemon.call("fields")["fields"], "the field is gone", step=0.001)
+            self.assertLess(daemon.call("status")["totals"]["retracted"], FORGOTTEN)
+            self.assertEqual(client.answer(number), {"field": "f", "rows": 1, "contributions": FORGOTTEN + 1, "jobs": FORGOTTEN + 1})
+        self.assertAllForgotten(FORGOTTEN + 1)
+        self.assertLess(daemon.call("status")["loop"]["longest_ms"], TURN_MS)
+
+    def test_forget_killed(self):
+        """What is left of a field that was being forgotten goes after the next start, and meets nothing that was counted since."""
+        daemon = self.daemon_
+        self.counted_many(FORGOTTEN)
+        with daemon.client() as client:
+            client.ask("forget", {"field": "f"})
+            until(lambda: daemon.call("status")["totals"]["retracted"] > 0, "some have left", step=0.001)
+            daemon.kill()
+        daemon.start()
+        self.assertLess(daemon.call("status")["totals"]["retracted"], FORGOTTEN)
+        with self.assertRefused("no_such_field"):
+            daemon.call("field", field="f")
+        again = self.count(os.path.join(daemon.data, "a.fits"))
+        self.assertEqual(again["outcome"], "counted")
+        until(lambda: daemon.call("status")["totals"]["retracted"] > FORGOTTEN, "all have left")
+        self.assertRow(daemon, "f", measured([os.path.join(daemon.data, "a.fits")]), 1)
+        self.assertEqual(self.catalogues(), [os.path.basename(again["catalogue"])])
+        daemon.call("forget", field="f")
+        self.assertAllForgotten(FORGOTTEN + 2)
+
+    def retired(self):
+        """Of six jobs of a field two are kept, and one of other settings: that one."""
+        daemon = self.daemon_
+        daemon.settings["retention.jobs_max_count"] = 3
+        daemon.write_config()
+        daemon.call("reload")
+        for i in range(6):
+            self.count(self.file(f"{i}.fits", i + 1, 2))
+        other = self.count(self.file("other.fits", 9, 2), settings={"beta-ratio": 1.6})
+        until(lambda: len(daemon.jobs()) == 3, "the others are retired")
+        self.assertEqual(len(self.catalogues()), 7)
+        return other
+
+    def test_forget_retired(self):
+        """Catalogues of jobs that are not known any more go, too."""
+        daemon = self.daemon_
+        other = self.retired()
+        digest = next(r["digest"] for r in daemon.call("field", field="f")["rows"] if r["digest"] != other["digest"])
+        self.assertEqual(daemon.call("forget", field="f", digest=digest), {"field": "f", "rows": 1, "contributions": 6, "jobs": 2})
+        self.assertEqual(self.catalogues(), [os.path.basename(other["catalogue"])])
+
+    def test_forget_in_another_s(self):
+        """The directory has been left to another database: what is called as theirs were is that one's."""
+        daemon = self.daemon_
+        self.retired()
+        with open(daemon.path("catalogues", ".sheard-database"), "w", encoding="ascii") as f:
+            f.write("another's")
+        self.assertEqual(daemon.call("forget", field="f"), {"field": "f", "rows": 2, "contributions": 7, "jobs": 3})
+        self.assertEqual(len(self.catalogues()), 7)
 
     def test_culprit(self):
         """One bad file: the field says why it has no result, whose file it is, and recovers."""

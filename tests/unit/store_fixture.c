@@ -54,6 +54,25 @@ int fx_teardown(void **state) {
     return 0;
 }
 
+int64_t fx_leave(fixture *f, int64_t n) {
+    shear_error err = {0};
+    store_leaving next;
+    int64_t jobs = 0;
+    for (int64_t i = 0; i < n; i++) {
+        FX_OK(store_next_leaving(f->s, &next, &err));
+        const bool none = next.forgotten == 0;
+        if (!none) {
+            FX_OK(store_leave(f->s, &next, false, &err));
+            jobs += next.kept;
+        }
+        store_leaving_deinit(&next);
+        if (none) {
+            break;
+        }
+    }
+    return jobs;
+}
+
 int64_t fx_now(fixture *f) {
     return ++f->now;
 }

@@ -43,6 +43,8 @@ int64_t fx_done(fixture *f, const char *field, const char *content, unsigned see
 /* Start the next job; 0 where there is none. */
 int64_t fx_next(fixture *f);
 int fx_state(fixture *f, int64_t id);
+/* At most n steps of what is to leave of forgotten fields; returns how many jobs were retracted. */
+int64_t fx_leave(fixture *f, int64_t n);
 store_failure fx_failure(fixture *f, int failure_class, int64_t retry_at_ms);
 
 #endif

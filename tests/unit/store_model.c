@@ -252,7 +252,7 @@ static bool is_pending(const model *m, int field, int settings) {
     return false;
 }
 
-static int64_t forget_row(model *m, int field, int settings, store_forgotten *out) {
+static int64_t forget_row(model *m, int field, int settings, model_forgotten *out) {
     int64_t n = 0;
     for (int64_t i = m->n_contributions - 1; i >= 0; i--) {
         const model_contribution *c = &m->contributions[i];
@@ -267,9 +267,9 @@ static int64_t forget_row(model *m, int field, int settings, store_forgotten *ou
     return n;
 }
 
-int model_forget(model *m, int field, int settings, store_forgotten *out) {
+int model_forget(model *m, int field, int settings, model_forgotten *out) {
     enum { SETTINGS = 2 };
-    *out = (store_forgotten){0};
+    *out = (model_forgotten){0};
     for (int pass = 0; pass < 2; pass++) { /* all or nothing: first whether it may be */
         for (int s = 0; s < SETTINGS; s++) {
             bool counted = false;

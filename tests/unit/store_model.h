@@ -44,7 +44,10 @@ int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, int *
 int model_cancel(model *m, int64_t id, int64_t now_ms, int *state);
 int model_retry(model *m, int64_t id);
 int model_retract(model *m, int64_t id);
-int model_forget(model *m, int field, int settings, store_forgotten *out); /* MODEL_NONE: any */
+typedef struct model_forgotten {
+    int64_t rows, contributions, jobs; /* jobs: that were kept, and are RETRACTED now */
+} model_forgotten;
+int model_forget(model *m, int field, int settings, model_forgotten *out); /* MODEL_NONE: any */
 int64_t model_retire(model *m, const store_retention *rule);
 void model_restart(model *m, int64_t now_ms);
 

@@ -40,6 +40,7 @@ static uint64_t said_by(store *s) {
         "SELECT * FROM checkpoints ORDER BY job",
         "SELECT * FROM fields ORDER BY id",
         "SELECT * FROM contributions ORDER BY id",
+        "SELECT * FROM forgotten ORDER BY id",
         "SELECT * FROM settings ORDER BY digest",
         "SELECT * FROM counts ORDER BY state",
         "SELECT * FROM totals",
@@ -176,12 +177,29 @@ static int act_retract(store *s, shear_error *err) {
     return store_retract(s, 1, err);
 }
 
+static int forget_new_field(store *s, shear_error *err) {
+    store_forgotten gone;
+    const int code = store_forget(s, "new", NULL, &gone, err);
+    assert_true((gone.contributions == 1) == (code == SHEAR_OK));
+    return code;
+}
+
+static int leave(store *s, shear_error *err) {
+    store_leaving next;
+    int code = store_next_leaving(s, &next, err);
+    if (code == SHEAR_OK) {
+        code = store_leave(s, &next, true, err);
+    }
+    store_leaving_deinit(&next);
+    return code;
+}
+
+typedef int (*action)(store *s, shear_error *err);
+
 /* A group that is given up at its first failure. */
-static int act_group(store *s, shear_error *err) {
-    static int (*const parts[])(store *, shear_error *) = {act_finish, act_submit, act_retry,
-                                                           act_finish_new_field, act_retire};
+static int act_in_group(store *s, const action *parts, size_t n, shear_error *err) {
     int code = store_begin(s, err);
-    for (size_t i = 0; i < sizeof parts / sizeof parts[0] && code == SHEAR_OK; i++) {
+    for (size_t i = 0; i < n && code == SHEAR_OK; i++) {
         code = parts[i](s, err);
         if (code != SHEAR_OK) {
             store_rollback(s);
@@ -191,14 +209,23 @@ static int act_group(store *s, shear_error *err) {
     return code == SHEAR_OK ? store_commit(s, err) : code;
 }
 
-typedef int (*action)(store *s, shear_error *err);
+static int act_group(store *s, shear_error *err) {
+    static const action parts[] = {act_finish, act_submit, act_retry, act_finish_new_field,
+                                   act_retire};
+    return act_in_group(s, parts, sizeof parts / sizeof parts[0], err);
+}
+
+static int act_forget(store *s, shear_error *err) {
+    static const action parts[] = {act_finish_new_field, forget_new_field, leave};
+    return act_in_group(s, parts, sizeof parts / sizeof parts[0], err);
+}
 
 /* In the order of the pages they touch: where the failure's kind matters little, the last ones do.
  */
 static const action actions[] = {act_checkpoint, act_learn,  act_next,    act_submit,
                                  act_release,    act_cancel, act_retry,   act_fail,
                                  act_finish,     act_retire, act_retract, act_finish_new_field,
-                                 act_group};
+                                 act_forget,     act_group};
 enum { N_ACTIONS = sizeof actions / sizeof actions[0] };
 
 /* ---- One failure ---- */

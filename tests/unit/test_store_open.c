@@ -474,6 +474,10 @@ static void opens_version_3(void **state) {
     fx_close(f);
     fx_open(f);
     assert_string_equal(store_identity(f->s), identity);
+    store_forgotten gone;
+    FX_OK(store_forget(f->s, "f", NULL, &gone, &err));
+    FX_OK(store_audit(f->s, &err));
+    assert_int_equal(fx_leave(f, INT64_MAX), 1);
 }
 
 static void has_an_identity_of_its_own(void **state) {

@@ -235,7 +235,7 @@ static void whole_fields(void **state) {
     FX_OK(store_forget(f->s, "a", "d0", &gone, &err));
     assert_int_equal(gone.rows, 1);
     assert_int_equal(gone.contributions, 2);
-    assert_int_equal(gone.jobs, 1);
+    assert_int_equal(fx_leave(f, INT64_MAX), 1);
     assert_int_equal(fx_state(f, id), STORE_RETRACTED);
     FX_CODE(STORE_NOT_FOUND, store_forget(f->s, "a", NULL, &gone, &err));
     fixture other;
@@ -244,6 +244,81 @@ static void whole_fields(void **state) {
     count_one(&other, "b", "d", 5, false);
     assert_same(f, &other);
     fx_deinit(&other);
+}
+
+/* From the first moment on the field is gone and begins anew; whatever happens until its last
+ * contribution has left, everything agrees. */
+static void leaves_bit_by_bit(void **state) {
+    enum { MANY = 5, STEPS = MANY + 2 }; /* one for the row, one that finds nothing */
+    fixture *f = *state;
+    shear_error err = {0};
+    store_forgotten gone;
+    store_field_page page;
+    char content[16];
+    for (unsigned i = 0; i < MANY; i++) {
+        snprintf(content, sizeof content, "c%u", i);
+        count_one(f, "a", content, i, true);
+    }
+    count_one(f, "b", "c0", 0, true);
+    FX_OK(store_forget(f->s, "a", NULL, &gone, &err));
+    assert_int_equal(gone.rows, 1);
+    assert_int_equal(gone.contributions, MANY);
+    FX_CODE(STORE_NOT_FOUND, store_field_get(f->s, "a", &page, &err));
+    FX_CODE(STORE_NOT_FOUND, store_forget(f->s, "a", NULL, &gone, &err));
+    fixture other;
+    fx_init(&other);
+    fx_open(&other);
+    count_one(&other, "b", "c0", 0, true);
+    for (int step = 0; step < STEPS; step++) {
+        if (step == 1) { /* counted again, though its first contribution has not left yet */
+            count_one(f, "a", "c4", 4, true);
+            count_one(&other, "a", "c4", 4, true);
+        }
+        if (step == 2) { /* in its own right, out of turn */
+            FX_OK(store_retract(f->s, MANY, &err));
+            assert_int_equal(fx_state(f, MANY), STORE_RETRACTED);
+        }
+        FX_OK(store_audit(f->s, &err));
+        fx_close(f);
+        fx_open(f);
+        assert_int_equal(fx_state(f, step + 1 < MANY ? step + 1 : 1),
+                         step + 1 < MANY ? STORE_DONE : STORE_RETRACTED);
+        assert_int_equal(fx_leave(f, 1), step + 1 < MANY ? 1 : 0);
+    }
+    assert_same(f, &other);
+    FX_OK(store_audit(f->s, &err));
+    fx_deinit(&other);
+}
+
+/* Their catalogues are known by the jobs' numbers alone. */
+static void tells_retired_jobs(void **state) {
+    fixture *f = *state;
+    shear_error err = {0};
+    store_forgotten gone;
+    store_leaving next;
+    int64_t retired = 0;
+    const int64_t first = count_one(f, "a", "c", 3, false);
+    const store_retention rule = {INT64_MAX, -1, 10};
+    FX_OK(store_retire(f->s, &rule, &retired, &err));
+    const int64_t second = count_one(f, "a", "d", 4, false);
+    FX_OK(store_forget(f->s, "a", NULL, &gone, &err));
+    FX_OK(store_next_leaving(f->s, &next, &err));
+    assert_int_equal(next.job, first);
+    assert_false(next.kept);
+    assert_null(next.catalogue);
+    assert_string_equal(next.field, "a");
+    FX_OK(store_leave(f->s, &next, true, &err));
+    store_leaving_deinit(&next);
+    FX_OK(store_next_leaving(f->s, &next, &err));
+    assert_int_equal(next.job, second);
+    assert_true(next.kept);
+    assert_string_equal(next.catalogue, "/c/1.shear.fits");
+    FX_OK(store_leave(f->s, &next, true, &err));
+    store_leaving_deinit(&next);
+    int64_t id = 0;
+    char *path = NULL;
+    FX_OK(store_next_leftover(f->s, 0, &id, &path, &err));
+    assert_int_equal(id, 0);
 }
 
 static void catalogues_are_told_until_they_are_gone(void **state) {
@@ -280,6 +355,8 @@ int main(void) {
         STORE_TEST(only_what_was_counted),
         STORE_TEST(is_undone_with_its_group),
         STORE_TEST(whole_fields),
+        STORE_TEST(leaves_bit_by_bit),
+        STORE_TEST(tells_retired_jobs),
         STORE_TEST(catalogues_are_told_until_they_are_gone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
