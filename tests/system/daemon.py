@@ -13,6 +13,7 @@ import shutil
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -352,6 +353,25 @@ def numbers(row):
     return {key: row[key] for key in NUMBERS}
 
 
+class LongTurn(AssertionError):
+    """A turn of the service's loop took too long."""
+
+
+def turns(test):
+    """A test of how long turns take. A virtual machine that is paused in the middle of one has it last longer, in processor
+    time, too: that does not happen twice, while what the service does is as long each time."""
+    @functools.wraps(test)
+    def tried(self):
+        try:
+            test(self)
+        except LongTurn as error:
+            print(f"{self.id()}: once more: {error}", file=sys.stderr)
+            self.doCleanups()
+            self.setUp()
+            test(self)
+    return tried
+
+
 class DaemonTest(unittest.TestCase):
     """A test with a directory of its own and daemons that do not outlive it."""
 
@@ -380,6 +400,12 @@ class DaemonTest(unittest.TestCase):
         with self.assertRaises(RpcError) as caught:
             yield caught
         self.assertEqual(caught.exception.code, code, caught.exception)
+
+    def assertTurns(self, daemon, limit_ms):
+        """No turn since its start took as long; within a test of turns."""
+        loop = daemon.call("status")["loop"]
+        if loop["longest_ms"] >= limit_ms:
+            raise LongTurn(f"a turn of {loop['longest_ms']:.1f} ms is not below {limit_ms:.1f}: {loop}")
 
     def assertRow(self, daemon, field, expected, jobs, message=None):
         """The field has one row, of so many jobs, with these numbers to the last bit."""

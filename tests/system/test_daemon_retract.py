@@ -9,8 +9,7 @@ import subprocess
 import time
 import unittest
 
-from daemon import (SLOW, SLOW_OPTIONS, DaemonTest, content_of, measured, mock, numbers,
-                    stamps_for, until)
+from daemon import (SLOW, SLOW_OPTIONS, content_of, DaemonTest, measured, mock, numbers, stamps_for, turns, until)
 from fitsfile import BLOCK, card
 from tool import SANITIZED, SHEARCTL
 
@@ -206,6 +205,7 @@ class Retract(DaemonTest):
                 client.answer(asked[2])
         self.assertEqual(self.catalogues(), [])
 
+    @turns
     def test_forget_many(self):
         """Others are served meanwhile, and see at once that the field is gone."""
         daemon = self.daemon_
@@ -216,7 +216,7 @@ class Retract(DaemonTest):
             self.assertLess(daemon.call("status")["totals"]["retracted"], FORGOTTEN)
             self.assertEqual(client.answer(number), {"field": "f", "rows": 1, "contributions": FORGOTTEN + 1, "jobs": FORGOTTEN + 1})
         self.assertAllForgotten(FORGOTTEN + 1)
-        self.assertLess(daemon.call("status")["loop"]["longest_ms"], TURN_MS)
+        self.assertTurns(daemon, TURN_MS)
 
     def test_forget_killed(self):
         """What is left of a field that was being forgotten goes after the next start, and meets nothing that was counted since."""
@@ -294,6 +294,7 @@ class Retract(DaemonTest):
         daemon.shearctl("retract", str(bad["id"]))
         self.assertRow(daemon, "f", measured(good), 2)
 
+    @turns
     def test_culprit_of_many(self):
         """Whose file it is, is looked for while others are served: also among very many."""
         daemon = self.daemon_
@@ -313,7 +314,7 @@ class Retract(DaemonTest):
         row = daemon.call("field", field="f", limit=1)["rows"][0]
         took_ms = 1e3 * (time.monotonic() - begun)
         self.assertEqual((row["jobs"], row["culprit"]["job"]), (many + 2, bad["id"]))
-        self.assertLess(daemon.call("status")["loop"]["longest_ms"], took_ms / 5)
+        self.assertTurns(daemon, took_ms / 5)
 
     def test_too_few(self):
         daemon = self.daemon_
