@@ -213,13 +213,12 @@ const sheard_setting config_place_rows[] = {
      .initial = "/var/lib/sheard/catalogues",
      .max = CONFIG_PATH_MAX,
      .flag = "catalogues",
-     .help = "Where they are written. A catalogue appears under its name only when it is complete. "
-             "The directory belongs to one state directory's database (.sheard-database in it says "
-             "to which): with another one the service does not start, and a reload is "
-             "refused. The unit sheard.service lets the daemon write nowhere but in its own "
-             "directories: another one "
-             "needs "
-             "ReadWritePaths= in a drop-in."},
+     .help =
+         "Where they are written. A catalogue appears under its name only when it is complete. "
+         "The directory belongs to one state directory's database (.sheard-database in it says "
+         "to which): with another one the service does not start, and a reload is refused. The "
+         "unit sheard.service lets the daemon write nowhere but in its own directories: another "
+         "one needs ReadWritePaths= in a drop-in."},
 
     {.section = "access",
      .key = "data_roots",

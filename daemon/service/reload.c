@@ -23,7 +23,6 @@ static const char **names_of(const size_t *indices, size_t n) {
 server_limits reload_server_limits(const sheard_config *c) {
     server_limits limits;
     server_limits_init(&limits);
-    descriptors_raise(c);
     limits.connections = (size_t)descriptors_connections(c);
     limits.user_connections = (size_t)c->limits.user_connections;
     limits.reserved_connections = (size_t)c->limits.admin_connections;
@@ -62,6 +61,7 @@ spool_tuning reload_spool_tuning(const sheard_config *c) {
 
 static void apply(service *s) {
     const sheard_config *c = &s->config;
+    descriptors_raise(c);
     const server_limits limits = reload_server_limits(c);
     server_set_limits(s->server, &limits);
     server_set_defaults(s->server, &c->measure);

@@ -2,6 +2,7 @@
 /* How the service is put together, and taken apart. */
 #include "reader/find.h"
 #include "reader/scratch.h"
+#include "service/descriptors.h"
 #include "service/inner.h"
 #include "service/owner.h"
 #include "service/processors.h"
@@ -99,6 +100,7 @@ static int open_engine(service *s, shear_error *err) {
 static int open_server(service *s, shear_error *err) {
     const sheard_config *c = &s->config;
     int fds[8];
+    descriptors_raise(c);
     server_options options = {
         .path = c->daemon.socket,
         .mode = c->daemon.socket_mode,

@@ -298,7 +298,6 @@ def content_of(path):
         return f.read()
 
 
-
 def mock(path, stamps=16, size=32, seed=1, *more):
     """A small field of mock galaxies; quick to measure."""
     subprocess.run([SHEARCTL, "mock", "--stamps", str(stamps), "--size", str(size), "--points",

@@ -14,7 +14,6 @@ from daemon import (SLOW, SLOW_OPTIONS, DaemonTest, FINAL, content_of, measured,
                     until)
 
 
-
 class Jobs(DaemonTest):
     def setUp(self):
         super().setUp()
