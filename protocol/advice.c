@@ -18,8 +18,7 @@ const char *shear_advice_filter(const shear_result *r, const shear_plan_info *pl
         snprintf(
             buf, size,
             "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
-            "not their neighbours', the shear is biased: R_GAL is too small, or use --filter edge "
-            "or none",
+            "not their neighbours', the shear is biased: R_GAL is too small, or use --filter none",
             100.0 * r->filter_removed);
     } else {
         snprintf(
@@ -43,11 +42,14 @@ const char *shear_advice_bright_border(const shear_result *r, const shear_plan_i
     if (plan->filter != SHEAR_FILTER_NONE || !bright) {
         return NULL;
     }
-    snprintf(buf, size,
-             "the stamps' borders are brighter than the noise stamps' (by %.2g +- %.1g a pixel): "
-             "neighbours, or "
-             "wings that are cut off? use --filter edge, or larger stamps",
-             r->border_excess, r->border_excess_err);
+    snprintf(
+        buf, size,
+        "the stamps' borders are brighter than the noise stamps' by %.2g +- %.1g a pixel, over "
+        "a whole stamp %.1f %% of the mean flux: wings that are cut off, neighbours, or a sky "
+        "that the noise stamps do not have? cut larger stamps; see that the sky of both is "
+        "subtracted alike",
+        r->border_excess, r->border_excess_err,
+        100.0 * r->border_excess * stamp_area(plan) / r->mean_flux);
     return buf;
 }
 
@@ -61,8 +63,8 @@ const char *shear_advice_rough_border(const shear_result *r, const shear_plan_in
     }
     snprintf(buf, size,
              "the stamps' borders are rougher than the noise stamps' (extra variance %.2g +- %.1g, "
-             "noise "
-             "%.2g): neighbours? use --filter edge",
+             "noise %.2g): neighbours, or wings that are cut off? leave out stamps with neighbours "
+             "(column FLAGS), or cut larger stamps",
              r->border_rough, r->border_rough_err, r->border_noise_var);
     return buf;
 }

@@ -27,6 +27,7 @@ static void defaults(struct request *r) {
     m->r_psf_px = 4.0;
     r->settings.interpolation = SHEAR_INTERP_NONE;
     r->settings.filter = SHEAR_FILTER_PAPER;
+    r->settings.background = SHEAR_BACKGROUND_KEEP; /* as the paper's */
 }
 
 /* Series 2 i and 2 i + 1 are ratio i with and without the correction. */

@@ -27,6 +27,7 @@ static void defaults(struct request *r) {
     r->mock.r_psf_px = 0.5;
     r->mock.nx = r->mock.ny = 24;
     r->settings.filter = SHEAR_FILTER_PAPER;
+    r->settings.background = SHEAR_BACKGROUND_KEEP; /* as the paper's */
     r->settings.zeros = SHEAR_ZEROS_FLOOR;
 }
 

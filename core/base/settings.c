@@ -15,7 +15,7 @@ static const char *const interpolations[] = {"auto",        "none",       "bilin
 static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
-static const char *const backgrounds[] = {"keep", "noise-mean", NULL};
+static const char *const backgrounds[] = {"auto", "keep", "noise-mean", NULL};
 static const char *const estimators[] = {"mean", "pdf-sym", "pdf-sym-cross", NULL};
 
 enum { MAX_OVERSAMPLE = 64 };
@@ -38,8 +38,9 @@ static const shear_setting_def table[] = {
     {"width", "WIDTH_PX", SHEAR_T_DOUBLE, AT(width_px), NULL, 1e-3, 2048, true, "px", "PX",
      "scale of the filter's Gaussian fall beyond the core; auto: by the filter's rule"},
     {"background", "BACKGRND", SHEAR_T_CHOICE, AT(background), backgrounds, 0, 0, false, "", "KIND",
-     "a mean background under the filter: keep, or noise-mean (the noise stamp's mean is taken off "
-     "both stamps before the filter, which would cut an edge into it)"},
+     "a mean background under the filter: noise-mean (the noise stamp's mean is taken off both "
+     "stamps before the filter, which would cut an edge into it), or keep; auto: noise-mean with a "
+     "filter"},
     {"zeros", "ZEROS", SHEAR_T_CHOICE, AT(zeros), zeros, 0, 0, false, "", "POLICY",
      "zero pixels under a log method: skip (what touches them becomes zero) or floor (they become "
      "tiny)"},
@@ -96,7 +97,7 @@ void shear_settings_init(shear_settings *s) {
         .filter = SHEAR_FILTER_AUTO,
         .core_px = NAN,
         .width_px = NAN,
-        .background = SHEAR_BACKGROUND_KEEP,
+        .background = SHEAR_BACKGROUND_AUTO,
         .zeros = SHEAR_ZEROS_SKIP,
         .pedestal = 0.0,
         .psf_threshold = 1e-8,
@@ -296,8 +297,9 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
     if (!isnan(s->width_px) && s->filter == SHEAR_FILTER_NONE) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "setting 'width' contradicts filter=none");
     }
-    if (s->background != SHEAR_BACKGROUND_KEEP && s->filter == SHEAR_FILTER_NONE) {
-        return shear_fail(err, SHEAR_E_SETTING, "without a filter a constant is not seen: keep it",
+    if (s->background == SHEAR_BACKGROUND_NOISE_MEAN && s->filter == SHEAR_FILTER_NONE) {
+        return shear_fail(err, SHEAR_E_SETTING,
+                          "without a filter a constant is not seen: leave it at auto",
                           "setting 'background' contradicts filter=none");
     }
     if (s->pedestal > 0 && s->interpolation != SHEAR_INTERP_AUTO &&

@@ -181,10 +181,10 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
     photometry_sums sums;
     photometry_begin(&sums, galaxy, noise, g->nx, g->ny);
-    if (!as_pixels || levels) {
+    if (!as_pixels) {
         *ph = photometry_of(galaxy, noise, g->nx, g->ny);
     }
-    ws->level = levels ? ph->noise_mean : 0.0;
+    ws->level = levels ? photometry_level(noise, (size_t)g->nx * (size_t)g->ny) : 0.0;
     if (!load_pair(plan, ws, galaxy, noise, failure)) {
         return false;
     }

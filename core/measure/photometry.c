@@ -87,6 +87,26 @@ photometry photometry_of(const double *galaxy, const double *noise, int nx, int 
     return photometry_end(&sums);
 }
 
+/* About a pixel, see photometry_pixel; lane by lane, the same sum on every machine. */
+SHEAR_SIMD double photometry_level(const double *pixels, size_t n) {
+    const double first = pixels[0];
+    double sums[4 * FFT_LANES] = {0};
+    size_t i = 0;
+    for (; i + 4 * FFT_LANES <= n; i += 4 * FFT_LANES) {
+#pragma omp simd
+        for (size_t l = 0; l < 4 * FFT_LANES; l++) {
+            sums[l] += pixels[i + l] - first;
+        }
+    }
+    for (size_t l = 0; i + l < n; l++) {
+        sums[l] += pixels[i + l] - first;
+    }
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        sums[l] += sums[l + FFT_LANES] + (sums[l + 2 * FFT_LANES] + sums[l + 3 * FFT_LANES]);
+    }
+    return first + total(sums) / (double)n;
+}
+
 /* Sums of the border about `origin`: its pixels, and their squares. */
 SHEAR_SIMD static void sum_border(const double *pixels, int nx, int ny, double origin, double *sum,
                                   double *squares) {

@@ -50,6 +50,9 @@ photometry photometry_end(const photometry_sums *s);
 /* All of a pair at once. */
 photometry photometry_of(const double *galaxy, const double *noise, int nx, int ny);
 
+/* The mean of an image's pixels: what there is of a background in a noise stamp. */
+double photometry_level(const double *pixels, size_t n);
+
 /* Mean and variance of the one-pixel border of an image [ny][nx]. */
 typedef struct border {
     double mean, var;

@@ -102,7 +102,7 @@ static int resolve_filter(const shear_settings *set, shear_plan_info *info, bool
     }
     if (info->filter_per_stamp && !has_r_gal) {
         return shear_fail(
-            err, SHEAR_E_SETTING, "add the column R_GAL, or give a core, or use filter=edge",
+            err, SHEAR_E_SETTING, "add the column R_GAL, or give a core, or use filter=none",
             "filter=paper needs R_G of the galaxies, and there is no column R_GAL in CATALOG");
     }
     const bool edge = info->filter == SHEAR_FILTER_EDGE;

@@ -16,7 +16,7 @@ KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", 
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow"]
 SETTINGS = {"interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 1.5,
-            "filter": "auto", "core": "auto", "width": "auto", "background": "keep", "zeros": "skip", "pedestal": 0.0,
+            "filter": "auto", "core": "auto", "width": "auto", "background": "auto", "zeros": "skip", "pedestal": 0.0,
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
             "shot-noise": "none", "estimator": "mean"}
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",
@@ -303,7 +303,8 @@ class Advice(ToolTest):
         warnings = answer.json()[0]["warnings"]
         self.assertTrue(any("brighter" in w for w in warnings), warnings)
         self.assertTrue(any("rougher" in w for w in warnings), warnings)
-        self.assertTrue(all("--filter edge" in w for w in warnings), warnings)
+        self.assertTrue(all("larger stamps" in w for w in warnings), warnings)
+        self.assertFalse(any("--filter edge" in w for w in warnings), warnings)
         self.assertIn("shearctl: warning: field gauss: ", answer.err)
         self.assertEqual(self.measure_one(path, "--filter", "edge")["warnings"], [])
 

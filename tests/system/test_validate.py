@@ -123,12 +123,13 @@ class Validate(ToolTest):
         for stamps in (field.galaxy, field.noise):
             stamps[:] = [[p + 50.0 for p in stamp] for stamp in stamps]
         path = field.write(self.path("b.fits"))
-        bright = self.validate(path, "--core", 10)
+        bright = self.validate(path, "--core", 10, "--background", "keep")
         self.assertLess(abs(bright["noise"]["mean"] - noise["mean"] - 50), 1e-3)
         self.assertLess(abs(bright["noise"]["rms"] - noise["rms"]), 1e-3)
         self.assertTrue(bright["good"])
         self.assertIn("--background noise-mean", bright["advice"])
-        for harmless in (("--core", 10, "--background", "noise-mean"), ("--filter", "none"),
+        for harmless in (("--core", 10), ("--core", 10, "--background", "noise-mean"),
+                         ("--filter", "none"),
                          ("--core", 10, "--estimator", "pdf-sym-cross")):
             self.assertEqual(self.validate(path, *harmless)["advice"], "")
 

@@ -371,8 +371,8 @@ shear_row oracle_measure(const shear_plan_info *info, const shear_settings *sett
     modes of_psf = modes_new(info->geometry.nx * finest / 2, info->geometry.ny * finest / 2);
     *k_cut = psf_power(info, settings, psf, &of_psf);
     double level = 0.0;
-    for (int i = 0; settings->background == SHEAR_BACKGROUND_NOISE_MEAN &&
-                    i < info->geometry.nx * info->geometry.ny;
+    for (int i = 0; settings->background != SHEAR_BACKGROUND_KEEP &&
+                    info->filter != SHEAR_FILTER_NONE && i < info->geometry.nx * info->geometry.ny;
          i++) {
         level += noise[i] / (info->geometry.nx * info->geometry.ny);
     }

@@ -397,7 +397,7 @@ static void test_whole_settings(void **state) {
     assert_int_equal(shear_settings_write(&s, text, sizeof text, &err), SHEAR_OK);
     assert_string_equal(
         text, "interpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=1.5\n"
-              "filter=auto\ncore=7\nwidth=auto\nbackground=keep\nzeros=skip\npedestal=0.25\n"
+              "filter=auto\ncore=7\nwidth=auto\nbackground=auto\nzeros=skip\npedestal=0.25\n"
               "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n"
               "shot-noise=none\nestimator=mean\n");
     shear_settings_init(&t);

@@ -230,6 +230,8 @@ static void test_contradictions(void **state) {
     BAD("background", "background", "noise-mean", "filter", "none");
     GOOD("background", "noise-mean", "filter", "edge");
     GOOD("background", "noise-mean");
+    GOOD("background", "auto", "filter", "none");
+    GOOD("background", "keep", "filter", "none");
     BAD("estimator", "estimator", "pdf-sym-cross", "noise-correction", "no");
     GOOD("estimator", "pdf-sym", "noise-correction", "no");
     GOOD("width", "5", "filter", "edge");

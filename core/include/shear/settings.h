@@ -32,7 +32,8 @@ enum shear_filter {
 };
 
 enum shear_background {
-    SHEAR_BACKGROUND_KEEP = 0,  /* as it is */
+    SHEAR_BACKGROUND_AUTO = 0,  /* NOISE_MEAN with a filter; without one a constant is not seen */
+    SHEAR_BACKGROUND_KEEP,      /* as it is */
     SHEAR_BACKGROUND_NOISE_MEAN /* galaxy and noise stamp lose the noise stamp's mean */
 };
 
@@ -120,7 +121,7 @@ const char *shear_estimator_name(int estimator);
 /* Is the estimator one that needs the terms of every stamp (shear/symmetry.h)? */
 bool shear_estimator_is_symmetric(int estimator);
 
-/* Does the filter see a background that both stamps have? Not with background = noise-mean, nor
+/* Does the filter see a background that both stamps have? Only with background = keep, and not
  * with pdf-sym-cross, whose cross terms would not average out over one. */
 bool shear_settings_keep_background(const shear_settings *s);
 
