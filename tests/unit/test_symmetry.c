@@ -346,6 +346,7 @@ static void check_cross(const char *method, int nx, int ny, const char *shot_noi
         pair_set(both[i], "core", "5");
     }
     pair_set(&p, "estimator", "pdf-sym-cross");
+    pair_set(&sum, "background", "keep"); /* it has lost it below */
     pair_set(&p, "shot-noise", shot_noise);
     double mean = 0.0;
     for (int i = 0; i < nx * ny; i++) {
