@@ -49,6 +49,8 @@ extern const struct experiment exp_shot;
 extern const struct experiment exp_bias;
 extern const struct experiment exp_errors;
 extern const struct experiment exp_efficiency;
+extern const struct experiment exp_survey;
+extern const struct experiment exp_precision;
 
 /* The table, ended by NULL, in the order of the paper. */
 const struct experiment *const *experiment_table(void);

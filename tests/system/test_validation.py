@@ -90,7 +90,8 @@ class Usage(ExperimentTest):
 
     def test_help(self):
         names = subprocess.run([PAPER, "help"], capture_output=True, text=True, check=True).stdout
-        for name in ("noise", "images", "single", "pixels", "overall", "shot", "bias", "errors", "efficiency"):
+        for name in ("noise", "images", "single", "pixels", "overall", "shot", "bias", "errors", "efficiency", "survey",
+                     "precision"):
             self.assertIn(name, names)
             text = subprocess.run([PAPER, "help", name], capture_output=True, text=True, check=True).stdout
             self.assertIn(f"usage: shear-paper {name}", text)
@@ -279,6 +280,49 @@ class Efficiency(ExperimentTest):
         self.assertGreater(noisy[30, "mean"], 1.5 * noisy[30, "pdf-sym"])
         # The cross terms have their price, which is small.
         self.assertTrue(0.9 < noisy[1, "pdf-sym-cross"] / noisy[1, "pdf-sym"] < 1.15)
+
+
+class Survey(ExperimentTest):
+    ROWS = {"reference": 0, "correlated-white": 4, "swapped": 21, "weightless": 23}
+
+    def test_rows(self):
+        self.run_paper("survey", "--galaxies", 320, "--groups", 8, "--snrs", "100,40", "--rows",
+                       ",".join(str(row) for row in self.ROWS.values()))
+        self.assertEqual(len(self.rows), 4 * len(self.ROWS))
+        for row in self.some(case="reference", estimator="mean"):
+            self.assertLess(abs(row["m"]), 2e-3 + 4 * row["m_err"])
+            self.assertLess(row["m_err"], 0.03, "the test has no teeth where errors are large")
+            self.assertEqual((row["told"], row["met"], row["flagged"]), ("no", "yes", 0))
+        for case in ("swapped", "weightless"):
+            for row in self.some(case=case):
+                self.assertIn(row["told"].split()[0], ("no", "refused"))
+                self.assertNotEqual(row["told"], "no", "there is no shear to be had, and that is told")
+                self.assertNotEqual(row["m"], row["m"])
+        # Noise stamps that are not like the galaxies' noise: told, or as wrong as it is.
+        for row in self.some(case="correlated-white", snr=100, estimator="mean"):
+            self.assertTrue(row["told"] != "no" or abs(row["m"]) > 0.1, row)
+            self.assertEqual(row["met"], "yes" if row["told"] != "no" else "no")
+
+    def test_nothing_is_left(self):
+        environment = {**os.environ, "TMPDIR": str(self.path)}
+        subprocess.run(self.command("survey", "--galaxies", 64, "--groups", 4, "--snrs", "50", "--rows", "0", "--least", 64),
+                       env=environment, stdout=subprocess.DEVNULL, check=True, timeout=100)
+        self.assertEqual([p.name for p in self.path.iterdir() if p.is_dir()], [])
+
+
+class Precision(ExperimentTest):
+    def test_errors(self):
+        self.run_paper("precision", "--galaxies", 600, "--groups", 30, "--snrs", "200,12", "--steps", "1,2")
+        error = {(r["step"], r["estimator"], r["snr"], r["range"]): r for r in self.rows}
+        bright = error["beta-ratio 2", "mean", 200, 1]
+        # Noise-free, the error is the scatter of the shapes, 0.26 a component but for the cut and the response.
+        self.assertTrue(0.22 < bright["quoted"] < 0.30, bright)
+        self.assertLess(abs(bright["error"] - bright["quoted"]), 4 * bright["error_err"])
+        self.assertLess(abs(bright["m"]), 3e-3 + 4 * bright["m_err"])
+        noisy = [error[f"beta-ratio {ratio}", "mean", 12, 1]["quoted"] for ratio in ("1.5", "2")]
+        self.assertGreater(noisy[0], 1.2 * noisy[1], "a narrow target takes in more noise")
+        broad = error["beta-ratio 2", "mean", 10, 100], error["beta-ratio 2", "pdf-sym", 10, 100]
+        self.assertGreater(broad[0]["quoted"], 1.5 * broad[1]["quoted"])
 
 
 if __name__ == "__main__":

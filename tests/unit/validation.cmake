@@ -3,3 +3,8 @@
 shear_add_test(information
   SOURCES test_information.c ${PROJECT_SOURCE_DIR}/validation/information.c LIBRARIES core_fixtures LABELS validation)
 target_include_directories(test_information PRIVATE ${PROJECT_SOURCE_DIR}/validation)
+shear_add_test(light
+  SOURCES test_light.c ${PROJECT_SOURCE_DIR}/validation/light.c ${PROJECT_SOURCE_DIR}/validation/population.c
+          ${PROJECT_SOURCE_DIR}/validation/flaw.c ${PROJECT_SOURCE_DIR}/validation/memory.c
+  LIBRARIES core_fixtures PkgConfig::GSL OpenMP::OpenMP_C LABELS validation)
+target_include_directories(test_light PRIVATE ${PROJECT_SOURCE_DIR}/validation)

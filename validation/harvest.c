@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "harvest.h"
+#include "memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* m along the shear, m by component, c by component, g(+) and g(-). */
+enum { N_VALUES = 9 };
+
+int harvest_init(struct harvest *h, int groups, int estimator, shear_error *err) {
+    int code = SHEAR_OK;
+    const size_t n = 2 * (size_t)groups;
+    *h = (struct harvest){.groups = groups, .estimator = estimator};
+    h->sums = memory_new(n, sizeof *h->sums, "sums", &code, err);
+    h->terms = memory_new(n, sizeof *h->terms, "terms", &code, err);
+    for (size_t i = 0; code == SHEAR_OK && i < n; i++) {
+        code = shear_field_sums_new(&h->sums[i], err);
+        if (code == SHEAR_OK && shear_estimator_is_symmetric(estimator)) {
+            code = shear_symmetry_new(&h->terms[i], err);
+        }
+    }
+    return code;
+}
+
+void harvest_deinit(struct harvest *h) {
+    for (int i = 0; i < 2 * h->groups; i++) {
+        if (h->sums) {
+            shear_field_sums_free(h->sums[i]);
+        }
+        if (h->terms) {
+            shear_symmetry_free(h->terms[i]);
+        }
+    }
+    free(h->sums);
+    free(h->terms);
+    *h = (struct harvest){0};
+}
+
+/* The result of all groups at one sign but one (-1: of all). */
+static int result_without(const struct harvest *h, int sign, int left_out, shear_result *result,
+                          shear_error *err) {
+    shear_field_sums *sums = NULL;
+    shear_symmetry *terms = NULL;
+    int code = shear_field_sums_new(&sums, err);
+    if (code == SHEAR_OK && h->terms[0]) {
+        code = shear_symmetry_new(&terms, err);
+    }
+    for (int i = 0; code == SHEAR_OK && i < h->groups; i++) {
+        const int at = sign * h->groups + i;
+        if (i != left_out) {
+            shear_field_sums_join(sums, h->sums[at]);
+            code = terms ? shear_symmetry_join(terms, h->terms[at], 0, err) : SHEAR_OK;
+        }
+    }
+    code = code ? code : shear_estimate(h->estimator, sums, terms, result, err);
+    shear_symmetry_free(terms);
+    shear_field_sums_free(sums);
+    return code;
+}
+
+int harvest_result(const struct harvest *h, int sign, shear_result *result, shear_error *err) {
+    return result_without(h, sign, -1, result, err);
+}
+
+static void combine(const double g[2], const shear_result *plus, const shear_result *minus,
+                    double v[N_VALUES]) {
+    const double p[2] = {plus->g1, plus->g2};
+    const double q[2] = {minus->g1, minus->g2};
+    const double square = g[0] * g[0] + g[1] * g[1];
+    v[0] = -1.0;
+    for (int i = 0; i < 2; i++) {
+        const double half = 0.5 * (p[i] - q[i]);
+        v[0] += half * g[i] / square;
+        v[1 + i] = half / g[i] - 1.0;
+        v[3 + i] = 0.5 * (p[i] + q[i]);
+        v[5 + i] = p[i];
+        v[7 + i] = q[i];
+    }
+}
+
+static int values_without(const struct harvest *h, const struct trial *t, int left_out,
+                          double v[N_VALUES], shear_error *err) {
+    shear_result plus, minus;
+    int code = result_without(h, 0, left_out, &plus, err);
+    code = code ? code : result_without(h, 1, left_out, &minus, err);
+    if (code == SHEAR_OK) {
+        combine(t->g, &plus, &minus, v);
+    }
+    return code;
+}
+
+/* Scatter of the values v [groups][N_VALUES] with one group left out each. */
+static double spread(const double *v, int groups, int which) {
+    double mean = 0.0;
+    double sum = 0.0;
+    for (int i = 0; i < groups; i++) {
+        mean += v[(size_t)i * N_VALUES + (size_t)which] / groups;
+    }
+    for (int i = 0; i < groups; i++) {
+        sum += pow(v[(size_t)i * N_VALUES + (size_t)which] - mean, 2.0);
+    }
+    return sqrt((groups - 1.0) / groups * sum);
+}
+
+static void fill_errors(const double *v, int groups, int64_t stamps, struct trial_outcome *out) {
+    double square = 0.0;
+    out->m_err = spread(v, groups, 0);
+    for (int i = 0; i < 2; i++) {
+        out->m_of_err[i] = spread(v, groups, 1 + i);
+        out->c_err[i] = spread(v, groups, 3 + i);
+    }
+    for (int i = 5; i < N_VALUES; i++) {
+        square += 0.25 * pow(spread(v, groups, i), 2.0);
+    }
+    out->error = sqrt(square * (double)stamps);
+    /* Two components; the two signs hardly differ. */
+    out->error_err = out->error / sqrt(4.0 * (groups - 1.0));
+}
+
+static int fill_values(const struct harvest *h, const struct trial *t, struct trial_outcome *out,
+                       shear_error *err) {
+    shear_result r[2];
+    double v[N_VALUES];
+    int code = harvest_result(h, 0, &r[0], err);
+    code = code ? code : harvest_result(h, 1, &r[1], err);
+    if (code) {
+        return code;
+    }
+    combine(t->g, &r[0], &r[1], v);
+    out->m = v[0];
+    out->quoted = 0.0;
+    for (int i = 0; i < 2; i++) {
+        out->m_of[i] = v[1 + i];
+        out->c[i] = v[3 + i];
+        out->used += (double)r[i].n_used;
+        out->flagged += (double)r[i].n_flagged;
+        out->quoted += 0.25 * (r[i].g1_err + r[i].g2_err) * sqrt((double)t->stamps);
+    }
+    return SHEAR_OK;
+}
+
+int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_outcome *out,
+                  shear_error *err) {
+    int code = SHEAR_OK;
+    out->m = out->m_err = out->error = out->error_err = out->quoted = NAN;
+    for (int i = 0; i < 2; i++) {
+        out->m_of[i] = out->m_of_err[i] = out->c[i] = out->c_err[i] = NAN;
+    }
+    if (h->refused) {
+        return SHEAR_OK;
+    }
+    double *v = memory_new((size_t)h->groups * N_VALUES, sizeof *v, "a jackknife", &code, err);
+    for (int i = 0; code == SHEAR_OK && i < h->groups; i++) {
+        code = values_without(h, t, i, v + (size_t)i * N_VALUES, err);
+    }
+    if (code == SHEAR_OK) {
+        fill_errors(v, h->groups, t->stamps, out);
+        code = fill_values(h, t, out, err);
+    }
+    free(v);
+    return code;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* harvest.h: what the files of a trial came to: sums and terms of each group, at +g and -g, and
+ * from them m, c and errors by leaving one group out at a time. */
+#ifndef VALIDATION_HARVEST_H
+#define VALIDATION_HARVEST_H
+
+#include "trial.h"
+
+#include "shear/sums.h"
+#include "shear/symmetry.h"
+
+/* One way at one level. */
+struct harvest {
+    int groups, estimator;
+    shear_field_sums **sums; /* [2][groups]: +g, -g */
+    shear_symmetry **terms;  /* the same; NULL for the mean */
+    bool refused;
+};
+
+int harvest_init(struct harvest *h, int groups, int estimator, shear_error *err);
+void harvest_deinit(struct harvest *h);
+
+/* Fills m, c, errors, used, flagged; NaN where a file was refused or there is no shear. */
+int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_outcome *out,
+                  shear_error *err);
+/* The result of all groups at one sign (0: +g). */
+int harvest_result(const struct harvest *h, int sign, shear_result *result, shear_error *err);
+
+#endif

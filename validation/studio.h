@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* studio.h: the stamps of a trial, drawn group by group, and written as field files. */
+#ifndef VALIDATION_STUDIO_H
+#define VALIDATION_STUDIO_H
+
+#include "trial.h"
+
+struct studio;
+/* Room for groups of `most` stamps. `trial` must outlive it. */
+int studio_new(struct studio **studio, const struct trial *trial, int most, shear_error *err);
+void studio_free(struct studio *studio);
+
+/* Draw stamps [first, first+count) at both signs of the shear, and their noise. */
+int studio_draw(struct studio *studio, int64_t first, int count, shear_error *err);
+/* Write them at one level and one sign (0: +g) to `path`, flaws and all; what was there is
+ * replaced. */
+int studio_write(struct studio *studio, const struct trial_level *level, int sign, const char *path,
+                 shear_error *err);
+
+#endif
