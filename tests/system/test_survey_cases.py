@@ -72,7 +72,8 @@ class NoiseUnderTheGalaxies(Case):
         rng = random.Random(5)
         for stamp in field.galaxy:  # 4 % more variance
             stamp[:] = [p + rng.gauss(0, 0.2 * 3.0) for p in stamp]
-        self.tells(field, r"noise")
+        words = [line for line in self.told(field).splitlines() if "border" not in line]
+        self.assertRegex("\n".join(words), r"noise")
 
     @awaited
     def test_its_shape(self):
