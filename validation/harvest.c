@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 /* m along the shear, m by component, c by component, g(+) and g(-). */
-enum { N_VALUES = 9 };
+enum { N_VALUES = 9, FIELDS = 16 };
 
 int harvest_init(struct harvest *h, int groups, int estimator, shear_error *err) {
     int code = SHEAR_OK;
@@ -37,9 +37,14 @@ void harvest_deinit(struct harvest *h) {
     *h = (struct harvest){0};
 }
 
-/* The result of all groups at one sign but one (-1: of all). */
-static int result_without(const struct harvest *h, int sign, int left_out, shear_result *result,
-                          shear_error *err) {
+/* The groups [from, to), or all but them. */
+struct choice {
+    int from, to;
+    bool without;
+};
+
+static int result_of(const struct harvest *h, int sign, struct choice c, shear_result *result,
+                     shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_symmetry *terms = NULL;
     int code = shear_field_sums_new(&sums, err);
@@ -48,7 +53,8 @@ static int result_without(const struct harvest *h, int sign, int left_out, shear
     }
     for (int i = 0; code == SHEAR_OK && i < h->groups; i++) {
         const int at = sign * h->groups + i;
-        if (i != left_out) {
+        const bool inside = i >= c.from && i < c.to;
+        if (inside != c.without) {
             shear_field_sums_join(sums, h->sums[at]);
             code = terms ? shear_symmetry_join(terms, h->terms[at], 0, err) : SHEAR_OK;
         }
@@ -60,7 +66,7 @@ static int result_without(const struct harvest *h, int sign, int left_out, shear
 }
 
 int harvest_result(const struct harvest *h, int sign, shear_result *result, shear_error *err) {
-    return result_without(h, sign, -1, result, err);
+    return result_of(h, sign, (struct choice){0, h->groups, false}, result, err);
 }
 
 static void combine(const double g[2], const shear_result *plus, const shear_result *minus,
@@ -79,43 +85,58 @@ static void combine(const double g[2], const shear_result *plus, const shear_res
     }
 }
 
-static int values_without(const struct harvest *h, const struct trial *t, int left_out,
-                          double v[N_VALUES], shear_error *err) {
+static int values_of(const struct harvest *h, const struct trial *t, struct choice c,
+                     double v[N_VALUES], shear_error *err) {
     shear_result plus, minus;
-    int code = result_without(h, 0, left_out, &plus, err);
-    code = code ? code : result_without(h, 1, left_out, &minus, err);
+    int code = result_of(h, 0, c, &plus, err);
+    code = code ? code : result_of(h, 1, c, &minus, err);
     if (code == SHEAR_OK) {
         combine(t->g, &plus, &minus, v);
     }
     return code;
 }
 
-/* Scatter of the values v [groups][N_VALUES] with one group left out each. */
-static double spread(const double *v, int groups, int which) {
-    double mean = 0.0;
-    double sum = 0.0;
-    for (int i = 0; i < groups; i++) {
-        mean += v[(size_t)i * N_VALUES + (size_t)which] / groups;
-    }
-    for (int i = 0; i < groups; i++) {
-        sum += pow(v[(size_t)i * N_VALUES + (size_t)which] - mean, 2.0);
-    }
-    return sqrt((groups - 1.0) / groups * sum);
+/* How many pieces there are, and what makes an error of their scatter. The mean: a jackknife of the
+ * groups. The symmetry: independent fields, for its answer moves in small steps, and a jackknife
+ * would take these for the root of the groups' number times as much as they are. */
+static int pieces_of(const struct harvest *h, double *factor) {
+    const int fields = h->groups < FIELDS ? h->groups : FIELDS;
+    const int n = h->terms[0] ? fields : h->groups;
+    *factor = h->terms[0] ? 1.0 / (n * (n - 1.0)) : (n - 1.0) / n;
+    return n;
 }
 
-static void fill_errors(const double *v, int groups, int64_t stamps, struct trial_outcome *out) {
+static struct choice piece(const struct harvest *h, int n, int i) {
+    return (struct choice){h->groups * i / n, h->groups * (i + 1) / n, !h->terms[0]};
+}
+
+/* Scatter of the values v [n][N_VALUES]. */
+static double spread(const double *v, int n, int which, double factor) {
+    double mean = 0.0;
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) {
+        mean += v[(size_t)i * N_VALUES + (size_t)which] / n;
+    }
+    for (int i = 0; i < n; i++) {
+        sum += pow(v[(size_t)i * N_VALUES + (size_t)which] - mean, 2.0);
+    }
+    return sqrt(factor * sum);
+}
+
+static void fill_errors(const double *v, int n, double factor, int64_t stamps,
+                        struct trial_outcome *out) {
     double square = 0.0;
-    out->m_err = spread(v, groups, 0);
+    out->m_err = spread(v, n, 0, factor);
     for (int i = 0; i < 2; i++) {
-        out->m_of_err[i] = spread(v, groups, 1 + i);
-        out->c_err[i] = spread(v, groups, 3 + i);
+        out->m_of_err[i] = spread(v, n, 1 + i, factor);
+        out->c_err[i] = spread(v, n, 3 + i, factor);
     }
     for (int i = 5; i < N_VALUES; i++) {
-        square += 0.25 * pow(spread(v, groups, i), 2.0);
+        square += 0.25 * pow(spread(v, n, i, factor), 2.0);
     }
     out->error = sqrt(square * (double)stamps);
     /* Two components; the two signs hardly differ. */
-    out->error_err = out->error / sqrt(4.0 * (groups - 1.0));
+    out->error_err = out->error / sqrt(4.0 * (n - 1.0));
 }
 
 static int fill_values(const struct harvest *h, const struct trial *t, struct trial_outcome *out,
@@ -150,12 +171,14 @@ int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_o
     if (h->refused) {
         return SHEAR_OK;
     }
-    double *v = memory_new((size_t)h->groups * N_VALUES, sizeof *v, "a jackknife", &code, err);
-    for (int i = 0; code == SHEAR_OK && i < h->groups; i++) {
-        code = values_without(h, t, i, v + (size_t)i * N_VALUES, err);
+    double factor;
+    const int n = pieces_of(h, &factor);
+    double *v = memory_new((size_t)n * N_VALUES, sizeof *v, "errors", &code, err);
+    for (int i = 0; code == SHEAR_OK && i < n; i++) {
+        code = values_of(h, t, piece(h, n, i), v + (size_t)i * N_VALUES, err);
     }
     if (code == SHEAR_OK) {
-        fill_errors(v, h->groups, t->stamps, out);
+        fill_errors(v, n, factor, t->stamps, out);
         code = fill_values(h, t, out, err);
     }
     free(v);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* harvest.h: what the files of a trial came to: sums and terms of each group, at +g and -g, and
- * from them m, c and errors by leaving one group out at a time. */
+ * from them m, c and errors: a jackknife of the groups for the mean, the scatter of 16 independent
+ * fields for pdf-sym. */
 #ifndef VALIDATION_HARVEST_H
 #define VALIDATION_HARVEST_H
 

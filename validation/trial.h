@@ -4,8 +4,8 @@
  * error of one galaxy, and whether anything was said.
  *
  * All levels of signal-to-noise and all ways of measuring share their galaxies and noise. Errors
- * are the jackknife's over the groups. m is that along the shear: (g(+) - g(-)) . g / (2 |g|^2) -
- * 1.
+ * are the jackknife's over the groups, or those of independent fields (harvest.h). m is that along
+ * the shear: (g(+) - g(-)) . g / (2 |g|^2) - 1.
  */
 #ifndef VALIDATION_TRIAL_H
 #define VALIDATION_TRIAL_H
