@@ -147,33 +147,48 @@ static int read_one(msg_reader *r, shear_settings *s, const shear_setting_def *d
                : msg_fail(r, SHEAR_RPC_BAD_SETTING, "%s", err.message);
 }
 
-/* Which settings an object gives, and their values in *s. A newer service may have settings that we
- * do not know: they are passed over. */
+/* One member of an object of settings. A newer service may have settings that we do not know: they
+ * are passed over. */
+static int read_member(msg_reader *r, shear_settings *s, bool *given, const char *name,
+                       const json_t *value) {
+    size_t n = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    const shear_setting_def *def = shear_settings_find(name);
+    if (!def && !(r->mode & MSG_STRICT)) {
+        return SHEAR_RPC_OK;
+    }
+    const size_t mark = msg_enter(r, name);
+    if (!def) {
+        return msg_fail(r, SHEAR_RPC_BAD_SETTING, "there is no such setting");
+    }
+    if (given[def - table]) {
+        return msg_fail(r, SHEAR_RPC_BAD_SETTING, "is given twice ('-' and '_' are the same)");
+    }
+    const int rc = read_one(r, s, def, value);
+    if (rc == SHEAR_RPC_OK) {
+        given[def - table] = true;
+        msg_leave(r, mark);
+    }
+    return rc;
+}
+
+/* Which settings an object gives, and their values in *s. */
 static int read_given(msg_reader *r, shear_settings *s, bool *given, const json_t *object) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     json_t *o = (json_t *)object; /* jansson's iterators take no const */
-    for (void *i = json_object_iter(o); i; i = json_object_iter_next(o, i)) {
-        const char *name = json_object_iter_key(i);
-        const shear_setting_def *def = shear_settings_find(name);
-        if (!def && !(r->mode & MSG_STRICT)) {
-            continue;
-        }
-        const size_t mark = msg_enter(r, name);
-        if (!def) {
-            return msg_fail(r, SHEAR_RPC_BAD_SETTING, "there is no such setting");
-        }
-        if (given[def - table]) {
-            return msg_fail(r, SHEAR_RPC_BAD_SETTING, "is given twice ('-' and '_' are the same)");
-        }
-        const int rc = read_one(r, s, def, json_object_iter_value(i));
-        if (rc != SHEAR_RPC_OK) {
-            return rc;
-        }
-        given[def - table] = true;
-        msg_leave(r, mark);
+    const char *preset = table[0].name;
+    int rc = SHEAR_RPC_OK;
+    if (json_object_get(o, preset) != NULL) { /* the others override it, wherever it stands */
+        rc = read_member(r, s, given, preset, json_object_get(o, preset));
     }
-    return SHEAR_RPC_OK;
+    for (void *i = json_object_iter(o); i && rc == SHEAR_RPC_OK; i = json_object_iter_next(o, i)) {
+        const char *name = json_object_iter_key(i);
+        if (strcmp(name, preset) != 0) {
+            rc = read_member(r, s, given, name, json_object_iter_value(i));
+        }
+    }
+    return rc;
 }
 
 enum { MOST_SETTINGS = 64 }; /* more than the table has */

@@ -245,10 +245,15 @@ static int parse_argument(struct request *r, int argc, char **argv, int *i, shea
     return set_option(r, name, equals ? equals + 1 : argv[++*i], err);
 }
 
+/* The experiments repeat the paper. */
+static void paper_settings(shear_settings *s) {
+    (void)shear_settings_set(s, "preset", "zhang2010", NULL);
+}
+
 static int set_defaults(struct request *r, shear_error *err) {
     const struct experiment *e = r->experiment;
     shear_mock_spec_init(&r->mock);
-    shear_settings_init(&r->settings);
+    paper_settings(&r->settings);
     r->galaxies = 10000;
     r->groups = 100;
     snprintf(r->out, sizeof r->out, ".");
@@ -288,7 +293,7 @@ static void print_changed(const struct request *r, FILE *out) {
         }
     }
     shear_settings defaults;
-    shear_settings_init(&defaults);
+    paper_settings(&defaults);
     const shear_setting_def *table = shear_settings_table(&n);
     for (size_t i = 0; i < n; i++) {
         char ours[MAX_LINE];

@@ -10,8 +10,8 @@
  * 1. Plans are made once for each PSF, shape and settings; threads work on tiles of stamps; rows
  * come back in stamp order, so nothing depends on the number of threads.
  *
- * 2. settings.beta_px = NaN becomes beta_ratio times the nominal R_PSF; the filter `paper` (and
- *    auto) gets the core R_G + 4 beta of the scene's galaxies.
+ * 2. settings.beta_px = NaN becomes beta_ratio times the nominal R_PSF (at least beta_floor_px);
+ * the filter `paper` (and auto) gets the core R_G + 4 beta of the scene's galaxies.
  *
  * 3. Shared noise: the point-source noise of the sample's `noise` spec is drawn once for all scenes
  *    and added with the factor `shared` of each: exact, for the image of points is linear in their

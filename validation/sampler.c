@@ -37,7 +37,7 @@ static int no_memory(shear_error *err) {
 
 static void resolve_settings(shear_settings *s, const shear_mock_spec *m) {
     if (isnan(s->beta_px)) {
-        s->beta_px = s->beta_ratio * m->r_psf_px;
+        s->beta_px = fmax(s->beta_ratio * m->r_psf_px, s->beta_floor_px);
     }
     bool paper = s->filter == SHEAR_FILTER_PAPER || s->filter == SHEAR_FILTER_AUTO;
     if (paper && isnan(s->core_px)) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear/settings.h"
 
+#include "base/preset.h"
+
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
@@ -9,9 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const interpolations[] = {"auto",        "none",       "bilinear",
-                                             "bicubic",     "spline",     "log-bilinear",
-                                             "log-bicubic", "log-spline", NULL};
+static const char *const presets[] = {"default", "zhang2010", NULL};
+static const char *const interpolations[] = {
+    "auto",         "none",        "bilinear",   "bicubic", "spline",
+    "log-bilinear", "log-bicubic", "log-spline", "paper",   NULL};
 static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
@@ -22,14 +25,22 @@ enum { MAX_OVERSAMPLE = 64 };
 
 #define AT(member) offsetof(shear_settings, member)
 static const shear_setting_def table[] = {
+    {"preset", "PRESET", SHEAR_T_CHOICE, AT(preset), presets, 0, 0, false, "", "NAME",
+     "sets all other settings, which override it where they follow it; zhang2010: those of the "
+     "paper"},
     {"interpolation", "INTERP", SHEAR_T_CHOICE, AT(interpolation), interpolations, 0, 0, false, "",
-     "METHOD", "how pixels are interpolated; auto: none for R_PSF >= 1 px, else log-bicubic"},
+     "METHOD",
+     "how pixels are interpolated; auto: none, or log-bicubic where beta is below 1.2 px and "
+     "R_PSF below 1 px; paper: none for R_PSF >= 1 px, else log-bicubic"},
     {"oversample", "OVERSAMP", SHEAR_T_INT, AT(oversample), NULL, 1, MAX_OVERSAMPLE, true, "", "S",
      "fine pixels per pixel, a power of two; auto: smallest with 1/S < R_PSF/4"},
     {"beta", "BETA_PX", SHEAR_T_DOUBLE, AT(beta_px), NULL, 1e-3, 1e3, true, "px", "PX",
-     "scale radius of the isotropic Gaussian target PSF; auto: beta-ratio times R_PSF"},
+     "scale radius of the isotropic Gaussian target PSF; auto: beta-ratio times R_PSF, at least "
+     "beta-floor"},
     {"beta-ratio", "BETARAT", SHEAR_T_DOUBLE, AT(beta_ratio), NULL, 0.1, 100, false, "", "X",
      "beta in units of R_PSF, where beta is auto"},
+    {"beta-floor", "BETAFLR", SHEAR_T_DOUBLE, AT(beta_floor_px), NULL, 0, 1e3, false, "px", "PX",
+     "smallest beta, where beta is auto; 0: none"},
     {"filter", "FILTER", SHEAR_T_CHOICE, AT(filter), filters, 0, 0, false, "", "KIND",
      "border filter: paper (core R_G + 4 beta, width beta), edge (widest that ends at the border), "
      "none; auto: paper where R_G is known, else none"},
@@ -90,10 +101,12 @@ const shear_setting_def *shear_settings_find(const char *name) {
 
 void shear_settings_init(shear_settings *s) {
     *s = (shear_settings){
+        .preset = SHEAR_PRESET_DEFAULT,
         .interpolation = SHEAR_INTERP_AUTO,
         .oversample = 0,
         .beta_px = NAN,
-        .beta_ratio = 1.5,
+        .beta_ratio = 2.0,
+        .beta_floor_px = 1.4,
         .filter = SHEAR_FILTER_AUTO,
         .core_px = NAN,
         .width_px = NAN,
@@ -173,6 +186,13 @@ static int set_double(double *value, const shear_setting_def *def, const char *t
     return SHEAR_OK;
 }
 
+static int set_preset(shear_settings *s, const shear_setting_def *def, const char *text,
+                      shear_error *err) {
+    int preset = SHEAR_PRESET_DEFAULT;
+    const int code = set_choice(&preset, def, text, err);
+    return code == SHEAR_OK ? preset_apply(s, preset, err) : code;
+}
+
 int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err) {
     const shear_setting_def *def = shear_settings_find(name);
     if (def == NULL) {
@@ -182,7 +202,8 @@ int shear_settings_set(shear_settings *s, const char *name, const char *text, sh
     const bool automatic = def->has_auto && strcmp(text, "auto") == 0;
     switch (def->type) {
     case SHEAR_T_CHOICE:
-        return set_choice(member(s, def), def, text, err);
+        return def == &table[0] ? set_preset(s, def, text, err)
+                                : set_choice(member(s, def), def, text, err);
     case SHEAR_T_BOOL:
         return set_bool(member(s, def), def, text, err);
     case SHEAR_T_INT:
@@ -302,13 +323,14 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
                           "without a filter a constant is not seen: leave it at auto",
                           "setting 'background' contradicts filter=none");
     }
-    if (s->pedestal > 0 && s->interpolation != SHEAR_INTERP_AUTO &&
+    if (s->pedestal > 0 && !shear_interpolation_is_rule(s->interpolation) &&
         !shear_interpolation_is_log(s->interpolation)) {
         return shear_fail(err, SHEAR_E_SETTING, "a pedestal is for the log methods only",
                           "setting 'pedestal' contradicts interpolation=%s",
                           shear_interpolation_name(s->interpolation));
     }
-    if (s->shot_noise == SHEAR_SHOT_PLATEAU && s->interpolation > SHEAR_INTERP_NONE) {
+    if (s->shot_noise == SHEAR_SHOT_PLATEAU && s->interpolation != SHEAR_INTERP_NONE &&
+        !shear_interpolation_is_rule(s->interpolation)) {
         return shear_fail(err, SHEAR_E_SETTING, "interpolation colours shot noise: set it to none",
                           "setting 'shot-noise' is plateau but interpolation is %s",
                           shear_interpolation_name(s->interpolation));
@@ -321,9 +343,8 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
 }
 
 const char *shear_interpolation_name(int interpolation) {
-    return interpolation >= 0 && interpolation <= SHEAR_INTERP_LOG_SPLINE
-               ? interpolations[interpolation]
-               : "unknown";
+    return interpolation >= 0 && interpolation <= SHEAR_INTERP_PAPER ? interpolations[interpolation]
+                                                                     : "unknown";
 }
 
 const char *shear_filter_name(int filter) {
@@ -341,6 +362,10 @@ bool shear_estimator_is_symmetric(int estimator) {
 
 bool shear_settings_keep_background(const shear_settings *s) {
     return s->background == SHEAR_BACKGROUND_KEEP && s->estimator != SHEAR_ESTIMATOR_PDF_SYM_CROSS;
+}
+
+bool shear_interpolation_is_rule(int interpolation) {
+    return interpolation == SHEAR_INTERP_AUTO || interpolation == SHEAR_INTERP_PAPER;
 }
 
 bool shear_interpolation_is_log(int interpolation) {

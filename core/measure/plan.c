@@ -9,8 +9,11 @@
 
 /* A packed fine image of more points than this would need over a gigabyte a thread. */
 static const double max_fine_points = 67108864.0;
-/* Below this PSF radius (pixels) auto interpolates (METHOD section 3). */
+/* A PSF of this radius (in samples) is well sampled (METHOD section 1). */
 static const double well_sampled_px = 1.0;
+/* Below it, what the pixels fold back on the modes is nothing under a target of this beta (METHOD
+ * section 1). */
+static const double aliases_vanish_px = 1.2;
 
 static int check_geometry(const shear_geometry *g, shear_error *err) {
     if (g->nx < SHEAR_MIN_SIDE || g->ny < SHEAR_MIN_SIDE || g->nx > SHEAR_MAX_SIDE ||
@@ -50,23 +53,33 @@ static int finest_needed(double r_psf_px) {
     return s;
 }
 
+/* Interpolation by a rule. A beta of the user's own that is too small for the pixels asks for
+ * interpolation as an s or a pedestal of his own does. */
+static int choose_interpolation(const shear_settings *set, const shear_plan_info *info) {
+    const double r = info->r_psf_px;
+    const bool asked = set->oversample > 1 || set->pedestal > 0;
+    const bool blurred =
+        set->interpolation == SHEAR_INTERP_AUTO && info->beta_px >= aliases_vanish_px;
+    return !asked && (r >= well_sampled_px || blurred) ? SHEAR_INTERP_NONE
+                                                       : SHEAR_INTERP_LOG_BICUBIC;
+}
+
 /* Interpolation, s and the PSF's own sampling. A PSF that is given finer than the pixels is taken
  * as it is, as long as its samples are not wider apart than its radius. */
 static int resolve_sampling(const shear_settings *set, shear_plan_info *info, int *psf_factor,
                             shear_error *err) {
     const double r = info->r_psf_px;
     info->interpolation = set->interpolation;
-    if (info->interpolation == SHEAR_INTERP_AUTO) {
-        const bool asked = set->oversample > 1 || set->pedestal > 0;
-        info->interpolation =
-            r >= well_sampled_px && !asked ? SHEAR_INTERP_NONE : SHEAR_INTERP_LOG_BICUBIC;
+    if (shear_interpolation_is_rule(set->interpolation)) {
+        info->interpolation = choose_interpolation(set, info);
     }
     const bool none = info->interpolation == SHEAR_INTERP_NONE;
     if (!none && set->shot_noise == SHEAR_SHOT_PLATEAU) {
         return shear_fail(err, SHEAR_E_SETTING, "set interpolation=none, or shot-noise=none",
                           "shot-noise=plateau goes without interpolation, but R_PSF is %.3g px and "
-                          "interpolation=auto takes %s",
-                          r, shear_interpolation_name(info->interpolation));
+                          "interpolation=%s takes %s",
+                          r, shear_interpolation_name(set->interpolation),
+                          shear_interpolation_name(info->interpolation));
     }
     info->oversample = none ? 1 : set->oversample > 0 ? set->oversample : finest_needed(r);
     const int given = info->geometry.psf_oversample;
@@ -218,7 +231,9 @@ static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool ha
                           info->r_psf_px);
     }
     const shear_settings *set = &plan->settings;
-    info->beta_px = !isnan(set->beta_px) ? set->beta_px : set->beta_ratio * info->r_psf_px;
+    info->beta_px = !isnan(set->beta_px)
+                        ? set->beta_px
+                        : fmax(set->beta_ratio * info->r_psf_px, set->beta_floor_px);
     code = resolve_sampling(set, info, psf_factor, err);
     return code == SHEAR_OK ? resolve_filter(set, info, has_r_gal, err) : code;
 }

@@ -15,7 +15,7 @@ KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", 
         "filter_removed", "warnings", "version", "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow"]
-SETTINGS = {"interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 1.5,
+SETTINGS = {"preset": "default", "interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 2, "beta-floor": 1.4,
             "filter": "auto", "core": "auto", "width": "auto", "background": "auto", "zeros": "skip", "pedestal": 0.0,
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
             "shot-noise": "none", "estimator": "mean"}
@@ -40,9 +40,11 @@ class Numbers(ToolTest):
             field = Field(n=6)
             field.bitpix = bitpix
             result = self.measure_one(field.write(self.path("a.fits")))
-            # The default beta is 1.5 times the measured radius, which is exact to interpolation.
+            # The default beta is 2 times the measured radius, which is exact to interpolation.
             self.assertAlmostEqual(result["resolved"]["r_psf_px"], field.r_psf,
                                    delta=2e-3 * field.r_psf)
+            self.assertAlmostEqual(result["resolved"]["beta_px"],
+                                   2 * result["resolved"]["r_psf_px"], delta=1e-12)
             result = self.measure_one(self.path("a.fits"), "--beta", 1.5 * field.r_psf)
             g1, g2 = field.expected()
             self.assertAlmostEqual(result["g1"], g1, delta=tolerance)

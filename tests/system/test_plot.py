@@ -56,7 +56,7 @@ class Plot(ToolTest):
         path = self.field()
         pictures = {self.plotted(path, "--stamp", 2, *more, out=f"{i}.png")[2]
                     for i, more in enumerate([[], ["--filter", "edge"], ["--interpolation", "spline"],
-                                              ["--beta-ratio", "2"], ["--no-noise-correction"]])}
+                                              ["--beta-ratio", "3"], ["--no-noise-correction"]])}
         self.assertEqual(len(pictures), 5)
         again = self.plotted(path, "--stamp", 2, out="again.png")[2]
         self.assertIn(again, pictures)  # the same picture, byte by byte

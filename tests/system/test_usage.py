@@ -34,7 +34,7 @@ class Front(ToolTest):
                      "--pedestal VALUE", "--psf-threshold X", "--no-noise-correction",
                      "--shot-noise KIND"):
             self.assertIn(flag, text)
-        self.assertIn("(default 1.5)", " ".join(text.split()))
+        self.assertIn("(default 1.4 px)", " ".join(text.split()))
         self.assertLessEqual(max(map(len, text.splitlines())), 100)
 
     def test_version(self):

@@ -97,7 +97,7 @@ static void defaults_are_sound(void **state) {
     assert_int_equal(config.spool.done.max_age_ms, 0); /* nothing is ever removed unasked */
     assert_int_equal(config.spool.done.max_count, 0);
     assert_int_equal(config.spool.done.max_bytes, 0);
-    assert_true(config.measure.beta_ratio == 1.5);
+    assert_true(config.measure.beta_ratio == 2.0);
     sheard_config_free(&config);
 }
 
@@ -108,7 +108,7 @@ static void change_all(sheard_config *config) {
             "/else, /where", "/elsewhere", "some, others", "some", "0600", "warning",
             "false",         "2",          "3s",           "2M",   "129M", "bilinear",
             "none",          "floor",      "plateau",      "0.5",  "7",    "pdf-sym",
-            "noise-mean"};
+            "noise-mean",    "zhang2010"};
         sheard_setting s = sheard_setting_at(i);
         char *before = sheard_config_format(config, i);
         bool differs = false;

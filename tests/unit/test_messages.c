@@ -396,7 +396,8 @@ static void test_whole_settings(void **state) {
     assert_int_equal(shear_settings_apply(&s, "pedestal=0.25\ncore=7\nbeta=1.7", &err), SHEAR_OK);
     assert_int_equal(shear_settings_write(&s, text, sizeof text, &err), SHEAR_OK);
     assert_string_equal(
-        text, "interpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=1.5\n"
+        text, "preset=default\ninterpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=2\n"
+              "beta-floor=1.4\n"
               "filter=auto\ncore=7\nwidth=auto\nbackground=auto\nzeros=skip\npedestal=0.25\n"
               "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n"
               "shot-noise=none\nestimator=mean\n");

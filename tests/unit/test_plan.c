@@ -33,15 +33,22 @@ static shear_plan_info sampling(const char *method, const char *oversample, doub
     const shear_plan_info info = decide(&settings, &geometry, r_psf);
     assert_int_equal(info.fine_nx, 12 * info.oversample);
     assert_int_equal(info.fine_ny, 10 * info.oversample);
-    assert_true(info.r_psf_px == r_psf && info.beta_px == 1.5 * r_psf);
+    assert_true(info.r_psf_px == r_psf && info.beta_px == fmax(2.0 * r_psf, 1.4));
     return info;
 }
 
-/* Auto: none from R_PSF = 1 px, log-bicubic below, or where something asks for interpolation. */
+/* Paper: none from R_PSF = 1 px, log-bicubic below, or where something asks for interpolation.
+ * Auto: none also below. */
 static void test_method(void **state) {
     (void)state;
+    assert_int_equal(sampling("paper", "auto", 1.0, 1).interpolation, SHEAR_INTERP_NONE);
+    assert_int_equal(sampling("paper", "auto", 0.9999, 1).interpolation, SHEAR_INTERP_LOG_BICUBIC);
+    assert_int_equal(sampling("paper", "auto", 0.5, 4).interpolation, SHEAR_INTERP_LOG_BICUBIC);
+    assert_int_equal(sampling("paper", "4", 2.0, 1).interpolation, SHEAR_INTERP_LOG_BICUBIC);
     assert_int_equal(sampling("auto", "auto", 1.0, 1).interpolation, SHEAR_INTERP_NONE);
-    assert_int_equal(sampling("auto", "auto", 0.9999, 1).interpolation, SHEAR_INTERP_LOG_BICUBIC);
+    assert_int_equal(sampling("auto", "auto", 0.5, 2).interpolation, SHEAR_INTERP_NONE);
+    assert_int_equal(sampling("auto", "auto", 0.5, 1).interpolation, SHEAR_INTERP_NONE);
+    assert_int_equal(sampling("auto", "4", 0.5, 2).interpolation, SHEAR_INTERP_LOG_BICUBIC);
     assert_int_equal(sampling("auto", "4", 2.0, 1).interpolation, SHEAR_INTERP_LOG_BICUBIC);
     assert_int_equal(sampling("auto", "1", 2.0, 1).interpolation, SHEAR_INTERP_NONE);
     assert_int_equal(sampling("spline", "auto", 2.0, 1).interpolation, SHEAR_INTERP_SPLINE);
@@ -51,6 +58,20 @@ static void test_method(void **state) {
     shear_settings_init(&settings);
     settings.pedestal = 1.0;
     assert_int_equal(decide(&settings, &geometry, 2.0).interpolation, SHEAR_INTERP_LOG_BICUBIC);
+}
+
+/* A beta of one's own below 1.2 px needs modes beyond the pixels' own. */
+static void test_small_beta(void **state) {
+    (void)state;
+    const shear_geometry geometry = {
+        .nx = 12, .ny = 10, .psf_nx = 9, .psf_ny = 9, .psf_oversample = 4};
+    shear_settings settings;
+    shear_settings_init(&settings);
+    settings.beta_px = 1.2;
+    assert_int_equal(decide(&settings, &geometry, 0.5).interpolation, SHEAR_INTERP_NONE);
+    settings.beta_px = 1.1999;
+    assert_int_equal(decide(&settings, &geometry, 0.5).interpolation, SHEAR_INTERP_LOG_BICUBIC);
+    assert_int_equal(decide(&settings, &geometry, 1.0).interpolation, SHEAR_INTERP_NONE);
 }
 
 /* The smallest s = 2^m with 1/s < R_PSF/4, strictly; none is never finer than the pixels. */
@@ -90,6 +111,9 @@ static void test_beta(void **state) {
     shear_settings_init(&settings);
     settings.beta_ratio = 2.25;
     assert_true(decide(&settings, &geometry, 2.0).beta_px == 4.5);
+    settings.beta_floor_px = 4.75;
+    assert_true(decide(&settings, &geometry, 2.0).beta_px == 4.75);
+    assert_true(decide(&settings, &geometry, 3.0).beta_px == 6.75);
     settings.beta_px = 3.5;
     assert_true(decide(&settings, &geometry, 2.0).beta_px == 3.5);
 }
@@ -132,7 +156,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_method),       cmocka_unit_test(test_oversampling),
         cmocka_unit_test(test_psf_sampling), cmocka_unit_test(test_beta),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_refusals),     cmocka_unit_test(test_small_beta),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@ static void draw(pair *p, int nx, int ny, const char *shot_noise) {
     pair_init(p, nx, ny, 21, 21, 1);
     pair_draw(p, 1.4, 11);
     pair_set(p, "interpolation", "none");
+    pair_set(p, "beta-ratio", "1.5");
     pair_set(p, "shot-noise", shot_noise);
 }
 

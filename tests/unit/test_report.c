@@ -116,8 +116,8 @@ static void settings_have_native_types(void **state) {
     (void)state;
     char *text = NULL;
     assert_int_equal(make(&text, NULL), SHEAR_OK);
-    assert_non_null(strstr(
-        text, "\"settings\":{\"interpolation\":\"auto\",\"oversample\":\"auto\",\"beta\":2.5,"));
+    assert_non_null(strstr(text, "\"settings\":{\"preset\":\"default\",\"interpolation\":\"auto\","
+                                 "\"oversample\":\"auto\",\"beta\":2.5,"));
     assert_non_null(strstr(text, "\"noise-correction\":true"));
     assert_non_null(
         strstr(text, "\"resolved\":{\"interpolation\":\"log-spline\",\"oversample\":8,"));

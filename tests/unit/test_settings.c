@@ -25,7 +25,7 @@ static void test_table(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
-    assert_true(n == 15);
+    assert_true(n == 17);
     for (size_t i = 0; i < n; i++) {
         assert_ptr_equal(shear_settings_find(table[i].name), &table[i]);
         assert_in_range(strlen(table[i].keyword), 1, 8);
@@ -54,8 +54,9 @@ static void test_defaults(void **state) {
     shear_settings s;
     shear_settings_init(&s);
     assert_int_equal(shear_settings_check(&s, NULL), SHEAR_OK);
-    assert_true(s.interpolation == SHEAR_INTERP_AUTO && s.oversample == 0 && isnan(s.beta_px) &&
-                s.beta_ratio == 1.5);
+    assert_true(s.preset == SHEAR_PRESET_DEFAULT && s.interpolation == SHEAR_INTERP_AUTO &&
+                s.oversample == 0 && isnan(s.beta_px) && s.beta_ratio == 2.0 &&
+                s.beta_floor_px == 1.4);
     assert_true(s.filter == SHEAR_FILTER_AUTO && isnan(s.core_px) && isnan(s.width_px) &&
                 s.zeros == SHEAR_ZEROS_SKIP);
     assert_true(s.pedestal == 0.0 && s.psf_threshold == 1e-8 && s.power_tolerance == 1e-3 &&
@@ -190,10 +191,10 @@ static void test_names(void **state) {
     (void)state;
     assert_string_equal(shear_interpolation_name(SHEAR_INTERP_LOG_BICUBIC), "log-bicubic");
     assert_string_equal(shear_interpolation_name(-1), "unknown");
-    assert_string_equal(shear_interpolation_name(8), "unknown");
+    assert_string_equal(shear_interpolation_name(9), "unknown");
     assert_string_equal(shear_filter_name(SHEAR_FILTER_EDGE), "edge");
     assert_string_equal(shear_filter_name(4), "unknown");
-    for (int i = -1; i < 9; i++) {
+    for (int i = -1; i < 10; i++) {
         assert_int_equal(shear_interpolation_is_log(i),
                          strncmp(shear_interpolation_name(i), "log-", 4) == 0);
     }
@@ -240,11 +241,57 @@ static void test_contradictions(void **state) {
     BAD("pedestal", "pedestal", "1", "interpolation", "spline");
     GOOD("pedestal", "1", "interpolation", "log-spline");
     GOOD("pedestal", "1");
+    GOOD("pedestal", "1", "interpolation", "paper");
     BAD("shot-noise", "shot-noise", "plateau", "interpolation", "log-spline");
     BAD("shot-noise", "shot-noise", "plateau", "interpolation", "bilinear");
     GOOD("shot-noise", "plateau", "interpolation", "none");
     GOOD("shot-noise", "plateau");
+    GOOD("shot-noise", "plateau", "interpolation", "paper");
     GOOD("shot-noise", "none", "interpolation", "bilinear");
+}
+
+/* All members, as bytes that shear_settings_init has set. */
+static void check_same(const shear_settings *a, const shear_settings *b) {
+    size_t n;
+    const shear_setting_def *table = shear_settings_table(&n);
+    for (size_t i = 0; i < n; i++) {
+        char text_a[64];
+        char text_b[64];
+        assert_string_equal(shear_settings_format(a, &table[i], text_a, sizeof text_a),
+                            shear_settings_format(b, &table[i], text_b, sizeof text_b));
+    }
+}
+
+static void change_everything(shear_settings *s) {
+    shear_settings_set(s, "interpolation", "spline", NULL);
+    shear_settings_set(s, "beta-ratio", "7", NULL);
+    shear_settings_set(s, "zeros", "floor", NULL);
+    shear_settings_set(s, "estimator", "pdf-sym", NULL);
+}
+
+/* A preset sets all, whatever was there; what follows overrides it, and nothing else changes. */
+static void test_preset(void **state) {
+    (void)state;
+    shear_settings defaults;
+    shear_settings s;
+    shear_settings paper;
+    shear_settings_init(&defaults);
+    shear_settings_init(&s);
+    shear_settings_init(&paper);
+    assert_int_equal(shear_settings_set(&paper, "preset", "zhang2010", NULL), SHEAR_OK);
+    assert_true(paper.preset == SHEAR_PRESET_ZHANG2010 && paper.beta_ratio == 1.5 &&
+                paper.beta_floor_px == 0.0 && paper.interpolation == SHEAR_INTERP_PAPER &&
+                paper.background == SHEAR_BACKGROUND_KEEP);
+    assert_int_equal(shear_settings_check(&paper, NULL), SHEAR_OK);
+    change_everything(&s);
+    assert_int_equal(shear_settings_set(&s, "preset", "zhang2010", NULL), SHEAR_OK);
+    check_same(&s, &paper);
+    shear_settings_set(&s, "beta-ratio", "1.7", NULL);
+    assert_true(s.beta_ratio == 1.7);
+    paper.beta_ratio = 1.7;
+    check_same(&s, &paper);
+    assert_int_equal(shear_settings_set(&s, "preset", "default", NULL), SHEAR_OK);
+    check_same(&s, &defaults);
 }
 
 /* Members that were not set through the table. */
@@ -281,7 +328,8 @@ int main(void) {
         cmocka_unit_test(test_table),          cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_round_trips),    cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_words),          cmocka_unit_test(test_names),
-        cmocka_unit_test(test_contradictions), cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_contradictions), cmocka_unit_test(test_preset),
+        cmocka_unit_test(test_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -13,15 +13,21 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+enum shear_preset {
+    SHEAR_PRESET_DEFAULT = 0, /* the library's own */
+    SHEAR_PRESET_ZHANG2010    /* the paper's, which were sheard's up to 0.1 */
+};
+
 enum shear_interpolation {
-    SHEAR_INTERP_AUTO = 0, /* none for R_PSF >= 1 px, else log-bicubic */
+    SHEAR_INTERP_AUTO = 0, /* none, where beta is wide enough for it: METHOD section 1 */
     SHEAR_INTERP_NONE,
     SHEAR_INTERP_BILINEAR,
     SHEAR_INTERP_BICUBIC,
     SHEAR_INTERP_SPLINE,
     SHEAR_INTERP_LOG_BILINEAR,
     SHEAR_INTERP_LOG_BICUBIC,
-    SHEAR_INTERP_LOG_SPLINE
+    SHEAR_INTERP_LOG_SPLINE,
+    SHEAR_INTERP_PAPER /* none for R_PSF >= 1 px, else log-bicubic */
 };
 
 enum shear_filter {
@@ -58,10 +64,12 @@ enum shear_estimator {
 };
 
 typedef struct shear_settings {
+    int preset;             /* enum shear_preset: where the others began */
     int interpolation;      /* enum shear_interpolation */
     int oversample;         /* s, a power of two; 0 = smallest with 1/s < R_PSF/4 */
-    double beta_px;         /* scale radius of the target PSF; NaN = beta_ratio * R_PSF */
-    double beta_ratio;      /* beta / R_PSF where beta_px is NaN */
+    double beta_px;         /* scale radius of the target PSF; NaN = by the two below */
+    double beta_ratio;      /* beta / R_PSF where beta_px is NaN ... */
+    double beta_floor_px;   /* ... but at least this; 0 = no floor */
     int filter;             /* enum shear_filter */
     double core_px;         /* R_core; NaN = by the filter's rule */
     double width_px;        /* R_width; NaN = by the filter's rule */
@@ -100,7 +108,8 @@ const shear_setting_def *shear_settings_find(const char *name);
 void shear_settings_init(shear_settings *s);
 
 /* Parse `text` as the value of setting `name` ("auto" where allowed; booleans: true/false, yes/no,
- * on/off, 1/0). SHEAR_E_SETTING names the setting, what was given and what is expected. */
+ * on/off, 1/0). The setting `preset`, the first of the table, sets all others; what is set after it
+ * overrides it. SHEAR_E_SETTING names the setting, what was given and what is expected. */
 int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err);
 
 /* Write the value as the text that shear_settings_set reads back to the same bits. Returns buf. */
@@ -124,6 +133,9 @@ bool shear_estimator_is_symmetric(int estimator);
 /* Does the filter see a background that both stamps have? Only with background = keep, and not
  * with pdf-sym-cross, whose cross terms would not average out over one. */
 bool shear_settings_keep_background(const shear_settings *s);
+
+/* True for auto and paper, which choose one of the others by the PSF. */
+bool shear_interpolation_is_rule(int interpolation);
 
 /* True for the three methods that interpolate ln(pixel). */
 bool shear_interpolation_is_log(int interpolation);
