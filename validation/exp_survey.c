@@ -16,6 +16,7 @@ static const struct knob knobs[] = {
     {0}};
 
 static void defaults(struct request *r) {
+    (void)shear_settings_set(&r->settings, "preset", "default", NULL);
     r->mock.g1 = 0.03;
     r->mock.g2 = -0.02;
     r->galaxies = 20000;

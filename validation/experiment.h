@@ -35,7 +35,8 @@ struct experiment {
     /* Options of the mocks and settings of the measurement that the experiment chooses itself: to
      * give them is an error. Ended by NULL; or NULL. */
     const char *const *fixed;
-    /* Put the defaults into r->mock, r->settings and r->galaxies, which hold the libraries' own. */
+    /* Put the defaults into r->mock, r->settings and r->galaxies, which hold the mocks' own and the
+     * paper's (preset zhang2010). */
     void (*defaults)(struct request *r);
     int (*exec)(const struct request *r, shear_error *err);
 };
