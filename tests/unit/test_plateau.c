@@ -164,7 +164,8 @@ static void test_refused_with_interpolation(void **state) {
     shear_row row;
     shear_error err = {0};
     pair_init(&p, 16, 16, 15, 15, 1);
-    pair_draw(&p, 0.7, 3); /* auto interpolates */
+    pair_draw(&p, 0.7, 3);
+    pair_set(&p, "interpolation", "paper"); /* interpolates */
     pair_set(&p, "shot-noise", "plateau");
     assert_int_equal(pair_try(&p, &row, &err), SHEAR_E_SETTING);
     assert_non_null(strstr(err.message, "shot-noise"));

@@ -266,6 +266,7 @@ static void test_negative_psf(void **state) {
     pair_init(&p, 24, 24, 15, 15, 1);
     pair_draw(&p, 0.9, 5);
     p.psf[2 * 15 + 4] = -1e-6;
+    pair_set(&p, "interpolation", "log-bicubic");
     assert_int_equal(pair_try(&p, &row, &err), SHEAR_E_NEGATIVE);
     assert_non_null(strstr(err.message, "(5, 3)"));
     assert_true(err.advice[0] != '\0');
