@@ -32,6 +32,33 @@ void fold_count(const fold *f, double g, fold_counts *counts) {
     }
 }
 
+static uint64_t bits_of(double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+/* The mixing is that of splitmix64. */
+uint8_t fold_group(double first, double second) {
+    uint64_t z = bits_of(first) * UINT64_C(0x9E3779B97F4A7C15) + bits_of(second);
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return (uint8_t)((z ^ (z >> 31)) % FOLD_GROUPS);
+}
+
+void fold_count_groups(const fold *f, double g, fold_counts *counts) {
+    const size_t all = FOLD_GROUPS * (size_t)f->bins;
+    memset(counts->difference, 0, all * sizeof *counts->difference);
+    memset(counts->square, 0, all * sizeof *counts->square);
+    for (size_t i = 0; i < f->n; i++) {
+        const int64_t w = f->weight[i];
+        const double value = f->x[i] - g * f->b[i];
+        const size_t at = (size_t)(f->group[i] * f->bins + fold_bin(f, fabs(value)));
+        counts->difference[at] += w * side_of(value);
+        counts->square[at] += w * w;
+    }
+}
+
 int64_t fold_balance(const fold *f, double g) {
     int64_t sum = 0;
     for (size_t i = 0; i < f->n; i++) {

@@ -11,10 +11,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+enum { FOLD_GROUPS = 8 }; /* of stamps */
+
 typedef struct fold {
     size_t n;
     const double *x, *b;   /* [n] values, and their responses to g */
     const int32_t *weight; /* [n] whole weights, 0 .. SHEAR_SYMMETRY_WEIGHTS */
+    const uint8_t *group;  /* [n] 0 .. FOLD_GROUPS-1; for fold_count_groups only */
     int bins;
     const double *edge; /* [bins] where bin i of |value| begins; edge[0] = 0 */
 } fold;
@@ -26,6 +29,11 @@ typedef struct fold_counts {
 } fold_counts;
 
 void fold_count(const fold *f, double g, fold_counts *counts);
+/* The same of each group: [FOLD_GROUPS][bins]. */
+void fold_count_groups(const fold *f, double g, fold_counts *counts);
+
+/* A stamp's group: a hash of two of its terms, so that it is the same wherever the stamp stands. */
+uint8_t fold_group(double first, double second);
 
 /* The bin of |value|. */
 int fold_bin(const fold *f, double size);

@@ -7,8 +7,10 @@
  *
  * and its minimum is where the score S(g) = sum_i score_i (n_i - n_-i), score_i = D_i / (n_i +
  * n_-i), is 0. S is found from counts at g itself, so the root does not depend on how good D is,
- * and noise in D, being even under exchange of the sides, does not go into the root. */
+ * and noise in D, being even under exchange of the sides, does not bias it. But noise in D costs
+ * precision, and makes S seem steeper than it is: see measure/score.h for what is done. */
 #include "measure/fold.h"
+#include "measure/score.h"
 #include "measure/symmetry.h"
 
 #include <math.h>
@@ -22,15 +24,16 @@ enum {
 static const double still = 1e-3;  /* sigma: a shear that moves less stands still */
 static const double widest = 1.0;  /* |g| */
 static const double scatter = 0.3; /* of the weight changes sides within the responses' range */
-static const double slope_sigmas = 2.0;
+
 static const double guess_tolerance = 1e-6;
 
 /* One component: shear, error, and what the covariance needs. */
 typedef struct axis {
     double g, sigma;
-    double *edge;  /* [bins] */
-    double *score; /* [bins] */
-    double slope;  /* -dS/dg */
+    double *edge; /* [bins] */
+    scores scores;
+    double width; /* of the responses' range, to each side */
+    double slope; /* -dS/dg */
 } axis;
 
 typedef struct solver {
@@ -39,10 +42,9 @@ typedef struct solver {
     double *x, *b;   /* [n] of the component under way */
     double *scratch; /* [n] */
     int32_t *weight; /* [n] */
-    int64_t *counts; /* [2][2][bins] */
-    fold_counts at[2];
+    uint8_t *group;  /* [n] */
+    fold_counts at;  /* [bins] */
     axis axes[2];
-    double *bin_doubles; /* behind edges and scores */
 } solver;
 
 static void solver_deinit(solver *v) {
@@ -50,8 +52,13 @@ static void solver_deinit(solver *v) {
     free(v->b);
     free(v->scratch);
     free(v->weight);
-    free(v->counts);
-    free(v->bin_doubles);
+    free(v->group);
+    free(v->at.difference);
+    free(v->at.square);
+    for (int c = 0; c < 2; c++) {
+        free(v->axes[c].edge);
+        scores_deinit(&v->axes[c].scores);
+    }
 }
 
 static int solver_init(solver *v, const shear_symmetry *s, int bins, shear_error *err) {
@@ -62,32 +69,40 @@ static int solver_init(solver *v, const shear_symmetry *s, int bins, shear_error
     v->b = malloc(n * sizeof *v->b);
     v->scratch = malloc(n * sizeof *v->scratch);
     v->weight = malloc(n * sizeof *v->weight);
-    v->counts = malloc(4 * nb * sizeof *v->counts);
-    v->bin_doubles = malloc(4 * nb * sizeof *v->bin_doubles);
-    if (v->x == NULL || v->b == NULL || v->scratch == NULL || v->weight == NULL ||
-        v->counts == NULL || v->bin_doubles == NULL) {
-        solver_deinit(v);
-        shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory to symmetrize %zu stamps", n);
-        return SHEAR_E_NOMEM;
+    v->group = malloc(n * sizeof *v->group);
+    v->at.difference = malloc(nb * sizeof *v->at.difference);
+    v->at.square = malloc(nb * sizeof *v->at.square);
+    bool made = v->x != NULL && v->b != NULL && v->scratch != NULL && v->weight != NULL &&
+                v->group != NULL && v->at.difference != NULL && v->at.square != NULL;
+    for (int c = 0; c < 2 && made; c++) {
+        v->axes[c].edge = malloc(nb * sizeof *v->axes[c].edge);
+        made = v->axes[c].edge != NULL && scores_init(&v->axes[c].scores, bins, NULL) == SHEAR_OK;
     }
-    for (size_t k = 0; k < 2; k++) {
-        v->at[k] = (fold_counts){.difference = v->counts + 2 * k * nb,
-                                 .square = v->counts + (2 * k + 1) * nb};
-        v->axes[k] =
-            (axis){.edge = v->bin_doubles + 2 * k * nb, .score = v->bin_doubles + (2 * k + 1) * nb};
+    if (!made) {
+        solver_deinit(v);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory to symmetrize %zu stamps", n);
     }
     return SHEAR_OK;
 }
 
-/* Weights as whole numbers; false where none is positive. */
+/* Groups, and weights as whole numbers; false where none is positive. */
 static bool set_weights(solver *v) {
     double largest = 0.0;
+    double sum = 0.0;
+    double squares = 0.0;
     for (size_t i = 0; i < v->s->n; i++) {
-        largest = fmax(largest, v->s->stamps[i].weight);
+        const symmetry_terms *t = &v->s->stamps[i];
+        v->group[i] = fold_group(t->n1, t->n2);
+        largest = fmax(largest, t->weight);
     }
     for (size_t i = 0; i < v->s->n && largest > 0.0; i++) {
-        v->weight[i] = (int32_t)lround(v->s->stamps[i].weight / largest * SHEAR_SYMMETRY_WEIGHTS);
+        const double part = v->s->stamps[i].weight / largest;
+        v->weight[i] = (int32_t)lround(part * SHEAR_SYMMETRY_WEIGHTS);
+        sum += v->weight[i]; /* of whole numbers: exact */
+        squares += (double)v->weight[i] * v->weight[i];
     }
+    const int terms = squares > 0.0 ? scores_terms(sum * sum / squares) : 0;
+    v->axes[0].scores.terms = v->axes[1].scores.terms = terms;
     return largest > 0.0;
 }
 
@@ -103,6 +118,7 @@ static fold fold_of(solver *v, int c) {
                   .x = v->x,
                   .b = v->b,
                   .weight = v->weight,
+                  .group = v->group,
                   .bins = v->bins,
                   .edge = v->axes[c].edge};
 }
@@ -181,25 +197,20 @@ static bool set_scores(solver *v, axis *a, const fold *f) {
         return false;
     }
     fold_quantiles(f, a->g, v->scratch, a->edge);
-    const double width = 0.5 * (high - low);
-    fold_count(f, a->g - width, &v->at[0]);
-    fold_count(f, a->g + width, &v->at[1]);
-    for (int i = 0; i < v->bins; i++) {
-        const double square = 0.5 * (double)(v->at[0].square[i] + v->at[1].square[i]);
-        const double fall = (double)(v->at[0].difference[i] - v->at[1].difference[i]);
-        a->score[i] = square > 0.0 ? fall / (2.0 * width) / square : 0.0;
-    }
+    a->width = 0.5 * (high - low);
+    scores_fit(&a->scores, f, a->g, a->width);
     return true;
 }
 
 /* S, and the variance that the stamps' random signs give it. */
 static double score_at(solver *v, const axis *a, const fold *f, double g, double *variance) {
+    const double *score = a->scores.all;
     double sum = 0.0;
     *variance = 0.0;
-    fold_count(f, g, &v->at[0]);
+    fold_count(f, g, &v->at);
     for (int i = 0; i < v->bins; i++) {
-        sum += a->score[i] * (double)v->at[0].difference[i];
-        *variance += a->score[i] * a->score[i] * (double)v->at[0].square[i];
+        sum += score[i] * (double)v->at.difference[i];
+        *variance += score[i] * score[i] * (double)v->at.square[i];
     }
     return sum;
 }
@@ -218,19 +229,13 @@ static bool begin(solver *v) {
     return true;
 }
 
-/* -dS/dg by a straight line through S a few sigma about g, and with it sigma. */
+/* The slope of S about its root, and sigma: over a range where neither steps nor S's bend matter.
+ */
 static bool set_slope(solver *v, axis *a, const fold *f) {
-    enum { HALF = 3 };
-    const double step = slope_sigmas / HALF * a->sigma;
+    const double half = fmin(0.5 * a->width, fmax(0.2 * a->width, 5.0 * a->sigma));
     double variance;
-    double sum = 0.0;
-    double squares = 0.0;
-    for (int k = -HALF; k <= HALF; k++) {
-        sum += k * score_at(v, a, f, a->g + k * step, &variance);
-        squares += (double)k * k;
-    }
     score_at(v, a, f, a->g, &variance);
-    a->slope = -sum / (squares * step);
+    a->slope = scores_slope(&a->scores, f, a->g, half);
     a->sigma = sqrt(variance) / a->slope;
     return a->slope > 0.0 && variance > 0.0;
 }
@@ -333,7 +338,7 @@ static int covariance(solver *v, double *cov12, shear_error *err) {
     double sum = 0.0;
     for (size_t i = 0; i < nb; i++) {
         for (size_t k = 0; k < nb; k++) {
-            sum += v->axes[0].score[i] * v->axes[1].score[k] * (double)joint[i * nb + k];
+            sum += v->axes[0].scores.all[i] * v->axes[1].scores.all[k] * (double)joint[i * nb + k];
         }
     }
     free(joint);

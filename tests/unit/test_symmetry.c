@@ -5,6 +5,7 @@
 #include "pair.h"
 #include "test.h"
 
+#include "measure/score.h"
 #include "measure/symmetry.h"
 
 #include <math.h>
@@ -222,6 +223,86 @@ static void test_weights(void **state) {
     assert_false(solve_rows(rows, N, 0).valid);
 }
 
+/* Noise in all terms, that of the square root of a galaxy's power. */
+static void add_noise(shear_row *rows, int n, double noise, uint64_t seed) {
+    for (int i = 0; i < n; i++) {
+        const double part = noise * sqrt(rows[i].d);
+        rows[i].n1 += part * scatter(&seed);
+        rows[i].n2 += part * scatter(&seed);
+        rows[i].d += part * scatter(&seed);
+        rows[i].u += part * scatter(&seed) / (-0.5 * 1.5 * 1.5);
+        rows[i].v += part * scatter(&seed) / (-2.0 * 1.5 * 1.5);
+    }
+}
+
+/* Few stamps, where a bin's response is mostly noise: pulls are 1 wide within 0.05, and the scatter
+ * is within 4 percent of `best` / sqrt(n). */
+static void check_few(double range, double noise, double light, double best) {
+    enum { N = 200, FIELDS = 1000 };
+    shear_row rows[N];
+    double squares = 0.0;
+    double pull = 0.0;
+    double scatter2 = 0.0;
+    uint64_t seed = 77;
+    for (int f = 0; f < FIELDS; f++) {
+        draw_rows(rows, N, range, (uint64_t)(5000 + f));
+        add_noise(rows, N, noise, (uint64_t)(9000 + f));
+        for (int i = 0; i < N; i++) {
+            rows[i].weight = 1.0 - light * uniform(&seed);
+        }
+        const shear_result r = solve_rows(rows, N, 0);
+        assert_true(r.valid);
+        const double d1 = r.g1 - true_g1;
+        const double d2 = r.g2 - true_g2;
+        const double p1 = d1 / r.g1_err;
+        const double p2 = d2 / r.g2_err;
+        squares += p1 * p1 + p2 * p2;
+        pull += p1 + p2;
+        scatter2 += d1 * d1 + d2 * d2;
+    }
+    const double m = 2.0 * FIELDS;
+    assert_near(sqrt(squares / m), 1.0, 0.05 + 2.0 / sqrt(2.0 * m), 1.0, "width of the pulls");
+    assert_near(pull / m, 0.0, 4.0, 1.0 / sqrt(m), "mean pull");
+    assert_true(sqrt(scatter2 / m * N) < best * (1.04 + 2.0 / sqrt(2.0 * m)));
+}
+
+static void test_few(void **state) {
+    (void)state;
+    check_few(1.0, 0.0, 0.0, 0.302);
+    check_few(10.0, 0.0, 0.0, 0.350);
+    check_few(1.0, 0.3, 0.0, 0.43);
+    check_few(10.0, 0.6, 0.0, 0.43);
+    check_few(1.0, 0.3, 0.8, 0.46);
+}
+
+/* A curve is found from responses that lie on it, whatever the bins' sizes; empty bins and too few
+ * bins leave out what nobody tells. */
+static void test_curve(void **state) {
+    (void)state;
+    enum { BINS = 10 };
+    double fall[BINS];
+    double size[BINS];
+    double score[BINS];
+    for (int i = 0; i < BINS; i++) {
+        const double t = (i + 0.5) / BINS;
+        size[i] = 3.0 + 7.0 * (i % 4);
+        fall[i] = size[i] * (2.0 * t - 0.7 * t * t + 0.4 * t * t * t);
+    }
+    score_curve(fall, size, BINS, 3, score);
+    for (int i = 0; i < BINS; i++) {
+        assert_near(score[i], fall[i] / size[i], 1e-12, 1.0, "score");
+    }
+    score_curve(fall, size, 1, 3, score);
+    assert_near(score[0], fall[0] / size[0], 1e-12, 1.0, "one bin");
+    for (int i = 0; i < BINS; i++) {
+        size[i] = fall[i] = i == 4 ? 2.0 : 0.0;
+    }
+    score_curve(fall, size, BINS, 2, score);
+    assert_near(score[4], 1.0, 1e-12, 1.0, "one bin that is not empty");
+    score_curve(fall, size, 4, 2, score);
+    assert_true(score[0] == 0.0 && score[3] == 0.0);
+}
+
 /* Scatter of many fields against the errors: pulls of width 1, no bias, no correlation; and the
  * Gaussian case loses next to nothing against the best there is, 0.3 / sqrt(n). */
 static void check_pulls(double range, double best) {
@@ -421,7 +502,8 @@ int main(void) {
         cmocka_unit_test(test_bright_one),     cmocka_unit_test(test_any_order),
         cmocka_unit_test(test_weights),        cmocka_unit_test(test_pulls),
         cmocka_unit_test(test_covariance),     cmocka_unit_test(test_few_and_strange),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_refusals),       cmocka_unit_test(test_few),
+        cmocka_unit_test(test_curve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
