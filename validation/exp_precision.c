@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A way to measure: the defaults, and what differs from them, "setting=value setting=value". A
- * setting that the library does not have leaves the step out. */
+/* A way to measure: the defaults, and what differs from them, "setting=value ?setting=value". A
+ * setting that the library does not have leaves the step out; with a question mark, only itself. */
 struct step {
     const char *label, *change;
 };
@@ -24,14 +24,14 @@ static const struct step steps[] = {
     {"no filter", "filter=none"},
     {"core 20 px", "core=20 width=2.3"},
     {"noise level not fitted", "noise-level=none"},
-    {"version 0.1", "beta-ratio=1.5 filter=none background=keep"},
+    {"version 0.1", "beta-ratio=1.5 filter=none background=keep ?noise-level=none ?beta-floor=0"},
 };
 enum { N_STEPS = sizeof steps / sizeof steps[0], MAX_CURVES = N_STEPS };
 
 static const struct knob knobs[] = {
     {"snrs", "100,30,15,10,8", 1, 1e6, true, "signal-to-noise of equal galaxies, as in GREAT3"},
     {"broad", "10", 1, 1e6, false, "of the faintest, where fluxes have a power law"},
-    {"range", "100", 1, 1e6, false, "largest flux over the smallest of these"},
+    {"range", "40", 1, 1e6, false, "largest flux over the smallest of these"},
     {"steps", "0,1,2,3,4,5,6,7", 0, N_STEPS - 1, true,
      "0 defaults, 1-3 beta-ratio 1.5, 2, 2.5, 4 no filter, 5 a core of 20 px, 6 the noise's level "
      "not fitted, 7 version 0.1"},
@@ -59,12 +59,15 @@ static bool change(shear_settings *s, const char *text, int *code, shear_error *
     char *rest = NULL;
     snprintf(copy, sizeof copy, "%s", text);
     for (char *word = strtok_r(copy, " ", &rest); word; word = strtok_r(NULL, " ", &rest)) {
+        const bool optional = word[0] == '?';
+        const char *name = word + optional;
         char *value = strchr(word, '=');
         *value++ = '\0';
-        if (!shear_settings_find(word)) {
+        const bool known = shear_settings_find(name) != NULL;
+        if (!known && !optional) {
             return false;
         }
-        *code = *code ? *code : shear_settings_set(s, word, value, err);
+        *code = *code || !known ? *code : shear_settings_set(s, name, value, err);
     }
     return true;
 }

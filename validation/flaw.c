@@ -18,7 +18,11 @@ static const double psf_cut_px = 11.0;
 #define WORDS        .wish = WISH_TOLD, .fewer = 10
 
 const struct flaw flaws[] = {
-    {.name = "reference", .label = "white noise, nothing wrong", GROUND, .aim_m = 3.0},
+    {.name = "reference",
+     .label = "white noise, nothing wrong",
+     GROUND,
+     .wish = WISH_QUIET,
+     .aim_m = 3.0},
     {.name = "noise-excess",
      .label = "noise variance 4 % above the noise stamps'",
      GROUND,

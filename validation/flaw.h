@@ -27,8 +27,8 @@ enum flaw_psf {
 enum flaw_mistake { FLAW_NONE, FLAW_SWAPPED, FLAW_EQUAL, FLAW_WEIGHTLESS, FLAW_OVERSAMP };
 
 /* What is asked for, beside |m|: any telling (a refusal, no shear, a flag, a warning); a flag for
- * each spoilt stamp, and for no other; no advice for a filter at the edge. */
-enum flaw_wish { WISH_NOTHING, WISH_TOLD, WISH_FLAGS, WISH_NO_EDGE };
+ * each spoilt stamp, and for no other; no advice for a filter at the edge; no word at all. */
+enum flaw_wish { WISH_NOTHING, WISH_TOLD, WISH_FLAGS, WISH_NO_EDGE, WISH_QUIET };
 
 struct flaw {
     const char *name; /* no blanks */

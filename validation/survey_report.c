@@ -16,6 +16,8 @@ static bool wish_is_met(const struct flaw *f, const struct trial_outcome *o) {
         return o->flagged == o->spoilt;
     case WISH_NO_EDGE:
         return o->edge == 0.0;
+    case WISH_QUIET:
+        return o->told == TOLD_NOTHING;
     default:
         return true;
     }
@@ -31,7 +33,7 @@ static bool is_met(const struct flaw *f, const struct trial_outcome *o) {
 }
 
 static char *aim_text(const struct flaw *f, char *buf, size_t size) {
-    static const char *const wishes[] = {"", "told", "flagged", "no advice for edge"};
+    static const char *const wishes[] = {"", "told", "flagged", "no advice for edge", "quiet"};
     char bias[32] = "";
     if (f->aim_m > 0.0) {
         snprintf(bias, sizeof bias, "|m| < %g%s", f->aim_m, f->wish ? ", " : "");
