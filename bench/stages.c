@@ -15,7 +15,7 @@ typedef struct scene {
     shear_workspace *ws;
     const transfer *transfer;
     const double *galaxy, *noise, *psf;
-    moments sum;
+    moments sum, noise_sum;
 } scene;
 
 static const filter_map *filter_of(const scene *s) {
@@ -78,7 +78,7 @@ static void do_moments(scene *s) {
                                 .down = s->ws->lanes[2],
                                 .nx = s->plan->info.fine_nx,
                                 .group = group};
-        moments_add(&s->sum, &rows, &s->plan->transfer_plan, s->transfer);
+        moments_add(&s->sum, &s->noise_sum, &rows, &s->plan->transfer_plan, s->transfer);
     }
 }
 

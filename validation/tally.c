@@ -97,23 +97,29 @@ static double term(const shear_block_sums *s, int i) {
     return s->hi[i] + s->lo[i];
 }
 
-static void add(struct total *total, const shear_block_sums *s, double sign) {
-    total->n += sign * (double)s->n_used;
-    total->n1 += sign * term(s, SHEAR_S_N1);
-    total->n2 += sign * term(s, SHEAR_S_N2);
-    total->d += sign * term(s, SHEAR_S_D);
+/* Totals of series `series`, at its noise level. */
+static struct total total_of(const struct tally *t, int series, int left_out) {
+    double x[SHEAR_N_COMPONENTS] = {0};
+    struct total total = {0};
+    for (int group = 0; group < t->groups; group++) {
+        const shear_block_sums *s = tally_at(t, series, group);
+        for (int i = 0; group != left_out && i < SHEAR_N_COMPONENTS; i++) {
+            x[i] += term(s, SHEAR_S_COMPONENT + i);
+        }
+        total.n += group != left_out ? (double)s->n_used : 0.0;
+    }
+    const shear_ratio ratio = shear_ratio_of(x);
+    total.n1 = ratio.n1;
+    total.n2 = ratio.n2;
+    total.d = ratio.d;
+    return total;
 }
 
 /* The totals without group `left_out`, or all where it is -1. Added up anew each time: what is left
  * of a difference of large sums would be too coarse where series nearly cancel. */
 static void sum_groups(const struct tally *t, int left_out, struct total *totals) {
     for (int series = 0; series < t->n_series; series++) {
-        totals[series] = (struct total){0};
-        for (int group = 0; group < t->groups; group++) {
-            if (group != left_out) {
-                add(&totals[series], tally_at(t, series, group), 1.0);
-            }
-        }
+        totals[series] = total_of(t, series, left_out);
     }
 }
 

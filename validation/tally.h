@@ -36,7 +36,7 @@ int tally_result(const struct tally *t, int series, bool jackknife, shear_result
 
 /* What a function of the totals may use of each series. */
 struct total {
-    double n, n1, n2, d; /* used stamps; sums of w N1, w N2, w D */
+    double n, n1, n2, d; /* used stamps; sums of w N1, w N2, w D at the noise level */
 };
 /* totals [n_series]; fills out [n]. */
 typedef void tally_function(const struct total *totals, const void *context, double *out);

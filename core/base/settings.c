@@ -19,6 +19,7 @@ static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
 static const char *const backgrounds[] = {"auto", "keep", "noise-mean", NULL};
+static const char *const noise_levels[] = {"field", "none", NULL};
 static const char *const estimators[] = {"mean", "pdf-sym", "pdf-sym-cross", NULL};
 
 enum { MAX_OVERSAMPLE = 64 };
@@ -64,6 +65,10 @@ static const shear_setting_def table[] = {
      "largest part of the target's power that may lie beyond the cut"},
     {"noise-correction", "NOISECOR", SHEAR_T_BOOL, AT(noise_correction), NULL, 0, 0, false, "", "",
      "subtract the noise stamp's moments from the galaxy's"},
+    {"noise-level", "NOISELEV", SHEAR_T_CHOICE, AT(noise_level), noise_levels, 0, 0, false, "",
+     "KIND",
+     "how much noise galaxy stamps have, against noise stamps: field (one factor for a field, read "
+     "off their power at high k) or none (as much)"},
     {"shot-noise", "SHOTNOIS", SHEAR_T_CHOICE, AT(shot_noise), shot_noises, 0, 0, false, "", "KIND",
      "shot noise of galaxy and noise stamp: none (left), or plateau (their mean power at |k| > 3/4 "
      "of Nyquist is subtracted; without interpolation only)"},
@@ -116,6 +121,7 @@ void shear_settings_init(shear_settings *s) {
         .psf_threshold = 1e-8,
         .power_tolerance = 1e-3,
         .noise_correction = true,
+        .noise_level = SHEAR_NOISE_LEVEL_FIELD,
         .shot_noise = SHEAR_SHOT_NONE,
         .estimator = SHEAR_ESTIMATOR_MEAN,
     };

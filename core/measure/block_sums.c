@@ -17,36 +17,57 @@ static void add_term(shear_block_sums *b, int term, double x) {
 /* N and D up to its root, summed over 1e10 stamps and multiplied with each other, stay finite. */
 static const double largest_term = 1e280;
 
-bool block_terms(const shear_row *row, double *terms) {
-    const double n1 = row->weight * row->n1;
-    const double n2 = row->weight * row->n2;
-    const double d = row->weight * row->d;
-    const double values[SHEAR_N_TERMS] = {
-        [SHEAR_S_W] = row->weight,
-        [SHEAR_S_N1] = n1,
-        [SHEAR_S_N2] = n2,
-        [SHEAR_S_D] = d,
-        [SHEAR_S_N1N1] = n1 * n1,
-        [SHEAR_S_N2N2] = n2 * n2,
-        [SHEAR_S_N1N2] = n1 * n2,
-        [SHEAR_S_N1D] = n1 * d,
-        [SHEAR_S_N2D] = n2 * d,
-        [SHEAR_S_DD] = d * d,
-        [SHEAR_S_FLUX] = row->flux,
-        [SHEAR_S_REMOVED] = row->flux_removed,
-        [SHEAR_S_REMOVED2] = row->flux_removed * row->flux_removed,
-        [SHEAR_S_BORDER_MEAN] = row->border_mean,
-        [SHEAR_S_BORDER_MEAN2] = row->border_mean * row->border_mean,
-        [SHEAR_S_BORDER_VAR] = row->border_var,
-        [SHEAR_S_BORDER_VAR2] = row->border_var * row->border_var,
-        [SHEAR_S_BORDER_NOISE] = row->border_var_noise,
+/* w x, the parts of a shear. */
+static void weigh_components(const shear_row *row, double *x) {
+    const double parts[SHEAR_N_COMPONENTS] = {
+        [SHEAR_C_N1] = row->n1,
+        [SHEAR_C_N2] = row->n2,
+        [SHEAR_C_D] = row->d,
+        [SHEAR_C_NOISE_N1] = row->noise_n1,
+        [SHEAR_C_NOISE_N2] = row->noise_n2,
+        [SHEAR_C_NOISE_D] = row->noise_d,
+        [SHEAR_C_HIGH_GALAXY] = row->high_galaxy,
+        [SHEAR_C_HIGH_NOISE] = row->high_noise,
     };
+    for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+        x[i] = row->weight * parts[i];
+    }
+}
+
+bool block_terms(const shear_row *row, double *terms) {
+    double *x = terms + SHEAR_S_COMPONENT;
+    weigh_components(row, x);
+    for (int j = 0, at = SHEAR_S_PRODUCT; j < SHEAR_N_COMPONENTS; j++) {
+        for (int i = 0; i <= j; i++, at++) {
+            terms[at] = x[i] * x[j];
+        }
+    }
+    terms[SHEAR_S_W] = row->weight;
+    terms[SHEAR_S_POWER] = row->weight * (row->m20 + row->m02);
+    terms[SHEAR_S_NOISE_U] = row->weight * row->noise_u;
+    terms[SHEAR_S_NOISE_V] = row->weight * row->noise_v;
+    terms[SHEAR_S_CORNER_GALAXY] = row->weight * row->corner_galaxy;
+    terms[SHEAR_S_CORNER_NOISE] = row->weight * row->corner_noise;
+    terms[SHEAR_S_FLUX] = row->flux;
+    terms[SHEAR_S_REMOVED] = row->flux_removed;
+    terms[SHEAR_S_REMOVED2] = row->flux_removed * row->flux_removed;
+    terms[SHEAR_S_BORDER_MEAN] = row->border_mean;
+    terms[SHEAR_S_BORDER_MEAN2] = row->border_mean * row->border_mean;
+    terms[SHEAR_S_BORDER_VAR] = row->border_var;
+    terms[SHEAR_S_BORDER_VAR2] = row->border_var * row->border_var;
+    terms[SHEAR_S_BORDER_NOISE] = row->border_var_noise;
     bool good = true;
     for (int term = 0; term < SHEAR_N_TERMS; term++) {
-        terms[term] = values[term];
-        good = good && fabs(values[term]) < largest_term;
+        good = good && fabs(terms[term]) < largest_term;
     }
     return good;
+}
+
+static void add_influence(shear_block_sums *b, const double *x, int64_t stamp) {
+    const double size = fmax(fmax(fabs(x[SHEAR_C_N1]), fabs(x[SHEAR_C_N2])), fabs(x[SHEAR_C_D]));
+    if (size > b->top.size) {
+        b->top = (shear_influence){.size = size, .stamp = stamp};
+    }
 }
 
 void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
@@ -62,6 +83,7 @@ void shear_block_sums_add(shear_block_sums *b, const shear_row *row) {
         return;
     }
     b->n_used++;
+    add_influence(b, terms + SHEAR_S_COMPONENT, row->stamp);
     for (int term = 0; term < SHEAR_N_TERMS; term++) {
         add_term(b, term, terms[term]);
     }

@@ -9,9 +9,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The text form: "shear-sums 1", then n_stamps, n_used, the flags' counts and the terms,
- * blank-separated. */
-static const char magic[] = "shear-sums 1";
+/* The text form: "shear-sums 2", then n_stamps, n_used, how many flags and their counts, how many
+ * terms and they, and the stamp that counts most: blank-separated. Flags and terms that are not
+ * there are 0. */
+static const char magic[] = "shear-sums 2";
+/* That of version 0.1: 8 flags and these terms, without how many. */
+static const char old_magic[] = "shear-sums 1";
+enum { OLD_FLAGS = 8 };
+#define PRODUCT(i, j) ((int)SHEAR_S_PRODUCT + (j) * ((j) + 1) / 2 + (i))
+static const int old_terms[] = {
+    SHEAR_S_W,
+    SHEAR_S_COMPONENT + SHEAR_C_N1,
+    SHEAR_S_COMPONENT + SHEAR_C_N2,
+    SHEAR_S_COMPONENT + SHEAR_C_D,
+    PRODUCT(SHEAR_C_N1, SHEAR_C_N1),
+    PRODUCT(SHEAR_C_N2, SHEAR_C_N2),
+    PRODUCT(SHEAR_C_N1, SHEAR_C_N2),
+    PRODUCT(SHEAR_C_N1, SHEAR_C_D),
+    PRODUCT(SHEAR_C_N2, SHEAR_C_D),
+    PRODUCT(SHEAR_C_D, SHEAR_C_D),
+    SHEAR_S_FLUX,
+    SHEAR_S_REMOVED,
+    SHEAR_S_REMOVED2,
+    SHEAR_S_BORDER_MEAN,
+    SHEAR_S_BORDER_MEAN2,
+    SHEAR_S_BORDER_VAR,
+    SHEAR_S_BORDER_VAR2,
+    SHEAR_S_BORDER_NOISE,
+};
+enum { N_OLD_TERMS = sizeof old_terms / sizeof old_terms[0] };
 
 int shear_field_sums_new(shear_field_sums **out, shear_error *err) {
     shear_field_sums *f = calloc(1, sizeof *f);
@@ -34,6 +60,23 @@ void shear_field_sums_free(shear_field_sums *f) {
     }
 }
 
+/* The larger one, whichever comes first; not known where one of both is not. */
+static shear_influence larger(shear_influence a, shear_influence b) {
+    if (isnan(a.size) || isnan(b.size)) {
+        return (shear_influence){.size = NAN, .stamp = -1};
+    }
+    const bool first = a.size > b.size || (a.size == b.size && a.stamp <= b.stamp);
+    return first ? a : b;
+}
+
+shear_influence shear_field_sums_top(const shear_field_sums *f) {
+    return f->top;
+}
+
+void shear_field_sums_set_top(shear_field_sums *f, shear_influence top) {
+    f->top = top;
+}
+
 void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
     f->n_stamps += b->n_stamps;
     f->n_used += b->n_used;
@@ -44,6 +87,7 @@ void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b) {
         exact_add(f->sums, i, b->hi[i]);
         exact_add(f->sums, i, b->lo[i]);
     }
+    f->top = larger(f->top, b->top);
 }
 
 void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
@@ -53,6 +97,7 @@ void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
         f->flagged[i] += g->flagged[i];
     }
     exact_join(f->sums, g->sums, SHEAR_N_TERMS);
+    f->top = larger(f->top, g->top);
 }
 
 void shear_field_sums_leave(shear_field_sums *f, const shear_field_sums *g) {
@@ -62,13 +107,17 @@ void shear_field_sums_leave(shear_field_sums *f, const shear_field_sums *g) {
         f->flagged[i] -= g->flagged[i];
     }
     exact_leave(f->sums, g->sums, SHEAR_N_TERMS);
+    if (!(f->top.size > g->top.size)) {
+        f->top = (shear_influence){.size = NAN, .stamp = -1};
+    }
 }
 
 static bool write_text(const shear_field_sums *f, FILE *out) {
-    fprintf(out, "%s %" PRId64 " %" PRId64, magic, f->n_stamps, f->n_used);
+    fprintf(out, "%s %" PRId64 " %" PRId64 " %d", magic, f->n_stamps, f->n_used, SHEAR_N_FLAGS);
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
         fprintf(out, " %" PRId64, f->flagged[i]);
     }
+    fprintf(out, " %d", SHEAR_N_TERMS);
     for (int i = 0; i < SHEAR_N_TERMS; i++) {
         char *term = exact_format(f->sums, i);
         if (term == NULL) {
@@ -77,6 +126,7 @@ static bool write_text(const shear_field_sums *f, FILE *out) {
         fprintf(out, " %s", term);
         free(term);
     }
+    fprintf(out, " %a %" PRId64, f->top.size, f->top.stamp);
     return ferror(out) == 0;
 }
 
@@ -112,15 +162,50 @@ static bool read_count(char **rest, int64_t *count) {
     return *end == '\0' && errno == 0;
 }
 
-static bool read_text(shear_field_sums *f, char *rest) {
-    bool good = read_count(&rest, &f->n_stamps) && read_count(&rest, &f->n_used) &&
-                f->n_used <= f->n_stamps;
-    for (int i = 0; good && i < SHEAR_N_FLAGS; i++) {
-        good = read_count(&rest, &f->flagged[i]) && f->flagged[i] <= f->n_stamps - f->n_used;
+static bool read_flags(shear_field_sums *f, int64_t n, char **rest) {
+    bool good = n <= SHEAR_N_FLAGS;
+    for (int64_t i = 0; good && i < n; i++) {
+        good = read_count(rest, &f->flagged[i]) && f->flagged[i] <= f->n_stamps - f->n_used;
     }
-    for (int i = 0; good && i < SHEAR_N_TERMS; i++) {
-        const char *word = next_word(&rest);
-        good = word != NULL && exact_parse(f->sums, i, word);
+    return good;
+}
+
+/* `where`: the terms that they are, or NULL: the first ones. */
+static bool read_terms(shear_field_sums *f, int64_t n, const int *where, char **rest) {
+    bool good = n <= SHEAR_N_TERMS;
+    for (int i = 0; good && i < (int)n; i++) {
+        const char *word = next_word(rest);
+        good = word != NULL && exact_parse(f->sums, where != NULL ? where[i] : i, word);
+    }
+    return good;
+}
+
+static bool read_top(shear_field_sums *f, char **rest) {
+    const char *size = next_word(rest);
+    const char *stamp = next_word(rest);
+    char *end = NULL;
+    if (size == NULL || stamp == NULL || *size == '\0' || *stamp == '\0') {
+        return false;
+    }
+    f->top.size = strtod(size, &end);
+    bool good = *end == '\0' && !(f->top.size < 0.0);
+    errno = 0;
+    f->top.stamp = strtoll(stamp, &end, 10);
+    good = good && *end == '\0' && errno == 0 && f->top.stamp >= -1;
+    return good;
+}
+
+static bool read_text(shear_field_sums *f, bool old, char *rest) {
+    int64_t n_flags = OLD_FLAGS;
+    int64_t n_terms = N_OLD_TERMS;
+    bool good = read_count(&rest, &f->n_stamps) && read_count(&rest, &f->n_used) &&
+                f->n_used <= f->n_stamps && (old || read_count(&rest, &n_flags)) &&
+                read_flags(f, n_flags, &rest) && (old || read_count(&rest, &n_terms)) &&
+                read_terms(f, n_terms, old ? old_terms : NULL, &rest);
+    if (old) {
+        f->top = (shear_influence){.size = NAN, .stamp = -1};
+    } else {
+        good = good && read_top(f, &rest);
     }
     return good && rest == NULL;
 }
@@ -130,11 +215,13 @@ int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error
     if (code != SHEAR_OK) {
         return code;
     }
+    _Static_assert(sizeof magic == sizeof old_magic, "of one length");
     const size_t head = sizeof magic - 1;
-    bool good = strncmp(text, magic, head) == 0 && text[head] == ' ';
+    const bool old = strncmp(text, old_magic, head) == 0;
+    bool good = (old || strncmp(text, magic, head) == 0) && text[head] == ' ';
     char *copy = good ? strdup(text + head + 1) : NULL;
     const bool no_memory = good && copy == NULL;
-    good = copy != NULL && read_text(*out, copy);
+    good = copy != NULL && read_text(*out, old, copy);
     free(copy);
     if (no_memory) {
         shear_field_sums_free(*out);

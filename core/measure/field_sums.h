@@ -10,6 +10,13 @@ struct shear_field_sums {
     int64_t n_stamps, n_used;
     int64_t flagged[SHEAR_N_FLAGS];
     exact_sum *sums; /* [SHEAR_N_TERMS] */
+    shear_influence top;
 };
+
+/* A stamp's moments for a unit of its noise's power at high k; zeros where there is none. */
+typedef struct noise_shape {
+    double n1, n2, d, u, v;
+} noise_shape;
+noise_shape noise_shape_of(const shear_field_sums *f);
 
 #endif

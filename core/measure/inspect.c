@@ -126,6 +126,8 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
         return code;
     }
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
+    const double *galaxy = stamps->galaxy + (size_t)i * pixels;
+    const double *noise = stamps->noise + (size_t)(i * noise_planes(stamps)) * pixels;
     const filter_map *fine = NULL;
     const filter_map *coarse = NULL;
     uint32_t flags = 0;
@@ -134,10 +136,8 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
     const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
     int bad;
-    const bool has_noise =
-        image_load(&ws->noise, &plan->grid, stamps->noise + (size_t)i * pixels, &bad, &bad);
-    pack_pair(plan, ws, fine, stamps->galaxy + (size_t)i * pixels,
-              stamps->noise + (size_t)i * pixels, last_group(plan, t), &ph, &failure);
+    const bool has_noise = image_load(&ws->noise, &plan->grid, noise, &bad, &bad);
+    pack_pair(plan, ws, fine, galaxy, noise, last_group(plan, t), &ph, &failure);
     copy_images(plan, ws, has_noise, fine, out);
     copy_spectra(plan, ws, t, out);
     return SHEAR_OK;

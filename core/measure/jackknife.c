@@ -5,15 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The three sums that a shear is made of. */
-typedef struct ratio_sums {
-    double n1, n2, d;
-} ratio_sums;
+/* The sums of a block that a shear is made of. */
+typedef struct component_sums {
+    double x[SHEAR_N_COMPONENTS];
+} component_sums;
 
 struct shear_jackknife {
     int groups;
     size_t n, room;
-    ratio_sums *blocks; /* [room], n in use: one a block */
+    component_sums *blocks; /* [room], n in use: one a block */
 };
 
 int shear_jackknife_new(shear_jackknife **out, int groups, shear_error *err) {
@@ -42,7 +42,7 @@ static int make_room(shear_jackknife *j, size_t n, shear_error *err) {
     while (room < n) {
         room *= 2;
     }
-    ratio_sums *blocks = room > j->room ? realloc(j->blocks, room * sizeof *blocks) : j->blocks;
+    component_sums *blocks = room > j->room ? realloc(j->blocks, room * sizeof *blocks) : j->blocks;
     if (blocks == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks",
                           n);
@@ -55,9 +55,10 @@ static int make_room(shear_jackknife *j, size_t n, shear_error *err) {
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err) {
     const int code = make_room(j, j->n + 1, err);
     if (code == SHEAR_OK) {
-        j->blocks[j->n++] = (ratio_sums){.n1 = b->hi[SHEAR_S_N1] + b->lo[SHEAR_S_N1],
-                                         .n2 = b->hi[SHEAR_S_N2] + b->lo[SHEAR_S_N2],
-                                         .d = b->hi[SHEAR_S_D] + b->lo[SHEAR_S_D]};
+        component_sums *p = &j->blocks[j->n++];
+        for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+            p->x[i] = b->hi[SHEAR_S_COMPONENT + i] + b->lo[SHEAR_S_COMPONENT + i];
+        }
     }
     return code;
 }
@@ -71,14 +72,21 @@ int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear
     return code;
 }
 
-static ratio_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to) {
-    ratio_sums sum = {0};
+static component_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to) {
+    component_sums sum = {0};
     for (size_t i = from; i < to; i++) {
-        sum.n1 += j->blocks[i].n1;
-        sum.n2 += j->blocks[i].n2;
-        sum.d += j->blocks[i].d;
+        for (int k = 0; k < SHEAR_N_COMPONENTS; k++) {
+            sum.x[k] += j->blocks[i].x[k];
+        }
     }
     return sum;
+}
+
+static component_sums without(const component_sums *all, component_sums some) {
+    for (int k = 0; k < SHEAR_N_COMPONENTS; k++) {
+        some.x[k] = all->x[k] - some.x[k];
+    }
+    return some;
 }
 
 int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err) {
@@ -89,7 +97,7 @@ int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_er
             "a jackknife of %zu groups needs as many blocks of %d stamps; the field has %zu",
             groups, SHEAR_BLOCK, j->n);
     }
-    const ratio_sums all = sum_blocks(j, 0, j->n);
+    const component_sums all = sum_blocks(j, 0, j->n);
     double mean1 = 0.0;
     double mean2 = 0.0;
     double s11 = 0.0;
@@ -98,9 +106,11 @@ int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_er
     /* Pass 0: the mean of the leave-one-out shears; pass 1: their scatter about it. */
     for (int pass = 0; pass < 2; pass++) {
         for (size_t g = 0; g < groups; g++) {
-            const ratio_sums left_out = sum_blocks(j, g * j->n / groups, (g + 1) * j->n / groups);
-            const double g1 = (all.n1 - left_out.n1) / (all.d - left_out.d);
-            const double g2 = (all.n2 - left_out.n2) / (all.d - left_out.d);
+            const component_sums rest =
+                without(&all, sum_blocks(j, g * j->n / groups, (g + 1) * j->n / groups));
+            const shear_ratio ratio = shear_ratio_of(rest.x);
+            const double g1 = ratio.n1 / ratio.d;
+            const double g2 = ratio.n2 / ratio.d;
             if (pass == 0) {
                 mean1 += g1 / (double)groups;
                 mean2 += g2 / (double)groups;

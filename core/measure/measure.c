@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-static void row_init(shear_row *row, double weight, uint32_t flags) {
+static void row_init(shear_row *row, int64_t stamp, double weight, uint32_t flags) {
     *row = (shear_row){.n1 = NAN,
                        .n2 = NAN,
                        .d = NAN,
@@ -23,6 +23,7 @@ static void row_init(shear_row *row, double weight, uint32_t flags) {
                        .border_var = NAN,
                        .border_var_noise = NAN,
                        .weight = weight,
+                       .stamp = stamp,
                        .flags = flags};
 }
 
@@ -124,7 +125,7 @@ static void fill_moments(shear_row *row, const moments *m, double beta) {
     double terms[SHEAR_N_TERMS];
     const double cross = row->cross_n1 + row->cross_n2 + row->cross_d + row->cross_u + row->cross_v;
     if (!block_terms(row, terms) || !isfinite(m->m4) || !isfinite(m->u + m->v + cross)) {
-        row_init(row, row->weight, SHEAR_FLAG_OVERFLOW);
+        row_init(row, row->stamp, row->weight, SHEAR_FLAG_OVERFLOW);
     }
 }
 
@@ -136,37 +137,55 @@ static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double wei
 }
 
 int last_group(const shear_plan *plan, const transfer *t) {
-    return plan->settings.shot_noise == SHEAR_SHOT_PLATEAU ? plan->plateau.last_group
-                                                           : t->jy / FFT_LANES;
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
+        return plan->plateau.last_group;
+    }
+    const int last = t->jy / FFT_LANES;
+    return high_band_is_set(&plan->high) && plan->high.last_group > last ? plan->high.last_group
+                                                                         : last;
 }
 
-/* METHOD step 4, of the difference of galaxy and noise: the rows of modes that the transfer lets
- * through, and for a plateau the others, too. `cross`, where its estimator is asked for: of the
- * cross spectrum. */
-static moments moments_of(const shear_plan *plan, shear_workspace *ws, const transfer *t,
-                          moments *cross, double *filtered_flux) {
-    const bool crossed = plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS;
-    const bool shot = plan->settings.shot_noise == SHEAR_SHOT_PLATEAU;
-    moments m = {0};
-    double shot_power = 0.0;
+/* All that the modes of a pair tell. */
+typedef struct spectra {
+    moments difference; /* galaxy minus noise */
+    moments noise, cross;
+    high_power high;
+    double shot; /* plateau of the difference */
+    double flux; /* of the filtered pair */
+} spectra;
+
+static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows *rows, spectra *s) {
+    const transfer_plan *p = &plan->transfer_plan;
+    if (rows->group * FFT_LANES <= t->jy) {
+        moments_add(&s->difference, plan->settings.noise_correction ? &s->noise : NULL, rows, p, t);
+        if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
+            moments_add_cross(&s->cross, rows, p, t);
+        }
+    }
+    if (high_band_is_set(&plan->high) && rows->group <= plan->high.last_group) {
+        high_power_add(&s->high, &plan->high, rows);
+    }
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
+        s->shot += plateau_part(&plan->plateau, rows);
+    }
+}
+
+/* METHOD step 4, of the packed pair: the rows of modes that the transfer lets through, and for the
+ * noise's power the others, too. */
+static spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
+    spectra s = {0};
     for (int group = 0; group <= last_group(plan, t); group++) {
         const mode_rows rows = transform_rows(plan, ws, group);
         if (group == 0) { /* Z(0) = sum of galaxy + i sum of noise */
-            *filtered_flux = rows.up.re[0] - rows.up.im[0];
+            s.flux = rows.up.re[0] - rows.up.im[0];
         }
-        if (group * FFT_LANES <= t->jy) {
-            moments_add(&m, &rows, &plan->transfer_plan, t);
-            if (crossed) {
-                moments_add_cross(cross, &rows, &plan->transfer_plan, t);
-            }
-        }
-        shot_power += shot ? plateau_part(&plan->plateau, &rows) : 0.0;
+        add_rows(plan, t, &rows, &s);
     }
-    if (shot) {
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
         const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
-        moments_subtract(&m, shot_power, &flat);
+        moments_join(&s.difference, -s.shot, &flat);
     }
-    return m;
+    return s;
 }
 
 /* What the filter takes of the pixels. Where they are the fine grid, that is what the transform
@@ -217,12 +236,70 @@ static void take_up(const shear_plan *plan, shear_workspace *ws, const shear_sta
     *flags |= *flags == 0 ? psf_flag : 0u;
 }
 
+/* The noise stamps after the first one, two a transform: the mean of all takes the place of the
+ * first. False where one cannot be used: a pixel is not finite, or negative under a log method
+ * (`s->packed` false). */
+static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                       subject *s, spectra *sp) {
+    const int planes = noise_planes(stamps);
+    const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
+    spectra all = {.noise = sp->noise, .high = sp->high};
+    for (int k = 1; k < planes; k += 2) {
+        const double *one = s->noise + (size_t)k * pixels;
+        const double *two = k + 1 < planes ? one + pixels : one; /* twice the last one, halved */
+        const double share = two == one ? 0.5 : 1.0;
+        photometry ph;
+        s->packed =
+            pack_pair(plan, ws, s->fine, one, two, last_group(plan, s->transfer), &ph, &s->failure);
+        s->failure.in_noise = true;
+        if (!s->packed || !ph.galaxy_finite || !ph.noise_finite) {
+            return false;
+        }
+        const spectra pair = spectra_of(plan, ws, s->transfer);
+        moments_join(&all.noise, share, &pair.difference);
+        moments_join(&all.noise, 2.0 * share, &pair.noise);
+        all.high.edge_noise += share * (pair.high.edge_galaxy + pair.high.edge_noise);
+        all.high.corner_noise += share * (pair.high.corner_galaxy + pair.high.corner_noise);
+    }
+    if (planes > 1) {
+        moments mean = {0};
+        moments_join(&mean, 1.0 / planes, &all.noise);
+        moments_join(&sp->difference, 1.0, &sp->noise);
+        moments_join(&sp->difference, -1.0, &mean);
+        sp->noise = mean;
+        sp->high.edge_noise = all.high.edge_noise / planes;
+        sp->high.corner_noise = all.high.corner_noise / planes;
+    }
+    return true;
+}
+
+/* The noise's own moments, and the power that galaxy and noise stamp have at high k. */
+static void fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan) {
+    const moments *m = &sp->noise;
+    const double beta2 = plan->info.beta_px * plan->info.beta_px;
+    const shear_geometry *g = &plan->info.geometry;
+    row->noise_n1 = -0.5 * (m->m20 - m->m02);
+    row->noise_n2 = -m->m11;
+    row->noise_d = m->m20 + m->m02 - 0.5 * beta2 * m->m4;
+    row->noise_u = -0.5 * beta2 * m->u;
+    row->noise_v = -2.0 * beta2 * m->v;
+    if (high_band_is_set(&plan->high)) {
+        const double all =
+            (plan->high.n_edge + plan->high.n_corner) * (double)g->nx * (double)g->ny;
+        row->corner_galaxy = sp->high.corner_galaxy / all;
+        row->corner_noise = sp->high.corner_noise / all;
+        row->high_galaxy = sp->high.edge_galaxy / all + row->corner_galaxy;
+        row->high_noise = sp->high.edge_noise / all + row->corner_noise;
+    }
+}
+
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
     const size_t at = (size_t)i * (size_t)stamps->nx * (size_t)stamps->ny;
     const double weight = stamps->weight != NULL ? stamps->weight[i] : 1.0;
-    subject s = {.galaxy = stamps->galaxy + at, .noise = stamps->noise + at};
-    row_init(row, weight, flags_of_catalogue(stamps, i, weight));
+    subject s = {.galaxy = stamps->galaxy + at,
+                 .noise = stamps->noise + (size_t)noise_planes(stamps) * at};
+    row_init(row, stamps->first + i, weight, flags_of_catalogue(stamps, i, weight));
     take_up(plan, ws, stamps, i, &s, &row->flags);
     if (row->flags != 0) {
         return SHEAR_OK;
@@ -230,15 +307,20 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     if (!s.packed) {
         return negative_pixel(plan, stamps, i, &s.failure, err);
     }
-    double filtered_flux = 0.0;
-    moments cross = {0};
-    const moments m = moments_of(plan, ws, s.transfer, &cross, &filtered_flux);
+    spectra sp = spectra_of(plan, ws, s.transfer);
     fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
-    row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - filtered_flux);
-    if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
-        fill_cross(row, &cross, plan->info.beta_px, plan->info.r_psf_px);
+    row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - sp.flux);
+    if (s.ph.noise_var > 0.0) {
+        if (!more_noise(plan, ws, stamps, &s, &sp)) {
+            row->flags |= s.packed ? (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE : 0u;
+            return s.packed ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
+        }
+        fill_noise(row, &sp, plan);
     }
-    fill_moments(row, &m, plan->info.beta_px);
+    if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
+        fill_cross(row, &sp.cross, plan->info.beta_px, plan->info.r_psf_px);
+    }
+    fill_moments(row, &sp.difference, plan->info.beta_px);
     return SHEAR_OK;
 }
 

@@ -96,6 +96,10 @@ int64_t memory_of_plan(const memory_of *m) {
     if (info->filter != SHEAR_FILTER_NONE && !info->filter_per_stamp) {
         bytes += filters_bytes(info);
     }
+    if (info->noise_band != SHEAR_NOISE_BAND_NONE) {
+        bytes +=
+            (int64_t)high_band_bytes(g->nx, g->ny, info->noise_band == SHEAR_NOISE_BAND_CORNERS);
+    }
     if (m->settings->shot_noise == SHEAR_SHOT_PLATEAU) {
         bytes += g->nx * padded(g->ny / 2 + 1) * D;
     }
@@ -110,7 +114,11 @@ int64_t memory_of_workspace(const memory_of *m, int last_jy) {
     const shear_plan_info *info = m->info;
     const shear_geometry *g = &info->geometry;
     const bool shot = m->settings->shot_noise == SHEAR_SHOT_PLATEAU;
-    const int64_t groups = (shot ? g->ny / 2 : last_jy) / FFT_LANES + 1;
+    const bool high = info->noise_band != SHEAR_NOISE_BAND_NONE;
+    const int64_t last_row = shot                                ? g->ny / 2
+                             : high && (g->ny - 1) / 2 > last_jy ? (g->ny - 1) / 2
+                                                                 : last_jy;
+    const int64_t groups = last_row / FFT_LANES + 1;
     int64_t bytes = (int64_t)sizeof(shear_workspace) + lanes(info->fine_ny + 1) +
                     3 * lanes(longer(info->fine_nx, info->fine_ny) + 1) +
                     4 * groups * (info->fine_nx + 1) * FFT_LANES * D;

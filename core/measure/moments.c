@@ -30,25 +30,47 @@ static SHEAR_INLINE void add_columns(lane_sums *s, size_t l, double right, doubl
     s->s4[l] += x2 * x2 * even;
 }
 
-/* T times power or cross spectrum of element `here` of up and its mirror image `there` of down. */
-static SHEAR_INLINE double weigh(const mode_rows *r, size_t here, size_t there, double t,
-                                 bool cross) {
-    const double a = r->up.re[here];
-    const double b = r->up.im[here];
-    const double c = r->down.re[there];
-    const double d = r->down.im[there];
-    return t * (cross ? a * d + b * c : a * c - b * d);
+/* Element `here` of up and its mirror image `there` of down. */
+typedef struct mode {
+    double a, b, c, d; /* Z(k) = a + ib, Z(-k) = c + id */
+} mode;
+
+static SHEAR_INLINE mode mode_at(const mode_rows *r, size_t here, size_t there) {
+    return (mode){
+        .a = r->up.re[here], .b = r->up.im[here], .c = r->down.re[there], .d = r->down.im[there]};
 }
 
-/* t: T at jx = 0, [jx][stride]. */
+/* Which spectra of a pair are summed up. */
+enum spectra { DIFFERENCE, WITH_NOISE, CROSS };
+
+static SHEAR_INLINE double difference(mode z) {
+    return z.a * z.c - z.b * z.d;
+}
+
+/* |N|^2, from N itself: as a difference of the two sums it would drown beside a bright galaxy. */
+static SHEAR_INLINE double noise(mode z) {
+    const double re = 0.5 * (z.b + z.d);
+    const double im = 0.5 * (z.a - z.c);
+    return re * re + im * im;
+}
+
+static SHEAR_INLINE double cross(mode z) {
+    return z.a * z.d + z.b * z.c;
+}
+
+/* Of one row of modes a lane, the sums of T times a spectrum (of the noise in `other`). t: T at jx
+ * = 0, [jx][stride]. */
 static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t stride, int last,
-                                  bool cross, lane_sums *out) {
+                                  enum spectra which, lane_sums *out, lane_sums *other) {
     const mode_rows r = *rows;
     const size_t end = (size_t)r.nx * FFT_LANES;
     lane_sums s = {0};
+    lane_sums n = {0};
 #pragma omp simd
     for (size_t l = 0; l < FFT_LANES; l++) {
-        s.s0[l] = weigh(&r, l, l, t[l], cross);
+        const mode z = mode_at(&r, l, l);
+        s.s0[l] = t[l] * (which == CROSS ? cross(z) : difference(z));
+        n.s0[l] = which == WITH_NOISE ? t[l] * noise(z) : 0.0;
     }
     for (int jx = 1; jx <= last; jx++) {
         const double *right = t + (ptrdiff_t)stride * jx;
@@ -56,21 +78,34 @@ static SHEAR_INLINE void sum_rows(const mode_rows *rows, const double *t, size_t
         const size_t at = (size_t)jx * FFT_LANES;
 #pragma omp simd
         for (size_t l = 0; l < FFT_LANES; l++) {
-            add_columns(&s, l, weigh(&r, at + l, end - at + l, right[l], cross),
-                        weigh(&r, end - at + l, at + l, left[l], cross), jx);
+            const mode z = mode_at(&r, at + l, end - at + l);
+            const mode y = mode_at(&r, end - at + l, at + l);
+            add_columns(&s, l, right[l] * (which == CROSS ? cross(z) : difference(z)),
+                        left[l] * (which == CROSS ? cross(y) : difference(y)), jx);
+            if (which == WITH_NOISE) {
+                add_columns(&n, l, right[l] * noise(z), left[l] * noise(y), jx);
+            }
         }
     }
     *out = s;
+    *other = n;
 }
 
-SHEAR_SIMD static void sum_power(const mode_rows *rows, const double *t, size_t stride, int last,
-                                 lane_sums *out) {
-    sum_rows(rows, t, stride, last, false, out);
+SHEAR_SIMD static void sum_difference(const mode_rows *rows, const double *t, size_t stride,
+                                      int last, lane_sums *out) {
+    lane_sums none;
+    sum_rows(rows, t, stride, last, DIFFERENCE, out, &none);
+}
+
+SHEAR_SIMD static void sum_with_noise(const mode_rows *rows, const double *t, size_t stride,
+                                      int last, lane_sums *out, lane_sums *noise) {
+    sum_rows(rows, t, stride, last, WITH_NOISE, out, noise);
 }
 
 SHEAR_SIMD static void sum_cross(const mode_rows *rows, const double *t, size_t stride, int last,
                                  lane_sums *out) {
-    sum_rows(rows, t, stride, last, true, out);
+    lane_sums none;
+    sum_rows(rows, t, stride, last, CROSS, out, &none);
 }
 
 /* The sums of rows [first, first + FFT_LANES) to moments. */
@@ -99,10 +134,19 @@ static const double *middle_column(const transfer_plan *p, const transfer *t, in
     return t->t + (size_t)p->max_jx * p->stride + (size_t)jy;
 }
 
-void moments_add(moments *m, const mode_rows *rows, const transfer_plan *p, const transfer *t) {
+void moments_add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
+                 const transfer *t) {
     const int first = rows->group * FFT_LANES;
+    const double *middle = middle_column(p, t, first);
+    const int reach = transfer_reach(t, p, first);
     lane_sums sums;
-    sum_power(rows, middle_column(p, t, first), p->stride, transfer_reach(t, p, first), &sums);
+    lane_sums noise_sums;
+    if (noise == NULL) {
+        sum_difference(rows, middle, p->stride, reach, &sums);
+    } else {
+        sum_with_noise(rows, middle, p->stride, reach, &sums, &noise_sums);
+        add_lanes(noise, &noise_sums, p, first);
+    }
     add_lanes(m, &sums, p, first);
 }
 
@@ -131,11 +175,11 @@ moments moments_of_flat(const transfer_plan *p, const transfer *t) {
     return m;
 }
 
-void moments_subtract(moments *m, double power, const moments *flat) {
-    m->m20 -= power * flat->m20;
-    m->m02 -= power * flat->m02;
-    m->m11 -= power * flat->m11;
-    m->m4 -= power * flat->m4;
-    m->u -= power * flat->u;
-    m->v -= power * flat->v;
+void moments_join(moments *m, double factor, const moments *other) {
+    m->m20 += factor * other->m20;
+    m->m02 += factor * other->m02;
+    m->m11 += factor * other->m11;
+    m->m4 += factor * other->m4;
+    m->u += factor * other->u;
+    m->v += factor * other->v;
 }

@@ -25,16 +25,18 @@ typedef struct mode_rows {
     int group;
 } mode_rows;
 
-/* Add what the rows of one group hold; the groups are 0 .. t->jy / FFT_LANES. */
-void moments_add(moments *m, const mode_rows *rows, const transfer_plan *p, const transfer *t);
+/* Add what the rows of one group hold; the groups are 0 .. t->jy / FFT_LANES. `noise`: of the noise
+ * stamp alone; NULL where it is not wanted. */
+void moments_add(moments *m, moments *noise, const mode_rows *rows, const transfer_plan *p,
+                 const transfer *t);
 /* The same of the cross spectrum. */
 void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p,
                        const transfer *t);
 
 /* The moments of a power that is 1 at every mode. */
 moments moments_of_flat(const transfer_plan *p, const transfer *t);
-/* m -= power flat */
-void moments_subtract(moments *m, double power, const moments *flat);
+/* m += factor other */
+void moments_join(moments *m, double factor, const moments *other);
 
 /* The corrected power of mode (jx, FFT_LANES group + lane). For pictures. */
 double moments_power(const mode_rows *rows, int jx, int lane);

@@ -14,6 +14,8 @@ static const double well_sampled_px = 1.0;
 /* Below it, what the pixels fold back on the modes is nothing under a target of this beta (METHOD
  * section 1). */
 static const double aliases_vanish_px = 1.2;
+/* Such a PSF leaves galaxies no power beyond 3/4 of Nyquist (docs/method.md, section 5). */
+static const double smooth_px = 1.3;
 
 static int check_geometry(const shear_geometry *g, shear_error *err) {
     if (g->nx < SHEAR_MIN_SIDE || g->ny < SHEAR_MIN_SIDE || g->nx > SHEAR_MAX_SIDE ||
@@ -183,6 +185,22 @@ static bool make_filter(shear_plan *plan) {
     return true;
 }
 
+static int resolve_noise_band(const shear_settings *set, const shear_plan_info *info) {
+    const bool wanted = set->noise_level == SHEAR_NOISE_LEVEL_FIELD && set->noise_correction &&
+                        set->shot_noise == SHEAR_SHOT_NONE;
+    if (!wanted || info->interpolation != SHEAR_INTERP_NONE || info->r_psf_px < well_sampled_px) {
+        return SHEAR_NOISE_BAND_NONE;
+    }
+    return info->r_psf_px >= smooth_px ? SHEAR_NOISE_BAND_HIGH : SHEAR_NOISE_BAND_CORNERS;
+}
+
+static bool make_high_band(shear_plan *plan) {
+    const shear_geometry *g = &plan->info.geometry;
+    const int band = plan->info.noise_band;
+    return band == SHEAR_NOISE_BAND_NONE ||
+           high_band_init(&plan->high, g->nx, g->ny, band == SHEAR_NOISE_BAND_CORNERS);
+}
+
 static bool make_plateau(shear_plan *plan) {
     const shear_geometry *g = &plan->info.geometry;
     return plan->settings.shot_noise != SHEAR_SHOT_PLATEAU ||
@@ -235,6 +253,7 @@ static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool ha
                         ? set->beta_px
                         : fmax(set->beta_ratio * info->r_psf_px, set->beta_floor_px);
     code = resolve_sampling(set, info, psf_factor, err);
+    info->noise_band = resolve_noise_band(set, info);
     return code == SHEAR_OK ? resolve_filter(set, info, has_r_gal, err) : code;
 }
 
@@ -262,8 +281,8 @@ int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear
     plan->info.geometry = *geometry;
     int psf_factor = 1;
     int code = resolve(plan, psf, r_psf_px, has_r_gal, &psf_factor, err);
-    if (code == SHEAR_OK &&
-        !(make_grids(plan, psf_factor) && make_filter(plan) && make_plateau(plan))) {
+    if (code == SHEAR_OK && !(make_grids(plan, psf_factor) && make_filter(plan) &&
+                              make_high_band(plan) && make_plateau(plan))) {
         code = out_of_memory(err);
     }
     if (code == SHEAR_OK) {
@@ -318,6 +337,7 @@ void shear_plan_free(shear_plan *plan) {
     transfer_deinit(&plan->transfer);
     filter_map_deinit(&plan->fine);
     filter_map_deinit(&plan->coarse);
+    high_band_deinit(&plan->high);
     plateau_deinit(&plan->plateau);
     free(plan);
 }

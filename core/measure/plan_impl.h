@@ -5,6 +5,7 @@
 
 #include "fft/fft.h"
 #include "measure/filter.h"
+#include "measure/high_power.h"
 #include "measure/image.h"
 #include "measure/moments.h"
 #include "measure/photometry.h"
@@ -23,6 +24,7 @@ struct shear_plan {
     bool filtered;           /* info.filter is not NONE */
     filter_map fine, coarse; /* the filter on both grids, unless it differs from stamp to stamp;
                                 coarse only where it is another grid */
+    high_band high;          /* where the noise level is read off */
     plateau plateau;         /* where shot_noise is PLATEAU */
     moments flat;            /* what `transfer` makes of it */
 };
@@ -53,11 +55,17 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
                pack_failure *failure);
 /* One of these groups transformed along x, too; until the next call. */
 mode_rows transform_rows(const shear_plan *plan, shear_workspace *ws, int group);
-/* The last group that a measurement with `t` needs: for a plateau, all of them. */
+/* The last group that a measurement with `t` needs: for a plateau or the noise level, all of them.
+ */
 int last_group(const shear_plan *plan, const transfer *t);
 
 /* Both maps, empty; coarse only where it is another grid. False when memory is out. */
 bool filters_init(filter_map *fine, filter_map *coarse, const shear_plan_info *info);
+/* Noise stamps a galaxy. */
+static inline int noise_planes(const shear_stamps *stamps) {
+    return stamps->noise_planes > 1 ? stamps->noise_planes : 1;
+}
+
 /* The filter and the transfer of stamp i; NULL filter: none. Flags in *flags where they cannot be
  * had. */
 void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,

@@ -5,16 +5,76 @@
 
 #include <math.h>
 
-/* The delta method for a ratio of sums, g = sum w N / sum w D (METHOD section 2), with the squares
- * multiplied out: sum w^2 (Na - ga D)(Nb - gb D) = NaNb - ga NbD - gb NaD + ga gb DD. */
-static double covariance(double na_nb, double na_d, double nb_d, double dd, double ga, double gb,
-                         double d) {
-    return (na_nb - ga * nb_d - gb * na_d + ga * gb * dd) / (d * d);
-}
-
 /* Squares of very faint units (pixels of 1e-75) lose their digits below this: then the errors are
  * not known. */
 static const double smallest_square = 1e-290;
+/* A field's denominator is this many sigma of the noise above 0, or there is no shear. */
+static const double least_signal = 5.0;
+/* Transforms round: equal pixels have powers that differ by less than this part. */
+static const double rounding = 1e-9;
+
+shear_ratio shear_ratio_of(const double x[SHEAR_N_COMPONENTS]) {
+    const double noise = x[SHEAR_C_HIGH_NOISE];
+    const double level = noise > 0.0 ? x[SHEAR_C_HIGH_GALAXY] / noise : 1.0;
+    return (shear_ratio){.n1 = x[SHEAR_C_N1] + (1.0 - level) * x[SHEAR_C_NOISE_N1],
+                         .n2 = x[SHEAR_C_N2] + (1.0 - level) * x[SHEAR_C_NOISE_N2],
+                         .d = x[SHEAR_C_D] + (1.0 - level) * x[SHEAR_C_NOISE_D],
+                         .level = level};
+}
+
+/* All of a field's rounded sums. */
+typedef struct rounded {
+    double t[SHEAR_N_TERMS];
+    shear_ratio at_level;
+} rounded;
+
+static double product(const rounded *r, int i, int j) {
+    return r->t[shear_term_product(i, j)];
+}
+
+/* A linear combination of a stamp's parts. */
+typedef struct combination {
+    double c[SHEAR_N_COMPONENTS];
+} combination;
+
+/* sum w^2 (a x) (b x) */
+static double product_of(const rounded *r, const combination *a, const combination *b) {
+    double sum = 0.0;
+    for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+        for (int j = 0; j < SHEAR_N_COMPONENTS; j++) {
+            sum += a->c[i] != 0.0 && b->c[j] != 0.0 ? a->c[i] * b->c[j] * product(r, i, j) : 0.0;
+        }
+    }
+    return sum;
+}
+
+/* What a stamp adds to the noise level (without its mean): (G_hi - alpha N_hi) / sum N_hi. */
+static combination of_level(const rounded *r) {
+    combination c = {{0.0}};
+    const double noise = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
+    if (noise > 0.0) {
+        c.c[SHEAR_C_HIGH_GALAXY] = 1.0 / noise;
+        c.c[SHEAR_C_HIGH_NOISE] = -r->at_level.level / noise;
+    }
+    return c;
+}
+
+/* What a stamp adds to N - g D at the noise level, for N the part `n` with the noise's `noise_n`:
+ * its own terms, and by way of the noise level those of all noise stamps. */
+static combination of_ratio(const rounded *r, int n, int noise_n, double g) {
+    const combination level = of_level(r);
+    const double by_level =
+        r->t[SHEAR_S_COMPONENT + noise_n] - g * r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D];
+    combination c = {{0.0}};
+    c.c[n] = 1.0;
+    c.c[noise_n] = 1.0 - r->at_level.level;
+    c.c[SHEAR_C_D] = -g;
+    c.c[SHEAR_C_NOISE_D] = -g * (1.0 - r->at_level.level);
+    for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+        c.c[i] -= by_level * level.c[i];
+    }
+    return c;
+}
 
 /* Mean of a term over the used stamps, and the error of that mean. */
 static void mean_of(const double *t, int sum, int squares, double n, double *mean,
@@ -24,21 +84,68 @@ static void mean_of(const double *t, int sum, int squares, double n, double *mea
     *mean_err = sqrt(variance / (n - 1.0));
 }
 
-static void fill_shear(shear_result *r, const double *t) {
-    const double d = t[SHEAR_S_D];
-    r->g1 = t[SHEAR_S_N1] / d;
-    r->g2 = t[SHEAR_S_N2] / d;
-    const double v1 =
-        covariance(t[SHEAR_S_N1N1], t[SHEAR_S_N1D], t[SHEAR_S_N1D], t[SHEAR_S_DD], r->g1, r->g1, d);
-    const double v2 =
-        covariance(t[SHEAR_S_N2N2], t[SHEAR_S_N2D], t[SHEAR_S_N2D], t[SHEAR_S_DD], r->g2, r->g2, d);
-    r->cov12 =
-        covariance(t[SHEAR_S_N1N2], t[SHEAR_S_N1D], t[SHEAR_S_N2D], t[SHEAR_S_DD], r->g1, r->g2, d);
-    r->g1_err = sqrt(fmax(0.0, v1));
-    r->g2_err = sqrt(fmax(0.0, v2));
-    if (!(t[SHEAR_S_DD] > smallest_square)) {
-        r->g1_err = r->g2_err = r->cov12 = NAN;
+/* The delta method for the ratio of sums g = sum w N / sum w D, noise level and all. */
+static void fill_shear(shear_result *out, const rounded *r) {
+    const double d = r->at_level.d;
+    out->g1 = r->at_level.n1 / d;
+    out->g2 = r->at_level.n2 / d;
+    const combination e1 = of_ratio(r, SHEAR_C_N1, SHEAR_C_NOISE_N1, out->g1);
+    const combination e2 = of_ratio(r, SHEAR_C_N2, SHEAR_C_NOISE_N2, out->g2);
+    out->g1_err = sqrt(fmax(0.0, product_of(r, &e1, &e1))) / d;
+    out->g2_err = sqrt(fmax(0.0, product_of(r, &e2, &e2))) / d;
+    out->cov12 = product_of(r, &e1, &e2) / (d * d);
+    if (!(product(r, SHEAR_C_D, SHEAR_C_D) > smallest_square)) {
+        out->g1_err = out->g2_err = out->cov12 = NAN;
     }
+    out->delta_g1_err = out->g1_err;
+    out->delta_g2_err = out->g2_err;
+}
+
+/* What noise alone would scatter sum w D by: two stamps' worth of what the noise stamps scatter,
+ * and the noise level's error. */
+static double noise_of_d(const rounded *r, double n, double level_err) {
+    const double sum = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D];
+    const double squares = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D) - sum * sum / n;
+    const double by_level = isfinite(level_err) ? sum * level_err : 0.0;
+    return sqrt(2.0 * fmax(0.0, squares) + by_level * by_level);
+}
+
+static void fill_influence(shear_result *out, const rounded *r, shear_influence top) {
+    combination d = {{0.0}};
+    d.c[SHEAR_C_D] = 1.0;
+    d.c[SHEAR_C_NOISE_D] = 1.0 - r->at_level.level;
+    out->n_eff = out->sum_d * out->sum_d / product_of(r, &d, &d);
+    out->top_share = top.size / fabs(out->sum_d);
+    out->top_stamp = top.size > 0.0 ? top.stamp : -1;
+}
+
+/* The level beyond Nyquist against that below it. Each band's error is that of all modes, larger as
+ * its modes are fewer. */
+static void fill_shape(shear_result *out, const rounded *r) {
+    static const double corners = (4.0 - M_PI) / (4.0 - M_PI * 9.0 / 16.0); /* of all modes */
+    const double corner_noise = r->t[SHEAR_S_CORNER_NOISE];
+    const double edge_noise = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] - corner_noise;
+    const double edge_galaxy =
+        r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] - r->t[SHEAR_S_CORNER_GALAXY];
+    if (corner_noise > 0.0 && edge_noise > 0.0 && edge_galaxy > 0.0) {
+        const double ratio =
+            r->t[SHEAR_S_CORNER_GALAXY] / corner_noise / (edge_galaxy / edge_noise);
+        out->noise_shape = ratio - 1.0;
+        out->noise_shape_err = ratio * out->noise_level_err / out->noise_level *
+                               sqrt(1.0 / corners + 1.0 / (1.0 - corners));
+    }
+}
+
+static void fill_noise(shear_result *out, const rounded *r) {
+    const combination level = of_level(r);
+    out->noise_share = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] / out->sum_d;
+    if (!(r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] > 0.0)) {
+        return;
+    }
+    out->noise_level = r->at_level.level;
+    out->noise_level_err = sqrt(fmax(0.0, product_of(r, &level, &level)));
+    out->noise_effect = (r->at_level.level - 1.0) * out->noise_share;
+    fill_shape(out, r);
 }
 
 static void fill_diagnostics(shear_result *r, const double *t) {
@@ -62,28 +169,106 @@ const char *shear_error_method(const shear_result *r) {
     return shear_estimator_is_symmetric(r->estimator) ? "symmetry" : "delta";
 }
 
-void shear_field_result(const shear_field_sums *f, shear_result *out) {
-    double t[SHEAR_N_TERMS];
+static rounded round_sums(const shear_field_sums *f) {
+    rounded r;
     for (int i = 0; i < SHEAR_N_TERMS; i++) {
-        t[i] = exact_value(f->sums, i);
+        r.t[i] = exact_value(f->sums, i);
     }
-    *out = (shear_result){.n_stamps = f->n_stamps,
-                          .n_used = f->n_used,
-                          .n_flagged = f->n_stamps - f->n_used,
-                          .sum_weight = t[SHEAR_S_W],
-                          .sum_d = t[SHEAR_S_D]};
+    r.at_level = shear_ratio_of(r.t + SHEAR_S_COMPONENT);
+    return r;
+}
+
+/* Galaxy and noise stamps have the same power, but for what the transform rounds. */
+static bool no_difference(const rounded *r) {
+    const double d2 = product(r, SHEAR_C_D, SHEAR_C_D);
+    const double noise2 = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D);
+    return d2 == 0.0 || d2 < rounding * rounding * noise2;
+}
+
+/* Why there is no shear; SHEAR_HAS_SHEAR where there may be one. */
+static int no_shear(const shear_result *out, const rounded *r) {
+    if (out->n_used < 2) {
+        return SHEAR_NO_STAMPS;
+    }
+    if (r->t[SHEAR_S_W] == 0.0) {
+        return SHEAR_NO_WEIGHT;
+    }
+    if (no_difference(r)) {
+        return SHEAR_NO_DIFFERENCE;
+    }
+    if (out->signal <= -least_signal) {
+        return r->t[SHEAR_S_POWER] < 0.0 ? SHEAR_SWAPPED : SHEAR_TOO_NARROW;
+    }
+    return out->signal >= least_signal ? SHEAR_HAS_SHEAR : SHEAR_NO_SIGNAL;
+}
+
+static shear_result without_numbers(const shear_field_sums *f) {
+    shear_result r = {.n_stamps = f->n_stamps,
+                      .n_used = f->n_used,
+                      .n_flagged = f->n_stamps - f->n_used,
+                      .top_stamp = -1};
+    double *const unknown[] = {&r.g1,
+                               &r.g2,
+                               &r.g1_err,
+                               &r.g2_err,
+                               &r.cov12,
+                               &r.delta_g1_err,
+                               &r.delta_g2_err,
+                               &r.signal,
+                               &r.n_eff,
+                               &r.top_share,
+                               &r.noise_level,
+                               &r.noise_level_err,
+                               &r.noise_effect,
+                               &r.noise_shape,
+                               &r.noise_shape_err,
+                               &r.noise_share,
+                               &r.mean_flux,
+                               &r.filter_removed,
+                               &r.filter_removed_err,
+                               &r.border_excess,
+                               &r.border_excess_err,
+                               &r.border_rough,
+                               &r.border_rough_err,
+                               &r.border_noise_var};
+    for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) {
+        *unknown[i] = (double)NAN;
+    }
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
-        out->flagged[i] = f->flagged[i];
+        r.flagged[i] = f->flagged[i];
     }
-    out->g1 = out->g2 = out->g1_err = out->g2_err = out->cov12 = NAN;
-    out->mean_flux = out->filter_removed = out->filter_removed_err = NAN;
-    out->border_excess = out->border_excess_err = NAN;
-    out->border_rough = out->border_rough_err = out->border_noise_var = NAN;
+    return r;
+}
+
+void shear_field_result(const shear_field_sums *f, shear_result *out) {
+    const rounded r = round_sums(f);
+    const double n = (double)f->n_used;
+    *out = without_numbers(f);
+    out->sum_weight = r.t[SHEAR_S_W];
+    out->sum_d = r.at_level.d;
     if (f->n_used >= 2) {
-        fill_diagnostics(out, t);
+        fill_diagnostics(out, r.t);
+        fill_noise(out, &r);
+        fill_influence(out, &r, f->top);
+        out->signal = out->sum_d / noise_of_d(&r, n, out->noise_level_err);
     }
-    if (f->n_used >= 2 && t[SHEAR_S_D] > 0.0) {
-        fill_shear(out, t);
+    out->why = no_shear(out, &r);
+    if (out->why == SHEAR_HAS_SHEAR) {
+        fill_shear(out, &r);
         out->valid = isfinite(out->g1) && isfinite(out->g2);
+        out->why = out->valid ? SHEAR_HAS_SHEAR : SHEAR_NOT_FINITE;
     }
+}
+
+noise_shape noise_shape_of(const shear_field_sums *f) {
+    const rounded r = round_sums(f);
+    const double high = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
+    if (!(high > 0.0)) {
+        return (noise_shape){0};
+    }
+    return (noise_shape){.n1 = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_N1] / high,
+                         .n2 = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_N2] / high,
+                         .d = r.t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] / high,
+                         .u = r.t[SHEAR_S_NOISE_U] / high,
+                         .v = r.t[SHEAR_S_NOISE_V] / high};
 }

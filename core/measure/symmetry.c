@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { N_DOUBLES = 6, BYTES_OF_DOUBLE = 8 };
+enum { N_DOUBLES = 7, BYTES_OF_DOUBLE = 8 };
 _Static_assert(N_DOUBLES *BYTES_OF_DOUBLE == SHEAR_SYMMETRY_BYTES, "the bytes of a stamp");
-_Static_assert(sizeof(symmetry_terms) == N_DOUBLES * sizeof(double), "six doubles, no padding");
+_Static_assert(sizeof(symmetry_terms) == N_DOUBLES * sizeof(double), "seven doubles, no padding");
 
 int shear_symmetry_new(shear_symmetry **out, shear_error *err) {
     *out = calloc(1, sizeof **out);
@@ -50,7 +50,8 @@ int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, 
                               .d = row->d + row->cross_d,
                               .u = -0.5 * beta2 * (row->u + row->cross_u),
                               .v = -2.0 * beta2 * (row->v + row->cross_v),
-                              .weight = row->weight};
+                              .weight = row->weight,
+                              .excess = row->high_galaxy - row->high_noise};
     const bool finite = isfinite(t.n1 + t.n2 + t.d) && isfinite(t.u + t.v);
     if (row->flags != 0 || !block_terms(row, sums) || !finite) {
         return SHEAR_OK;

@@ -38,6 +38,7 @@ typedef struct axis {
 
 typedef struct solver {
     const shear_symmetry *s;
+    noise_shape shape; /* of what the excess of its noise adds to a stamp's terms */
     int bins;
     double *x, *b;   /* [n] of the component under way */
     double *scratch; /* [n] */
@@ -106,13 +107,24 @@ static bool set_weights(solver *v) {
     return largest > 0.0;
 }
 
+/* The terms of stamp i without the excess of its noise over its noise stamp's. */
+static symmetry_terms terms_of(const solver *v, size_t i) {
+    symmetry_terms t = v->s->stamps[i];
+    t.n1 -= t.excess * v->shape.n1;
+    t.n2 -= t.excess * v->shape.n2;
+    t.d -= t.excess * v->shape.d;
+    t.u -= t.excess * v->shape.u;
+    t.v -= t.excess * v->shape.v;
+    return t;
+}
+
 /* Values and responses of component c (0, 1), the other component held where it is. */
 static fold fold_of(solver *v, int c) {
     const double other = v->axes[1 - c].g;
     for (size_t i = 0; i < v->s->n; i++) {
-        const symmetry_terms *t = &v->s->stamps[i];
-        v->x[i] = (c == 0 ? t->n1 : t->n2) - other * t->v;
-        v->b[i] = c == 0 ? t->d + t->u : t->d - t->u;
+        const symmetry_terms t = terms_of(v, i);
+        v->x[i] = (c == 0 ? t.n1 : t.n2) - other * t.v;
+        v->b[i] = c == 0 ? t.d + t.u : t.d - t.u;
     }
     return (fold){.n = v->s->n,
                   .x = v->x,
@@ -324,11 +336,11 @@ static int covariance(solver *v, double *cov12, shear_error *err) {
     const fold f[2] = {{.bins = v->bins, .edge = v->axes[0].edge},
                        {.bins = v->bins, .edge = v->axes[1].edge}};
     for (size_t i = 0; i < v->s->n; i++) {
-        const symmetry_terms *t = &v->s->stamps[i];
+        const symmetry_terms t = terms_of(v, i);
         const double g1 = v->axes[0].g;
         const double g2 = v->axes[1].g;
-        const double value[2] = {t->n1 - g1 * (t->d + t->u) - g2 * t->v,
-                                 t->n2 - g2 * (t->d - t->u) - g1 * t->v};
+        const double value[2] = {t.n1 - g1 * (t.d + t.u) - g2 * t.v,
+                                 t.n2 - g2 * (t.d - t.u) - g1 * t.v};
         const int64_t w = v->weight[i];
         bin[0] = fold_bin(&f[0], fabs(value[0]));
         bin[1] = fold_bin(&f[1], fabs(value[1]));
@@ -361,7 +373,14 @@ static int solve(solver *v, shear_result *out, shear_error *err) {
     return code;
 }
 
-int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, shear_error *err) {
+/* Does the mean say that there are no galaxies to be symmetric? Too little signal for the mean may
+ * be enough here. */
+static bool hopeless(int why) {
+    return why != SHEAR_HAS_SHEAR && why != SHEAR_NO_SIGNAL;
+}
+
+int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, shear_result *out,
+                   shear_error *err) {
     if (bins < 0 || bins > SHEAR_SYMMETRY_MAX_BINS) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "%d bins: 1 to %d are possible", bins,
                           SHEAR_SYMMETRY_MAX_BINS);
@@ -370,6 +389,10 @@ int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, s
     out->valid = false;
     out->jackknife = 0;
     out->g1 = out->g2 = out->g1_err = out->g2_err = out->cov12 = NAN;
+    if (hopeless(out->why)) {
+        return SHEAR_OK;
+    }
+    out->why = SHEAR_NO_SYMMETRY;
     const size_t wanted = bins > 0 ? (size_t)bins : SHEAR_SYMMETRY_BINS;
     const size_t most = s->n / PER_BIN;
     if (most == 0) {
@@ -378,10 +401,17 @@ int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, s
     solver v;
     int code = solver_init(&v, s, (int)(wanted < most ? wanted : most), err);
     if (code == SHEAR_OK) {
+        v.shape = *shape;
         code = solve(&v, out, err);
         solver_deinit(&v);
     }
+    out->why = out->valid ? SHEAR_HAS_SHEAR : SHEAR_NO_SYMMETRY;
     return code;
+}
+
+int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, shear_error *err) {
+    const noise_shape none = {0};
+    return symmetry_solve(s, bins, &none, out, err);
 }
 
 int shear_estimate(int estimator, const shear_field_sums *sums, const shear_symmetry *terms,
@@ -392,7 +422,8 @@ int shear_estimate(int estimator, const shear_field_sums *sums, const shear_symm
         return SHEAR_OK;
     }
     symmetric = *out;
-    const int code = shear_symmetry_solve(terms, 0, &symmetric, err);
+    const noise_shape shape = noise_shape_of(sums);
+    const int code = symmetry_solve(terms, 0, &shape, &symmetric, err);
     if (code == SHEAR_OK) {
         *out = symmetric;
         out->estimator = estimator;

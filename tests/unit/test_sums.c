@@ -228,7 +228,7 @@ static void test_compensation(void **state) {
                          {.d = 1.0, .weight = 1.0},
                          {.d = -1e100, .weight = 1.0}};
     const shear_block_sums b = block_of(rows, 4);
-    assert_true(b.hi[SHEAR_S_D] + b.lo[SHEAR_S_D] == 2.0);
+    assert_true(b.hi[SHEAR_S_COMPONENT + SHEAR_C_D] + b.lo[SHEAR_S_COMPONENT + SHEAR_C_D] == 2.0);
     assert_true(result_of(rows, 4).sum_d == 2.0);
 }
 

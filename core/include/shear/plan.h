@@ -26,6 +26,14 @@ typedef struct shear_geometry {
     int psf_oversample; /* PSF samples per galaxy pixel (keyword OVERSAMP), >= 1 */
 } shear_geometry;
 
+/* The wave numbers at which no galaxy has power beside the noise: a PSF of R_PSF leaves none there.
+ */
+enum shear_noise_band {
+    SHEAR_NOISE_BAND_NONE = 0, /* nowhere: narrow PSF, or interpolated; or noise-level is none */
+    SHEAR_NOISE_BAND_HIGH,     /* |k| >= 3/4 of Nyquist */
+    SHEAR_NOISE_BAND_CORNERS   /* |k| >= Nyquist, the corners of the plane of modes */
+};
+
 /* What the plan decided; all lengths in galaxy pixels, k in radians per galaxy pixel. */
 typedef struct shear_plan_info {
     shear_geometry geometry;
@@ -39,6 +47,7 @@ typedef struct shear_plan_info {
     bool filter_per_stamp; /* PAPER, and the core follows each stamp's R_GAL */
     double core_px;        /* NaN for none or per stamp */
     double width_px;       /* NaN for none */
+    int noise_band;        /* where the noise level is read off: enum shear_noise_band */
     double k_cut; /* modes at |k| >= k_cut are left out; for a plan without PSF, the grid's limit */
 } shear_plan_info;
 

@@ -54,6 +54,11 @@ enum shear_shot_noise {
     SHEAR_SHOT_PLATEAU   /* galaxy and noise power lose each their plateau, before T */
 };
 
+enum shear_noise_level {
+    SHEAR_NOISE_LEVEL_FIELD = 0, /* one factor for a field, from the power at high k */
+    SHEAR_NOISE_LEVEL_NONE       /* galaxy and noise stamps have the same noise */
+};
+
 /* How a field's shear is made of its stamps. */
 enum shear_estimator {
     SHEAR_ESTIMATOR_MEAN = 0, /* the ratio of means (shear/sums.h) */
@@ -79,6 +84,7 @@ typedef struct shear_settings {
     double psf_threshold;   /* modes with |W|^2 below this part of its peak hold no information */
     double power_tolerance; /* largest part of the target's power that may lie beyond the cut */
     bool noise_correction;  /* subtract the noise stamp's moments */
+    int noise_level;        /* enum shear_noise_level: of the galaxy stamps */
     int shot_noise;         /* enum shear_shot_noise */
     int estimator;          /* enum shear_estimator */
 } shear_settings;

@@ -46,7 +46,8 @@ typedef struct shear_stamps {
     int count;                /* pairs */
     int nx, ny;               /* pixels of a stamp */
     const double *galaxy;     /* [count][ny][nx] */
-    const double *noise;      /* [count][ny][nx] */
+    const double *noise;      /* [count][noise_planes][ny][nx] */
+    int noise_planes;         /* noise stamps a galaxy, >= 1; 0 counts as 1 */
     int n_psf;                /* PSF images in `psf`; 0 where the plan holds the field's one PSF */
     const double *psf;        /* [n_psf][psf_ny][psf_nx], or NULL */
     const int32_t *psf_index; /* [count] index into psf, -1 = the file names no such PSF; or NULL */
@@ -55,10 +56,13 @@ typedef struct shear_stamps {
     const int32_t *mask;      /* [count] CATALOG.FLAGS, or NULL: all 0 */
 } shear_stamps;
 
-/* The result for one pair. Moments are noise-corrected (galaxy minus noise) unless the correction
- * is off, and physical: M20 is the integral of (df/dx)^2 over the plane, in pixel units, whatever
- * the stamp's size or the interpolation; in terms of METHOD's sums over modes they carry the factor
- * 1/(nx ny s^4). A flagged row has NaN in every number that could not be measured. */
+enum { SHEAR_MAX_NOISE_PLANES = 64 };
+
+/* The result for one pair. Moments are noise-corrected (galaxy minus noise; the mean of its noise
+ * stamps, where there are several) unless the correction is off, and physical: M20 is the integral
+ * of (df/dx)^2 over the plane, in pixel units, whatever the stamp's size or the interpolation; in
+ * terms of METHOD's sums over modes they carry the factor 1/(nx ny s^4). A flagged row has NaN in
+ * every number that could not be measured. */
 typedef struct shear_row {
     double n1, n2, d;         /* -(M20-M02)/2, -M11, M20+M02-(beta^2/2) M4 */
     double u, v;              /* sum (kx^4-6kx^2ky^2+ky^4) P, sum (kx^3 ky-kx ky^3) P */
@@ -66,6 +70,15 @@ typedef struct shear_row {
     /* With estimator = pdf-sym-cross, what is added to n1, n2, d, u, v for the symmetry
      * (docs/method.md, section 6); else 0. */
     double cross_n1, cross_n2, cross_d, cross_u, cross_v;
+    /* The same moments of the noise stamp alone: what a noise level other than 1 takes off more
+     * (docs/method.md, section 5); u and v as the symmetry wants them, -(beta^2/2) U and
+     * -2 beta^2 V. 0 without the correction. */
+    double noise_n1, noise_n2, noise_d, noise_u, noise_v;
+    /* The mean power of galaxy and noise stamp at the wave numbers where no galaxy has any
+     * (shear_plan_info.noise_band), as a variance a pixel of the filtered stamp; and what the modes
+     * beyond Nyquist add to that mean. 0 where the noise level is not looked at. */
+    double high_galaxy, high_noise;
+    double corner_galaxy, corner_noise;
     double flux;             /* sum(galaxy) - sum(noise) */
     double snr;              /* flux / (rms(noise stamp) * sqrt(2 nx ny)); NaN without noise */
     double flux_removed;     /* the part of flux that the filter takes away */
@@ -73,6 +86,7 @@ typedef struct shear_row {
     double border_var;       /* variance of that border, galaxy minus noise */
     double border_var_noise; /* variance of the noise stamp's border */
     double weight;
+    int64_t stamp;  /* its number in its file */
     uint32_t flags; /* or of enum shear_flag; 0 = in the sums */
 } shear_row;
 

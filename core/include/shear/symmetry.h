@@ -40,7 +40,7 @@ enum {
     SHEAR_SYMMETRY_BINS = 10, /* on each side, where none are asked for */
     SHEAR_SYMMETRY_MAX_BINS = 1000,
     SHEAR_SYMMETRY_WEIGHTS = 1 << 15, /* steps of a weight */
-    SHEAR_SYMMETRY_BYTES = 48         /* a stamp, in shear_symmetry_bytes */
+    SHEAR_SYMMETRY_BYTES = 56         /* a stamp, in shear_symmetry_bytes */
 };
 
 /* The terms of a field's unflagged stamps. Not thread-safe: one owner at a time. */

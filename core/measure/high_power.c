@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/high_power.h"
+
+#include "base/simd.h"
+#include "fft/fft.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* (2 jx/nx)^2 + (2 jy/ny)^2 >= (quarters/4)^2, in whole numbers: no rounding decides which modes
+ * count. */
+static bool beyond(int64_t jx, int64_t jy, int64_t nx, int64_t ny, int64_t quarters) {
+    return 64 * (jx * jx * ny * ny + jy * jy * nx * nx) >= quarters * quarters * nx * nx * ny * ny;
+}
+
+static size_t table_doubles(const high_band *b) {
+    return (size_t)b->nx * b->stride;
+}
+
+/* The rows that count: jy < ny/2. */
+static int rows_of(int ny) {
+    return (ny + 1) / 2;
+}
+
+size_t high_band_bytes(int nx, int ny, bool corners_only) {
+    const size_t table = (size_t)nx * fft_padded(rows_of(ny)) * sizeof(double);
+    return corners_only ? table : 2 * table;
+}
+
+/* What mode (jx, jy) counts in the table, and its group's first jx with it. */
+static void count_mode(high_band *b, int x, int jy) {
+    const int jx = x <= b->nx / 2 ? x : b->nx - x;
+    const double images = jy == 0 ? 1.0 : 2.0;
+    const size_t at = (size_t)x * b->stride + (size_t)jy;
+    int *first = &b->first_jx[jy / FFT_LANES];
+    if (beyond(jx, jy, b->nx, b->ny, 4)) {
+        b->corner[at] = images;
+        b->n_corner += images;
+    } else if (b->edge != NULL && beyond(jx, jy, b->nx, b->ny, 3)) {
+        b->edge[at] = images;
+        b->n_edge += images;
+    } else {
+        return;
+    }
+    *first = jx < *first ? jx : *first;
+}
+
+bool high_band_init(high_band *b, int nx, int ny, bool corners_only) {
+    const int rows = rows_of(ny);
+    *b = (high_band){
+        .nx = nx, .ny = ny, .last_group = (rows - 1) / FFT_LANES, .stride = fft_padded(rows)};
+    const size_t bytes = table_doubles(b) * sizeof(double);
+    b->first_jx = malloc(((size_t)b->last_group + 1) * sizeof *b->first_jx);
+    b->corner = fft_alloc(bytes);
+    b->edge = corners_only ? NULL : fft_alloc(bytes);
+    if (b->first_jx == NULL || b->corner == NULL || (b->edge == NULL && !corners_only)) {
+        return false;
+    }
+    memset(b->corner, 0, bytes);
+    if (b->edge != NULL) {
+        memset(b->edge, 0, bytes);
+    }
+    for (int group = 0; group <= b->last_group; group++) {
+        b->first_jx[group] = nx / 2 + 1;
+    }
+    for (int x = 0; x < nx; x++) {
+        for (int jy = 0; jy < rows; jy++) {
+            count_mode(b, x, jy);
+        }
+    }
+    return true;
+}
+
+void high_band_deinit(high_band *b) {
+    free(b->first_jx);
+    fft_free(b->edge);
+    fft_free(b->corner);
+    *b = (high_band){0};
+}
+
+/* With z = g + i n: G(k) = (Z(k) + Z*(-k))/2 and N(k) = (Z(k) - Z*(-k))/2i; four times their
+ * squares. The noise's is formed from its own transform and not as a difference from the sum: where
+ * it is nothing beside the galaxy's, it comes out as nothing. */
+SHEAR_SIMD static void sum_columns(const mode_rows *r, const high_band *b, double *edge_galaxy,
+                                   double *edge_noise, double *corner_galaxy,
+                                   double *corner_noise) {
+    const size_t nx = (size_t)r->nx;
+    const size_t first = (size_t)b->first_jx[r->group];
+    const size_t last = first > 0 ? nx - first : nx - 1;
+    const size_t row = (size_t)r->group * FFT_LANES;
+    const bool has_edge = b->edge != NULL;
+    double sums[4][FFT_LANES] = {{0}};
+    for (size_t x = first; x <= last; x++) {
+        const size_t at = x * FFT_LANES;
+        const size_t mirror = (nx - x) * FFT_LANES;
+        const double *corner = b->corner + x * b->stride + row;
+        const double *edge = has_edge ? b->edge + x * b->stride + row : corner;
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            const double gr = r->up.re[at + l] + r->down.re[mirror + l];
+            const double gi = r->up.im[at + l] - r->down.im[mirror + l];
+            const double nr = r->up.im[at + l] + r->down.im[mirror + l];
+            const double ni = r->up.re[at + l] - r->down.re[mirror + l];
+            const double g = gr * gr + gi * gi;
+            const double n = nr * nr + ni * ni;
+            sums[0][l] += edge[l] * g;
+            sums[1][l] += edge[l] * n;
+            sums[2][l] += corner[l] * g;
+            sums[3][l] += corner[l] * n;
+        }
+    }
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        *edge_galaxy += has_edge ? 0.25 * sums[0][l] : 0.0;
+        *edge_noise += has_edge ? 0.25 * sums[1][l] : 0.0;
+        *corner_galaxy += 0.25 * sums[2][l];
+        *corner_noise += 0.25 * sums[3][l];
+    }
+}
+
+void high_power_add(high_power *p, const high_band *b, const mode_rows *rows) {
+    if (b->first_jx[rows->group] <= b->nx / 2) {
+        sum_columns(rows, b, &p->edge_galaxy, &p->edge_noise, &p->corner_galaxy, &p->corner_noise);
+    }
+}
