@@ -182,7 +182,8 @@ static rounded round_sums(const shear_field_sums *f) {
 static bool no_difference(const rounded *r) {
     const double d2 = product(r, SHEAR_C_D, SHEAR_C_D);
     const double noise2 = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D);
-    return d2 == 0.0 || d2 < rounding * rounding * noise2;
+    return noise2 > 0.0 ? d2 < rounding * rounding * noise2
+                        : r->t[SHEAR_S_COMPONENT + SHEAR_C_D] == 0.0;
 }
 
 /* Why there is no shear; SHEAR_HAS_SHEAR where there may be one. */

@@ -18,7 +18,7 @@ FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusab
 SETTINGS = {"preset": "default", "interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 2, "beta-floor": 1.4,
             "filter": "auto", "core": "auto", "width": "auto", "background": "auto", "zeros": "skip", "pedestal": 0.0,
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
-            "shot-noise": "none", "estimator": "mean"}
+            "noise-level": "field", "shot-noise": "none", "estimator": "mean"}
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",
             "k_cut"]
 

@@ -32,7 +32,7 @@ class Front(ToolTest):
         for flag in ("--interpolation METHOD", "--oversample S", "--beta PX", "--beta-ratio X",
                      "--filter KIND", "--core PX", "--width PX", "--zeros POLICY",
                      "--pedestal VALUE", "--psf-threshold X", "--no-noise-correction",
-                     "--shot-noise KIND"):
+                     "--noise-level KIND", "--shot-noise KIND"):
             self.assertIn(flag, text)
         self.assertIn("(default 1.4 px)", " ".join(text.split()))
         self.assertLessEqual(max(map(len, text.splitlines())), 100)

@@ -21,6 +21,7 @@ if(NOT SHEAR_SANITIZE) # whose malloc keeps no statistics
   core_test(memory)
 endif()
 core_test(plateau)
+core_test(noise_level)
 core_test(psf)
 core_test(filter)
 core_test(transfer PkgConfig::GSL)

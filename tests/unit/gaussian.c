@@ -69,6 +69,8 @@ void assert_rows_near(const shear_row *a, const shear_row *b, double tolerance) 
 void assert_same_rows(const shear_row *a, const shear_row *b, int n) {
     const size_t used = offsetof(shear_row, flags) + sizeof a->flags; /* what follows is padding */
     for (int i = 0; i < n; i++) {
-        assert_memory_equal(&a[i], &b[i], used);
+        shear_row at_same_place = b[i];
+        at_same_place.stamp = a[i].stamp;
+        assert_memory_equal(&a[i], &at_same_place, used);
     }
 }

@@ -23,7 +23,7 @@ void assert_near(double a, double b, double tolerance, double scale, const char 
 /* All moments and terms of two rows, relative to d and (for fourth-order ones) m4. */
 void assert_rows_near(const shear_row *a, const shear_row *b, double tolerance);
 
-/* n rows are equal to the last bit, NaNs included. */
+/* n rows are equal to the last bit, NaNs included, their numbers in their files aside. */
 void assert_same_rows(const shear_row *a, const shear_row *b, int n);
 
 #endif

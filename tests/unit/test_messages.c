@@ -400,7 +400,7 @@ static void test_whole_settings(void **state) {
               "beta-floor=1.4\n"
               "filter=auto\ncore=7\nwidth=auto\nbackground=auto\nzeros=skip\npedestal=0.25\n"
               "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n"
-              "shot-noise=none\nestimator=mean\n");
+              "noise-level=field\nshot-noise=none\nestimator=mean\n");
     shear_settings_init(&t);
     assert_int_equal(shear_settings_apply(&t, text, &err), SHEAR_OK);
     assert_int_equal(shear_settings_write(&t, again, sizeof again, &err), SHEAR_OK);

@@ -25,7 +25,7 @@ static void test_table(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
-    assert_true(n == 17);
+    assert_true(n == 18);
     for (size_t i = 0; i < n; i++) {
         assert_ptr_equal(shear_settings_find(table[i].name), &table[i]);
         assert_in_range(strlen(table[i].keyword), 1, 8);

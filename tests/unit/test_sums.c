@@ -303,8 +303,8 @@ static void check_bad_text(const char *text) {
 
 /* A good text with its word number `word` (0 and 1: the magic) replaced; NULL cuts there. */
 static void check_replaced(const char *good, int word, const char *by) {
-    char text[16384] = "";
-    char copy[16384];
+    char text[32768] = "";
+    char copy[32768];
     char *rest = copy;
     strcpy(copy, good);
     for (int i = 0; rest != NULL && !(i == word && by == NULL); i++) {
@@ -313,6 +313,17 @@ static void check_replaced(const char *good, int word, const char *by) {
         strcat(text, i == word ? by : next);
     }
     check_bad_text(text);
+}
+
+/* Every word of the text, by what it is: counts, terms, the size and the number of the stamp that
+ * counts most. */
+static void check_words(const char *good, int from, int to, const char *const *bad) {
+    for (int word = from; word < to; word++) {
+        for (size_t i = 0; bad[i] != NULL; i++) {
+            check_replaced(good, word, bad[i]);
+        }
+        check_replaced(good, word, NULL);
+    }
 }
 
 static void test_bad_text(void **state) {
@@ -324,26 +335,24 @@ static void test_bad_text(void **state) {
     const shear_block_sums block = block_of(rows, 40);
     shear_field_sums_add(f, &block);
     assert_int_equal(shear_field_sums_format(f, &good, NULL), SHEAR_OK);
-    assert_true(strlen(good) < 16384);
-    static const char *const bad[] = {"",    "x", "-1", "1.0", "+1", "\t1", "99999999999999999999",
-                                      "0x10"};
-    const int counts = 2 + SHEAR_N_FLAGS;
-    for (int word = 0; word < 2 + counts; word++) {
-        for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-            check_replaced(good, word, bad[i]);
-        }
-        check_replaced(good, word, NULL);
-    }
-    for (int word = 2 + counts; word < 2 + counts + SHEAR_N_TERMS; word++) {
-        check_replaced(good, word, "");
-        check_replaced(good, word, "g");
-        check_replaced(good, word, "1.0");
-        check_replaced(good, word, NULL);
-    }
-    check_replaced(good, 1, "2");  /* another version */
+    assert_true(strlen(good) < 32768);
+    static const char *const bad_count[] = {
+        "", "x", "-1", "1.0", "+1", "\t1", "99999999999999999999", "0x10", NULL};
+    static const char *const bad_term[] = {"", "g", "1.0", NULL};
+    static const char *const bad_size[] = {"", "x", "-1", "-0x1p-2", "1 ", NULL};
+    static const char *const bad_stamp[] = {"", "x", "-2", "1.5", "99999999999999999999", NULL};
+    const int terms = 2 + 3 + SHEAR_N_FLAGS + 1;
+    check_words(good, 0, terms, bad_count);
+    check_words(good, terms, terms + SHEAR_N_TERMS, bad_term);
+    check_words(good, terms + SHEAR_N_TERMS, terms + SHEAR_N_TERMS + 1, bad_size);
+    check_words(good, terms + SHEAR_N_TERMS + 1, terms + SHEAR_N_TERMS + 2, bad_stamp);
+    check_replaced(good, 1, "1"); /* another version */
+    check_replaced(good, 1, "3");
+    check_replaced(good, 4, "99"); /* flags and terms of a later version */
+    check_replaced(good, terms - 1, "9999");
     check_replaced(good, 3, "41"); /* more used than there are */
-    check_replaced(good, 4, "39");
-    char longer[16384];
+    check_replaced(good, 5, "39"); /* more flagged than are left out */
+    char longer[32768];
     strcpy(longer, good);
     check_bad_text(strcat(longer, " "));
     check_bad_text(strcat(longer, "0"));
