@@ -76,6 +76,8 @@ static void put_resolved(fitsfile *f, const shear_plan_info *p, int *status) {
     sf_write_double(f, "RCORE", p->core_px, "[px] core of the filter; absent: none or per stamp",
                     status);
     sf_write_double(f, "RWIDTH", p->width_px, "[px] width of the filter's edge", status);
+    put_string(f, "RNOISEBD", shear_noise_band_name(p->noise_band),
+               "where the noise level was read off", status);
     sf_write_double(f, "KCUT", p->k_cut, "[rad/px] modes from here on are left out", status);
 }
 
@@ -95,6 +97,14 @@ static void put_result(fitsfile *f, const shear_result *r, int *status) {
         sf_write_double(f, "G1_ERR", r->g1_err, "1-sigma error of G1", status);
         sf_write_double(f, "G2_ERR", r->g2_err, "1-sigma error of G2", status);
         sf_write_double(f, "COV12", r->cov12, "covariance of G1 and G2", status);
+    }
+    sf_write_double(f, "NOISELVL", r->noise_level,
+                    "noise under galaxies over that of noise stamps", status);
+    sf_write_double(f, "NOISELER", r->noise_level_err, "1-sigma error of NOISELVL", status);
+    sf_write_double(f, "N_EFF", r->n_eff, "effective number of stamps", status);
+    sf_write_double(f, "TOPSHARE", r->top_share, "part of the stamp that counts most", status);
+    if (r->top_stamp >= 0) {
+        put_integer(f, "TOPSTAMP", r->top_stamp, "its number, from 0", status);
     }
     put_string(f, "ERRMETH", shear_error_method(r), "where the errors are from", status);
     put_integer(f, "NJACK", r->jackknife, "groups of the jackknife", status);
@@ -177,6 +187,14 @@ static void get_result(reading *r, shear_result *out) {
     const int64_t most = INT64_C(1) << 53; /* integers that are read by way of a double */
     *out = (shear_result){.sum_weight = NAN,
                           .sum_d = NAN,
+                          .signal = NAN,
+                          .delta_g1_err = NAN,
+                          .delta_g2_err = NAN,
+                          .noise_effect = NAN,
+                          .noise_shape = NAN,
+                          .noise_shape_err = NAN,
+                          .noise_share = NAN,
+                          .top_stamp = -1,
                           .mean_flux = NAN,
                           .filter_removed = NAN,
                           .filter_removed_err = NAN,
@@ -190,6 +208,10 @@ static void get_result(reading *r, shear_result *out) {
     out->g1_err = get_double(r, "G1_ERR");
     out->g2_err = get_double(r, "G2_ERR");
     out->cov12 = get_double(r, "COV12");
+    out->noise_level = get_double(r, "NOISELVL");
+    out->noise_level_err = get_double(r, "NOISELER");
+    out->n_eff = get_double(r, "N_EFF");
+    out->top_share = get_double(r, "TOPSHARE");
     out->valid = isfinite(out->g1) && isfinite(out->g2);
     out->jackknife = (int)get_integer(r, "NJACK", INT32_MAX);
     out->estimator = get_estimator(r);

@@ -15,7 +15,7 @@ enum { SF_CATALOG_COPIED = 5 };
 extern const unsigned sf_catalog_copied[SF_CATALOG_COPIED];
 
 /* The columns of doubles in a row. */
-enum { SF_CATALOG_MEMBERS = 12 };
+enum { SF_CATALOG_MEMBERS = 17 };
 typedef struct sf_member {
     const char *name;
     size_t offset; /* of the double in shear_row */

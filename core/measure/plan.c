@@ -342,6 +342,11 @@ void shear_plan_free(shear_plan *plan) {
     free(plan);
 }
 
+const char *shear_noise_band_name(int band) {
+    static const char *const names[] = {"none", "high", "corners"};
+    return band >= 0 && band <= SHEAR_NOISE_BAND_CORNERS ? names[band] : "unknown";
+}
+
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan) {
     return &plan->info;
 }

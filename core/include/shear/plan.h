@@ -34,6 +34,8 @@ enum shear_noise_band {
     SHEAR_NOISE_BAND_CORNERS   /* |k| >= Nyquist, the corners of the plane of modes */
 };
 
+const char *shear_noise_band_name(int band); /* "none", "high" or "corners"; never NULL */
+
 /* What the plan decided; all lengths in galaxy pixels, k in radians per galaxy pixel. */
 typedef struct shear_plan_info {
     shear_geometry geometry;
