@@ -5,6 +5,7 @@
 
 #include "shear/sums.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,7 +73,8 @@ static const char *const contradictions[][2] = {
      " + (SELECT count(*) FROM fields WHERE settings = t.digest)",
      "the uses of a set of settings are wrong"},
     {"SELECT contribution FROM contribution_terms JOIN contributions c ON c.id = contribution"
-     " GROUP BY contribution HAVING sum(length(bytes)) <> 48 * c.n_used",
+     " GROUP BY contribution HAVING sum(length(bytes) / stamp_bytes) <> c.n_used"
+     " OR max(length(bytes) % stamp_bytes) <> 0",
      "a contribution has not the terms of its stamps"},
     {"SELECT id FROM credentials c"
      " WHERE uses <> (SELECT count(*) FROM jobs WHERE credentials = c.id)",
@@ -98,29 +100,48 @@ static int find_contradiction(store *s, const char *sql, const char *meaning, sh
     return finish_check(s, stmt, rc, meaning, err);
 }
 
-/* sums += the packed ones. */
-static int add_packed(const char *packed, shear_field_sums *sums, shear_error *err) {
+static int parse_packed(const char *packed, shear_field_sums **sums, shear_error *err) {
     char *text = NULL;
-    shear_field_sums *one = NULL;
+    *sums = NULL;
     int code = sums_unpack(packed, &text, err);
     if (code == SHEAR_OK) {
-        code = shear_field_sums_parse(&one, text, err);
+        code = shear_field_sums_parse(sums, text, err);
+    }
+    free(text);
+    return code;
+}
+
+/* Does the row (sums, top_size, top_stamp) tell the stamp that counts most of its sums? */
+static bool top_agrees(sqlite3_stmt *row, const shear_field_sums *sums) {
+    const shear_influence top = shear_field_sums_top(sums);
+    return sqlite3_column_type(row, 1) == SQLITE_NULL
+               ? isnan(top.size)
+               : sqlite3_column_double(row, 1) == top.size &&
+                     sqlite3_column_int64(row, 2) == top.stamp;
+}
+
+/* sums += those of the row. */
+static int add_row(store *s, sqlite3_stmt *row, shear_field_sums *sums, shear_error *err) {
+    shear_field_sums *one = NULL;
+    int code = parse_packed((const char *)sqlite3_column_text(row, 0), &one, err);
+    if (code == SHEAR_OK && !top_agrees(row, one)) {
+        code = shear_fail(err, SHEAR_E_FORMAT, damaged,
+                          "%s: the stamp that counts most is not that of the sums", s->path);
     }
     if (code == SHEAR_OK) {
         shear_field_sums_join(sums, one);
     }
     shear_field_sums_free(one);
-    free(text);
     return code;
 }
 
-/* The exact join of a field's contributions, packed. */
-static int join_contributions(store *s, int64_t field, char **packed, shear_error *err) {
-    static const char sql[] = "SELECT sums FROM contributions WHERE field = ?1";
+/* The exact join of a field's contributions, as text. */
+static int join_contributions(store *s, int64_t field, char **text, shear_error *err) {
+    static const char sql[] =
+        "SELECT sums, top_size, top_stamp FROM contributions WHERE field = ?1";
     sqlite3_stmt *stmt = NULL;
     shear_field_sums *sums = NULL;
-    char *text = NULL;
-    *packed = NULL;
+    *text = NULL;
     int code = shear_field_sums_new(&sums, err);
     int rc = sqlite3_prepare_v2(s->db, sql, -1, &stmt, NULL);
     if (rc == SQLITE_OK) {
@@ -128,34 +149,47 @@ static int join_contributions(store *s, int64_t field, char **packed, shear_erro
         rc = sqlite3_step(stmt);
     }
     while (rc == SQLITE_ROW && code == SHEAR_OK) {
-        code = add_packed((const char *)sqlite3_column_text(stmt, 0), sums, err);
+        code = add_row(s, stmt, sums, err);
         rc = sqlite3_step(stmt);
     }
     if (code == SHEAR_OK && rc != SQLITE_DONE) {
         code = database_fail(s->db, s->path, rc, sql, err);
     }
     if (code == SHEAR_OK) {
-        code = shear_field_sums_format(sums, &text, err);
-    }
-    if (code == SHEAR_OK) {
-        code = sums_pack(text, packed, err);
+        code = shear_field_sums_format(sums, text, err);
     }
     sqlite3_finalize(stmt);
     shear_field_sums_free(sums);
-    free(text);
+    return code;
+}
+
+/* The packed sums as text of the present version: what was counted once may be of an older one. */
+static int read_packed(const char *packed, char **text, shear_error *err) {
+    shear_field_sums *sums = NULL;
+    *text = NULL;
+    int code = parse_packed(packed, &sums, err);
+    if (code == SHEAR_OK) {
+        code = shear_field_sums_format(sums, text, err);
+    }
+    shear_field_sums_free(sums);
     return code;
 }
 
 static int audit_field(store *s, int64_t field, const char *name, const char *packed,
                        shear_error *err) {
     char *joined = NULL;
+    char *kept = NULL;
     int code = join_contributions(s, field, &joined, err);
-    if (code == SHEAR_OK && strcmp(joined, packed) != 0) {
+    if (code == SHEAR_OK) {
+        code = read_packed(packed, &kept, err);
+    }
+    if (code == SHEAR_OK && strcmp(joined, kept) != 0) {
         code = shear_fail(err, SHEAR_E_FORMAT, damaged,
                           "%s: the sums of field '%s' are not those of its contributions", s->path,
                           name);
     }
     free(joined);
+    free(kept);
     return code;
 }
 

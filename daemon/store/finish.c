@@ -9,6 +9,7 @@
 #include "shear/sums.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 
 /* A job's sums in the three forms that are needed. */
@@ -130,6 +131,9 @@ static int add_contribution(store *s, const job_brief *b, int64_t field, const j
     query_text(&q, w->account);
     query_real(&q, w->true_g1, !w->has_truth);
     query_real(&q, w->true_g2, !w->has_truth);
+    const shear_influence top = shear_field_sums_top(j->sums);
+    query_real(&q, top.size, isnan(top.size));
+    query_int(&q, top.stamp);
     return query_run(&q, err);
 }
 

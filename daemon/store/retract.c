@@ -7,6 +7,7 @@
 #include "shear/sums.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,8 +50,28 @@ static int parse_packed(const char *packed, shear_field_sums **sums, shear_error
     return code;
 }
 
-/* The field's sums without the contribution's. */
-static int subtract(const counted *c, char **packed, shear_error *err) {
+/* The stamp that counts most of what is still counted in the field: as a join would tell it. */
+static int find_top(store *s, int64_t field, shear_influence *top, shear_error *err) {
+    bool row = false;
+    bool null = false;
+    *top = (shear_influence){0};
+    query q = query_on(s, SQL_FIELD_TOP);
+    query_int(&q, field);
+    const int code = query_step(&q, &row, err);
+    if (row) {
+        top->size = query_get_real(&q, &null);
+        top->stamp = query_get_int(&q);
+    }
+    query_end(&q);
+    if (null) {
+        *top = (shear_influence){.size = NAN, .stamp = -1};
+    }
+    return code;
+}
+
+/* The field's sums without the contribution's, which has gone. */
+static int subtract(store *s, const counted *c, char **packed, shear_error *err) {
+    shear_influence top;
     shear_field_sums *field = NULL;
     shear_field_sums *one = NULL;
     char *text = NULL;
@@ -60,7 +81,11 @@ static int subtract(const counted *c, char **packed, shear_error *err) {
         code = parse_packed(c->packed, &one, err);
     }
     if (code == SHEAR_OK) {
+        code = find_top(s, c->field, &top, err);
+    }
+    if (code == SHEAR_OK) {
         shear_field_sums_leave(field, one);
+        shear_field_sums_set_top(field, top);
         code = shear_field_sums_format(field, &text, err);
     }
     if (code == SHEAR_OK) {
@@ -80,7 +105,7 @@ static int leave_field(store *s, const counted *c, shear_error *err) {
     if (c->jobs == 1) {
         return query_run_id(s, SQL_FIELD_DROP, c->field, err);
     }
-    int code = subtract(c, &packed, err);
+    int code = subtract(s, c, &packed, err);
     if (code == SHEAR_OK) {
         query q = query_on(s, SQL_FIELD_LEAVE);
         query_int(&q, c->field);

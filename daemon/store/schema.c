@@ -304,8 +304,22 @@ static const char *const version_5[] = {
     " WHERE type = 'table' AND name = 'contributions'",
     "PRAGMA writable_schema = RESET", NULL};
 
-const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3, version_4,
-                                                  version_5};
+/* The noise level, the stamp that counts most, and a seventh number in a stamp's terms. */
+static const char *const version_6[] = {
+    /* Null: not known, as of all that was counted before. The index finds a field's largest, and
+     * whether one is not known. */
+    "ALTER TABLE contributions ADD COLUMN top_size REAL",
+    "ALTER TABLE contributions ADD COLUMN top_stamp INTEGER",
+    "CREATE INDEX contributions_top ON contributions(field, top_size DESC, top_stamp)",
+    /* How long a stamp's terms are in the row: old rows stay as they are, there may be gigabytes of
+     * them. */
+    "ALTER TABLE contribution_terms ADD COLUMN stamp_bytes INTEGER NOT NULL DEFAULT 48",
+    /* A job that went on from sums without noise parts would tell a wrong noise level: jobs that
+     * were stopped begin anew. */
+    "DELETE FROM checkpoint_terms", "DELETE FROM checkpoints", NULL};
+
+const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3,
+                                                  version_4, version_5, version_6};
 
 int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
                    shear_error *err) {

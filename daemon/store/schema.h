@@ -7,7 +7,7 @@
 
 enum {
     SCHEMA_APPLICATION = 0x53485244, /* "SHRD" */
-    SCHEMA_VERSION = 5
+    SCHEMA_VERSION = 6
 };
 
 /* A step to the next version: statements, NULL at the end. Steps that were released are never

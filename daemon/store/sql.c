@@ -94,7 +94,8 @@ const char *const sql_texts[SQL_N] = {
     [SQL_CHECKPOINT_TERMS_CUT] = "DELETE FROM checkpoint_terms WHERE job = ?1 AND end_block > ?2",
     [SQL_CHECKPOINT_TERMS_ADD] =
         "INSERT INTO checkpoint_terms(job, end_block, bytes) VALUES (?1, ?2, ?3)",
-    [SQL_CHECKPOINT_TERMS] = "SELECT bytes FROM checkpoint_terms WHERE job = ?1 ORDER BY end_block",
+    [SQL_CHECKPOINT_TERMS] =
+        "SELECT bytes, ?2 FROM checkpoint_terms WHERE job = ?1 ORDER BY end_block",
 
     [SQL_JOB_RETRACT] = "UPDATE jobs SET state = 6, outcome = 0 WHERE id = ?1",
     [SQL_LEFTOVER] = "SELECT id, catalogue FROM jobs INDEXED BY jobs_leftover"
@@ -127,8 +128,8 @@ const char *const sql_texts[SQL_N] = {
                              " WHERE field = ?1 AND settings = ?2 AND state < 3",
     [SQL_CONTRIBUTION_ADD] =
         "INSERT INTO contributions(field, job, content, sums, n_stamps, n_used,"
-        " counted_ms, elapsed_us, account, true_g1, true_g2)"
-        " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)",
+        " counted_ms, elapsed_us, account, true_g1, true_g2, top_size, top_stamp)"
+        " VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)",
     [SQL_CONTRIBUTION_OF] = "SELECT c.id, c.field, c.n_stamps, c.n_used, c.counted_ms,"
                             " coalesce(f.jobs, 0), c.sums, f.sums FROM contributions c"
                             " LEFT JOIN fields f ON f.id = c.field WHERE c.job = ?1",
@@ -141,11 +142,18 @@ const char *const sql_texts[SQL_N] = {
         " LEFT JOIN jobs j ON j.id = c.job WHERE g.id > 0 ORDER BY g.id LIMIT 1",
     [SQL_FORGOTTEN_DROP] = "DELETE FROM forgotten WHERE id = ?1",
 
-    [SQL_TERMS_ADD] =
-        "INSERT INTO contribution_terms(contribution, part, bytes) VALUES (?1, ?2, ?3)",
-    [SQL_FIELD_TERMS] = "SELECT t.bytes FROM contributions c INDEXED BY contributions_order"
-                        " CROSS JOIN contribution_terms t ON t.contribution = c.id"
-                        " WHERE c.field = ?1 ORDER BY c.id, t.part",
+    /* A null, not known, hides all others. */
+    [SQL_FIELD_TOP] = "SELECT iif(EXISTS (SELECT 1 FROM contributions INDEXED BY contributions_top"
+                      "   WHERE field = ?1 AND top_size IS NULL), NULL, top_size), top_stamp"
+                      " FROM contributions INDEXED BY contributions_top"
+                      " WHERE field = ?1 ORDER BY top_size DESC, top_stamp LIMIT 1",
+
+    [SQL_TERMS_ADD] = "INSERT INTO contribution_terms(contribution, part, bytes, stamp_bytes)"
+                      " VALUES (?1, ?2, ?3, ?4)",
+    [SQL_FIELD_TERMS] =
+        "SELECT t.bytes, t.stamp_bytes FROM contributions c INDEXED BY contributions_order"
+        " CROSS JOIN contribution_terms t ON t.contribution = c.id"
+        " WHERE c.field = ?1 ORDER BY c.id, t.part",
 
     [SQL_LAST_JOB] = "SELECT seq FROM sqlite_sequence WHERE name = 'jobs'",
     /* The order of store_job's members. */

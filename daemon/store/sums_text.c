@@ -49,7 +49,7 @@ static void count_zeros(const char *text, char *out, size_t size) {
 
 int sums_pack(const char *text, char **packed, shear_error *err) {
     const size_t size = strlen(text) + 1;
-    const bool has_marks = strpbrk(text, "z.") != NULL;
+    const bool has_marks = strchr(text, 'z') != NULL;
     *packed = malloc(MARK + size);
     if (*packed == NULL) {
         return no_memory(err);

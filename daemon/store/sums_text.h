@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store/sums_text.h: exact sums as kept in the database. Their text has some 240 zeros at the end
- * of each term (the exact accumulator reaches down to the smallest double), 5 KiB in all; with the
- * runs of zeros counted it is under 1 KiB. */
+ * of each of its 58 terms (the exact accumulator reaches down to the smallest double), 16 KiB in
+ * all. With the runs of zeros counted a term takes 36 bytes, its two doubles' 27 hexadecimal digits
+ * among them, and all of them less than 2.5 KiB. */
 #ifndef SHEARD_STORE_SUMS_TEXT_H
 #define SHEARD_STORE_SUMS_TEXT_H
 

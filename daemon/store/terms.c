@@ -5,9 +5,11 @@
 #include "query.h"
 
 #include <inttypes.h>
+#include <string.h>
 
-/* Of a row of the database: far below SQLite's limit, and 20,000 stamps or so. */
+/* Of a row of the database: far below SQLite's limit. */
 enum { PART_STAMPS = 1 << 14, PART_BYTES = PART_STAMPS * SHEAR_SYMMETRY_BYTES };
+enum { OLD_STAMP_BYTES = 48 };
 
 int terms_check(const unsigned char *bytes, size_t size, shear_error *err) {
     shear_symmetry *terms = NULL;
@@ -70,20 +72,38 @@ int terms_count(store *s, const unsigned char *bytes, size_t size, shear_error *
         query_int(&q, contribution);
         query_int(&q, part++);
         query_blob(&q, bytes + at, size - at < PART_BYTES ? size - at : PART_BYTES);
+        query_int(&q, SHEAR_SYMMETRY_BYTES);
         code = query_run(&q, err);
     }
     return code;
 }
 
-/* All rows of a query of one blob, which has its parameters. */
+/* Terms as version 0.1 kept them: without the last number, which is 0 then. */
+static int add_old(const unsigned char *bytes, size_t size, shear_symmetry *terms,
+                   shear_error *err) {
+    unsigned char stamp[SHEAR_SYMMETRY_BYTES] = {0};
+    int code = size % OLD_STAMP_BYTES == 0 ? SHEAR_OK : SHEAR_E_FORMAT;
+    for (size_t at = 0; code == SHEAR_OK && at < size; at += OLD_STAMP_BYTES) {
+        memcpy(stamp, bytes + at, OLD_STAMP_BYTES);
+        code = shear_symmetry_add_bytes(terms, stamp, sizeof stamp, err);
+    }
+    return code;
+}
+
+static int add_part(query *q, shear_symmetry *terms, shear_error *err) {
+    size_t size = 0;
+    const unsigned char *bytes = query_get_blob(q, &size);
+    return query_get_int(q) == OLD_STAMP_BYTES ? add_old(bytes, size, terms, err)
+                                               : shear_symmetry_add_bytes(terms, bytes, size, err);
+}
+
+/* All rows of a query of blobs and their stamps' length, which has its parameters. */
 static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
     const size_t before = shear_symmetry_count(terms);
     bool row = false;
     int code = query_step(q, &row, err);
     while (code == SHEAR_OK && row) {
-        size_t size = 0;
-        const unsigned char *bytes = query_get_blob(q, &size);
-        code = shear_symmetry_add_bytes(terms, bytes, size, err);
+        code = add_part(q, terms, err);
         if (code == SHEAR_OK) {
             code = query_step(q, &row, err);
         }
@@ -98,6 +118,7 @@ static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
 int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, shear_error *err) {
     query q = query_on(s, SQL_CHECKPOINT_TERMS);
     query_int(&q, id);
+    query_int(&q, SHEAR_SYMMETRY_BYTES); /* there are no older ones: schema version 6 */
     return read_all(&q, terms, err);
 }
 

@@ -12,6 +12,7 @@ function(store_test name)
 endfunction()
 
 store_test(open)
+store_test(old)
 store_test(submit)
 store_test(life)
 store_test(finish)

@@ -123,10 +123,32 @@ char *fx_sums(unsigned seed) {
         block.hi[i] = 1000.0 * uniform(&state) - 400.0;
         block.lo[i] = 1e-17 * block.hi[i] * uniform(&state);
     }
+    block.top = fx_top(seed);
     FX_OK(shear_field_sums_new(&sums, &err));
     shear_field_sums_add(sums, &block);
     FX_OK(shear_field_sums_format(sums, &text, &err));
     shear_field_sums_free(sums);
+    return text;
+}
+
+shear_influence fx_top(unsigned seed) {
+    return (shear_influence){.size = 0.1 + seed * 5 % 7, .stamp = seed * 3 % 16};
+}
+
+char *fx_old_sums(unsigned seed) {
+    enum { FLAGS = 8, TERMS = 18, ZEROS = 250 };
+    const unsigned flagged = seed % 3;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    fprintf(out, "shear-sums 1 %d %u %u", SHEAR_BLOCK, SHEAR_BLOCK - flagged, flagged);
+    for (int i = 1; i < FLAGS; i++) {
+        fputs(" 0", out);
+    }
+    for (int i = 0; i < TERMS; i++) {
+        fprintf(out, " %x%0*d", 1000u * seed + (unsigned)i + 1u, (int)ZEROS, 0);
+    }
+    fclose(out);
     return text;
 }
 

@@ -6,6 +6,8 @@
 
 #include "store/store.h"
 
+#include "shear/sums.h"
+
 typedef struct fixture {
     char dir[256];
     char path[300];
@@ -30,6 +32,10 @@ void fx_expect(int wanted, int code, const shear_error *err, const char *call, c
 
 /* Exact sums of one made-up block; the same seed gives the same text. Malloc'd. */
 char *fx_sums(unsigned seed);
+/* The stamp that counts most in them: few sizes, so that some seeds have the same. */
+shear_influence fx_top(unsigned seed);
+/* Sums as version 0.1 wrote them. Malloc'd. */
+char *fx_old_sums(unsigned seed);
 /* The exact join of n texts. Malloc'd. */
 char *fx_join(const char *const *texts, size_t n);
 

@@ -387,7 +387,7 @@ static void opens_version_1(void **state) {
 static void make_version_3(const char *path) {
     shear_error err = {0};
     sqlite3 *db = NULL;
-    char *text = fx_sums(1);
+    char *text = fx_old_sums(0);
     char *sums = NULL;
     char *sql = NULL;
     FX_OK(sums_pack(text, &sums, &err));

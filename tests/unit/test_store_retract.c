@@ -57,7 +57,7 @@ static char *dump(fixture *f) {
         "SELECT name, settings, jobs, n_stamps, n_used, updated_ms, elapsed_us, sums FROM fields"
         " ORDER BY name, settings",
         "SELECT f.name, f.settings, content, c.n_stamps, c.n_used, counted_ms, c.sums,"
-        " c.elapsed_us, account, true_g1, true_g2,"
+        " c.elapsed_us, account, true_g1, true_g2, top_size, top_stamp,"
         " (SELECT group_concat(hex(bytes)) FROM contribution_terms WHERE contribution = c.id)"
         " FROM contributions c JOIN fields f ON f.id = field ORDER BY f.name, f.settings, c.id",
         "SELECT count(*), sum(length(bytes)) FROM contribution_terms", "SELECT fields FROM totals"};
