@@ -98,8 +98,8 @@ static void put_result(fitsfile *f, const shear_result *r, int *status) {
         sf_write_double(f, "G2_ERR", r->g2_err, "1-sigma error of G2", status);
         sf_write_double(f, "COV12", r->cov12, "covariance of G1 and G2", status);
     }
-    sf_write_double(f, "NOISELVL", r->noise_level,
-                    "noise under galaxies over that of noise stamps", status);
+    sf_write_double(f, "NOISELVL", r->noise_level, "noise under galaxies over that of noise stamps",
+                    status);
     sf_write_double(f, "NOISELER", r->noise_level_err, "1-sigma error of NOISELVL", status);
     sf_write_double(f, "N_EFF", r->n_eff, "effective number of stamps", status);
     sf_write_double(f, "TOPSHARE", r->top_share, "part of the stamp that counts most", status);
