@@ -128,9 +128,18 @@ static size_t run_inputs(struct measure_input **order, size_t n, const struct me
     return done;
 }
 
-static int gathering_init(struct gathering *to, const struct measure_options *o, shear_error *err) {
+static int64_t count_stamps(const struct measure_group *g) {
+    int64_t n = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        n += g->inputs[i]->info.n_stamps;
+    }
+    return n;
+}
+
+static int gathering_init(struct gathering *to, const struct measure_group *g,
+                          const struct measure_options *o, shear_error *err) {
     int code = shear_field_sums_new(&to->sums, err);
-    if (!code && shear_estimator_is_symmetric(o->settings.estimator)) {
+    if (!code && estimators_wanted(count_stamps(g), o->settings.estimator)) {
         code = shear_symmetry_new(&to->terms, err);
     }
     if (!code && o->jackknife) {
@@ -148,10 +157,13 @@ static void gathering_deinit(struct gathering *to) {
 static int run_all(struct measure_group *g, const struct measure_options *o,
                    struct measure_input **order, size_t *done, shear_error *err) {
     struct gathering to = {0};
-    int code = gathering_init(&to, o, err);
+    int code = gathering_init(&to, g, o, err);
     if (!code) {
         *done = run_inputs(order, g->n, o, &to);
         code = shear_estimate(o->settings.estimator, to.sums, to.terms, &g->result, err);
+    }
+    if (!code) {
+        code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
     }
     if (!code && to.jack && *done > 0) {
         code = shear_jackknife_finish(to.jack, &g->result, err);

@@ -3,6 +3,7 @@
 #ifndef CLIENT_MEASURE_GROUP_H
 #define CLIENT_MEASURE_GROUP_H
 
+#include "estimators.h"
 #include "measure_input.h"
 #include "part_options.h"
 #include "shear/settings.h"
@@ -26,7 +27,8 @@ struct measure_group {
         *inputs; /* [n], in the order given; not owned. Those that fail are marked */
     size_t n;
     shear_result result;
-    double seconds; /* wall clock, all files */
+    shear_report_estimators estimators; /* of the same stamps; errors without jackknife */
+    double seconds;                     /* wall clock, all files */
     struct warnings warnings;
 };
 

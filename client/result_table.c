@@ -119,6 +119,24 @@ static void print_shear(const struct measure_group *g, FILE *out) {
     }
 }
 
+/* Both estimators, a line each, and which of them is more precise. */
+static void print_estimators(const shear_report_estimators *e, FILE *out) {
+    for (int i = 0; i < e->n; i++) {
+        const shear_result *r = &e->of[i];
+        char g1[96];
+        char g2[96];
+        char line[256];
+        snprintf(line, sizeof line, "g1 %s, g2 %s",
+                 result_table_value(r->g1, r->g1_err, g1, sizeof g1),
+                 result_table_value(r->g2, r->g2_err, g2, sizeof g2));
+        row(out, shear_estimator_name(r->estimator), line);
+    }
+    if (e->n > 0) {
+        char words[160];
+        row(out, "precision", estimators_words(e, words, sizeof words));
+    }
+}
+
 static size_t count_measured(const struct measure_group *g) {
     size_t n = 0;
     for (size_t i = 0; i < g->n; i++) {
@@ -146,6 +164,7 @@ void result_table_print(const struct measure_group *g, FILE *out) {
                         range(g, offsetof(shear_plan_info, beta_px), beta, sizeof beta), out);
     if (g->result.valid) {
         print_shear(g, out);
+        print_estimators(&g->estimators, out);
     } else {
         row(out, "g1", "not measured");
         row(out, "g2", "not measured");

@@ -84,6 +84,30 @@ static void set_errors_and_truth(json_t *o, const shear_report *report, bool *fa
                   failed);
 }
 
+static json_t *estimate(const shear_result *r) {
+    json_t *o = json_object();
+    bool failed = !o;
+    json_text_set(o, "g1", json_text_number(r->g1), &failed);
+    json_text_set(o, "g1_err", json_text_number(r->g1_err), &failed);
+    json_text_set(o, "g2", json_text_number(r->g2), &failed);
+    json_text_set(o, "g2_err", json_text_number(r->g2_err), &failed);
+    json_text_set(o, "cov12", json_text_number(r->cov12), &failed);
+    json_text_set(o, "error_method", json_string(shear_error_method(r)), &failed);
+    return json_text_whole(o, failed);
+}
+
+static json_t *estimates(const shear_report_estimators *e) {
+    if (e->n == 0) {
+        return json_null();
+    }
+    json_t *o = json_object();
+    bool failed = !o;
+    for (int i = 0; i < e->n; i++) {
+        json_text_set(o, shear_estimator_name(e->of[i].estimator), estimate(&e->of[i]), &failed);
+    }
+    return json_text_whole(o, failed);
+}
+
 int shear_report_json(char **text, const shear_report *report, shear_error *err) {
     json_t *o = json_object();
     bool failed = !o;
@@ -93,6 +117,9 @@ int shear_report_json(char **text, const shear_report *report, shear_error *err)
     json_text_set(o, "resolved", json_text_plan(report->plan), &failed);
     json_text_set(o, "files", file_list(report), &failed);
     set_errors_and_truth(o, report, &failed);
+    if (report->estimators) {
+        json_text_set(o, "estimators", estimates(report->estimators), &failed);
+    }
     json_text_set(o, "filter_removed", json_text_number(report->result->filter_removed), &failed);
     json_text_set(o, "warnings", warning_list(report), &failed);
     json_text_set(o, "version", json_text_string(shear_version()), &failed);

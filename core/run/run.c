@@ -147,7 +147,8 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
     if (code == SHEAR_OK) {
         code = shear_field_sums_new(&r->sums, err);
     }
-    if (code == SHEAR_OK && shear_estimator_is_symmetric(settings->estimator)) {
+    if (code == SHEAR_OK &&
+        (options->terms != NULL || shear_estimator_is_symmetric(settings->estimator))) {
         code = shear_symmetry_new(&r->terms, err);
     }
     if (code == SHEAR_OK && jack != NULL) {
@@ -167,7 +168,8 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
             .source = {.self = &r->source, .read = read_file},
             .size = *size,
             .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
-            .jackknife = r->jackknife};
+            .jackknife = r->jackknife,
+            .terms = r->terms != NULL};
         code = shear_work_new(&r->work, &spec, err);
     }
     return code;

@@ -58,8 +58,9 @@ shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads) {
     return (shear_turn_size){.blocks = (int)taken, .stamps = (int)fmin(fit, taken * SHEAR_BLOCK)};
 }
 
-static bool wants_terms(const shear_plan *plan) {
-    return shear_estimator_is_symmetric(shear_plan_get_settings(plan)->estimator);
+static bool wants_terms(const shear_work_spec *spec) {
+    return spec->terms ||
+           shear_estimator_is_symmetric(shear_plan_get_settings(spec->plan)->estimator);
 }
 
 int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err) {
@@ -68,8 +69,8 @@ int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *e
     if (work == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's work");
     }
-    const int code = joined_init(&work->joined, spec->first_block, wants_terms(spec->plan),
-                                 spec->jackknife, err);
+    const int code =
+        joined_init(&work->joined, spec->first_block, wants_terms(spec), spec->jackknife, err);
     if (code != SHEAR_OK) {
         free(work);
         return code;
@@ -109,9 +110,6 @@ int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size
         worker->rows = malloc((size_t)size.stamps * sizeof *worker->rows);
         worker->sums = malloc((size_t)size.blocks * sizeof *worker->sums);
         code = worker->rows != NULL && worker->sums != NULL ? SHEAR_OK : SHEAR_E_NOMEM;
-    }
-    if (code == SHEAR_OK && wants_terms(plan)) {
-        code = shear_symmetry_new(&worker->terms, err);
     }
     if (code != SHEAR_OK) {
         shear_worker_free(worker);
@@ -199,11 +197,22 @@ static int sum_rows(shear_worker *worker, const turn *t, const shear_plan *plan,
     return code;
 }
 
-static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, shear_error *err) {
-    int code = SHEAR_OK;
-    if (worker->terms != NULL) {
-        shear_symmetry_truncate(worker->terms, 0);
+/* Empty terms for the turn, or none where this work wants none. */
+static int begin_terms(const shear_work *work, shear_worker *worker, shear_error *err) {
+    if (!wants_terms(&work->spec)) {
+        shear_symmetry_free(worker->terms); /* of another work */
+        worker->terms = NULL;
+        return SHEAR_OK;
     }
+    if (worker->terms == NULL) {
+        return shear_symmetry_new(&worker->terms, err);
+    }
+    shear_symmetry_truncate(worker->terms, 0);
+    return SHEAR_OK;
+}
+
+static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, shear_error *err) {
+    int code = begin_terms(work, worker, err);
     for (int64_t at = t->first; at < t->end && code == SHEAR_OK; at += worker->size.stamps) {
         const int64_t left = t->end - at;
         const int count = left < worker->size.stamps ? (int)left : worker->size.stamps;

@@ -12,7 +12,7 @@ from tool import DONE, INPUT, PARTLY, USAGE, ToolTest, shearctl
 
 KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "n_flagged",
         "flags", "settings", "resolved", "files", "estimator", "error_method", "jackknife", "truth", "pull",
-        "filter_removed", "warnings", "version", "seconds"]
+        "estimators", "filter_removed", "warnings", "version", "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow"]
 SETTINGS = {"preset": "default", "interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 2, "beta-floor": 1.4,
@@ -226,6 +226,35 @@ class Files(ToolTest):
         result = self.measure_one(path, "--estimator", "pdf-sym-cross")
         for k, truth in (("g1", 0.02), ("g2", -0.03)):
             self.assertLess(abs(result[k] - truth), 5 * result[k + "_err"])
+
+    def test_both_estimators_are_told(self):
+        """From 200 used stamps on, whatever is asked for, with the same numbers; and in words."""
+        path = self.path("many.fits")
+        self.assertEqual(shearctl("mock", path, "--size", 32, "--points", 30, "--r-gal", 4, "--stamps", 240, "--white", 0.3,
+                                  "--shear", "0.02,-0.03", "--rotate", 1).code, 0)
+        mean = self.measure_one(path, "--threads", 1)
+        for kind in ("pdf-sym", "pdf-sym-cross"):
+            chosen = self.measure_one(path, "--estimator", kind)
+            both = chosen["estimators"]
+            self.assertEqual(list(both), ["mean", kind])
+            for g in ("g1", "g1_err", "g2", "g2_err", "cov12", "error_method"):
+                self.assertEqual(both["mean"][g], mean[g])
+                self.assertEqual(both[kind][g], chosen[g])
+            if kind == "pdf-sym":
+                self.assertEqual(both, mean["estimators"])
+        out = shearctl("measure", path).out
+        self.assertRegex(out, r"\n  mean +g1 \+0\.0\d+ \+- [^\n]*, g2 -0\.0[^\n]*\n  pdf-sym +g1 [^\n]*\n  precision +\S")
+        self.assertIn("estimator  mean", out)
+        first, second = (math.hypot(mean["estimators"][k]["g1_err"], mean["estimators"][k]["g2_err"])
+                         for k in ("mean", "pdf-sym"))
+        times = max(first / second, second / first)
+        if times >= 1.05:
+            self.assertIn(f"{times ** 2:.3g} times as many galaxies", out)
+        else:
+            self.assertIn("equally precise", out)
+        few = Field(n=199, nx=16, ny=16).write(self.path("few.fits"))
+        self.assertIsNone(self.measure_one(few)["estimators"])
+        self.assertNotIn("precision", shearctl("measure", few).out)
 
     def test_symmetry_needs_16_stamps(self):
         path = Field(n=15).write(self.path("a.fits"))

@@ -40,7 +40,8 @@ typedef struct shear_run_options {
     int threads;              /* 0 = all cores */
     const char *catalog_path; /* or NULL */
     bool overwrite;           /* replace an existing catalogue */
-    shear_symmetry *terms;    /* or NULL: gets the terms of all stamps where estimator = pdf-sym */
+    shear_symmetry *terms;    /* or NULL: gets the terms of all stamps, whatever the estimator; they
+                                 are held twice until the file is done */
     const char *checksum; /* of the input, for the catalogue; NULL = computed when one is written */
     /* Called from one thread at a time, at most every `notify_stamps` or so; return non-zero to
      * stop the run (SHEAR_E_CANCELLED). May be NULL. */

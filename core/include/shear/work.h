@@ -52,6 +52,7 @@ typedef struct shear_work_spec {
     int64_t first_block; /* 0, or where a checkpoint left off */
     shear_sink sink;
     shear_jackknife *jackknife; /* or NULL; fed in block order */
+    bool terms; /* keep the stamps' terms, also where the plan's estimator needs none */
 } shear_work_spec;
 
 typedef struct shear_work shear_work;
@@ -99,7 +100,8 @@ int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err);
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums);
 
 /* The same with the terms of the same stamps from the `from`-th on, which are kept where the plan's
- * estimator is pdf-sym: added to `terms`. On error nothing has been added to either. */
+ * estimator is pdf-sym or the spec says so: added to `terms`. On error nothing has been added to
+ * either. */
 int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
                           shear_symmetry *terms, int64_t *next_block, shear_error *err);
 

@@ -28,6 +28,13 @@ typedef struct shear_report_file {
     double seconds;
 } shear_report_file;
 
+/* One field by several estimators. */
+enum { SHEAR_REPORT_ESTIMATORS = 2 };
+typedef struct shear_report_estimators {
+    int n;                                    /* 0: there are not stamps enough, or too many */
+    shear_result of[SHEAR_REPORT_ESTIMATORS]; /* [n] */
+} shear_report_estimators;
+
 /* A field's result. Pointers are only read. */
 typedef struct shear_report {
     const char *field;
@@ -40,13 +47,16 @@ typedef struct shear_report {
     double true_g1, true_g2;
     const char *const *warnings; /* [n_warnings] */
     size_t n_warnings;
-    double seconds; /* wall clock, all files */
+    const shear_report_estimators *estimators; /* NULL: not told */
+    double seconds;                            /* wall clock, all files */
 } shear_report;
 
 /* *text is malloc'd and the caller's to free; no newline at its end. Keys: field g1 g1_err g2
  * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] estimator
  * ("mean" or "pdf-sym") error_method ("delta", "jackknife" or "symmetry") jackknife (groups or
- * null) truth{g1,g2} pull{g1,g2} (null without truth; (measured - true)/error) filter_removed
+ * null) truth{g1,g2} pull{g1,g2} (null without truth; (measured - true)/error)
+ * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (of `shearctl measure` only: where they
+ * are not told, the key is not there; null where there are none) filter_removed
  * warnings[] version seconds. SHEAR_E_NOMEM. */
 int shear_report_json(char **text, const shear_report *report, shear_error *err);
 
