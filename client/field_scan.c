@@ -49,6 +49,22 @@ static struct pixels look_at(const double *pixel, size_t n) {
     return p;
 }
 
+/* All noise stamps of stamp i as one. */
+static struct pixels look_at_noise(const shear_stamps *t, int i) {
+    const int planes = t->noise_planes > 1 ? t->noise_planes : 1;
+    const size_t n = (size_t)t->nx * (size_t)t->ny;
+    struct pixels all = {.finite = true, .constant = true, .lowest = INFINITY};
+    for (int k = 0; k < planes; k++) {
+        struct pixels p = look_at(t->noise + ((size_t)i * (size_t)planes + (size_t)k) * n, n);
+        all.finite = all.finite && p.finite;
+        all.constant = all.constant && p.constant;
+        all.lowest = fmin(all.lowest, p.lowest);
+        all.mean += p.mean / planes;
+        all.var += p.var / planes;
+    }
+    return all;
+}
+
 static unsigned catalog_flags(const struct scan *s, const shear_stamps *t, int i) {
     unsigned flags = 0;
     if (t->mask && t->mask[i] != 0) {
@@ -94,7 +110,7 @@ static void fault_add(shear_fault *f, int64_t index) {
 static unsigned stamp_flags(struct scan *s, const shear_stamps *t, int i) {
     size_t n = (size_t)t->nx * (size_t)t->ny;
     struct pixels galaxy = look_at(t->galaxy + (size_t)i * n, n);
-    struct pixels noise = look_at(t->noise + (size_t)i * n, n);
+    struct pixels noise = look_at_noise(t, i);
     double lowest = fmin(galaxy.lowest, noise.lowest);
     unsigned flags = catalog_flags(s, t, i);
     flags |= galaxy.finite ? 0u : SHEAR_FLAG_GALAXY_NOT_FINITE;
@@ -142,8 +158,10 @@ static int scan_block(struct scan *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int block_capacity(const shear_geometry *g) {
-    size_t pair = 2 * sizeof(double) * (size_t)g->nx * (size_t)g->ny;
+static int block_capacity(const shear_field_info *info) {
+    const shear_geometry *g = &info->geometry;
+    const int planes = info->noise_planes;
+    size_t pair = (1 + (size_t)planes) * sizeof(double) * (size_t)g->nx * (size_t)g->ny;
     size_t psf = sizeof(double) * (size_t)g->psf_nx * (size_t)g->psf_ny;
     size_t fit = BLOCK_BYTES / (pair + psf);
     return fit < 1 ? 1 : fit > MAX_BLOCK ? MAX_BLOCK : (int)fit;
@@ -177,7 +195,7 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
     s.is_log = shear_interpolation_is_log(resolved->interpolation);
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;
-    int code = shear_block_new(&s.block, info, block_capacity(&info->geometry), err);
+    int code = shear_block_new(&s.block, info, block_capacity(info), err);
     if (code) {
         return code;
     }

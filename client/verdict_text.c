@@ -68,6 +68,10 @@ static void print_field(const shear_field_info *f, FILE *out) {
             f->layout == SHEAR_LAYOUT_CUBE ? "cube" : "mosaic", pixel_type(f->bitpix),
             f->compressed ? ", tile-compressed" : "", f->gzipped ? ", gzipped" : "",
             1e-6 * (double)f->file_bytes);
+    if (f->noise_planes > 1) {
+        fprintf(out, "  %-10s %d stamps a galaxy, whose moments are averaged\n", "noise",
+                f->noise_planes);
+    }
     print_psf(f, out);
     print_columns(f, out);
     if (f->has_truth) {

@@ -176,10 +176,15 @@ static void paint_galaxy(const shear_mock *m, struct workspace *ws, int64_t stam
     }
 }
 
-/* On what the galaxy's painter holds.  `pure` = 0 for the galaxy stamp, 1 for the noise stamp: each
- * stream has its twin next to it. */
-static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, int pure,
+/* Streams of a galaxy's noise stamps after the first one are this far from those of the one before.
+ */
+enum { NEXT_NOISE_STAMP = 1000 };
+
+/* On what the galaxy's painter holds. `stamp_of` = 0 for the galaxy stamp, 1, 2, ... for its noise
+ * stamps: each stream of a galaxy stamp has its twin next to it. */
+static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, int stamp_of,
                       double *image) {
+    const int pure = stamp_of > 0 ? 1 + NEXT_NOISE_STAMP * (stamp_of - 1) : 0;
     const shear_mock_spec *s = &m->spec;
     uint64_t index = index_of(s, stamp, s->share_noise);
     const struct noise_place place = {s->nx, s->ny, is_turned(s, stamp)};
@@ -202,13 +207,15 @@ static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, 
 
 static void make_pair(const shear_mock *m, struct workspace *ws, int64_t stamp, double *galaxy,
                       double *noise) {
-    size_t bytes = (size_t)m->spec.nx * (size_t)m->spec.ny * sizeof *galaxy;
+    size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
     painter_turn(&ws->painter, shear_mock_psf_angle(m, shear_mock_psf_of(m, stamp)));
-    memset(galaxy, 0, bytes);
-    memset(noise, 0, bytes);
+    memset(galaxy, 0, pixels * sizeof *galaxy);
+    memset(noise, 0, (size_t)m->spec.noise_stamps * pixels * sizeof *noise);
     paint_galaxy(m, ws, stamp);
     add_noise(m, ws, stamp, 0, galaxy);
-    add_noise(m, ws, stamp, 1, noise);
+    for (int k = 0; k < m->spec.noise_stamps; k++) {
+        add_noise(m, ws, stamp, 1 + k, noise + (size_t)k * pixels);
+    }
 }
 
 static bool workspaces_init(struct workspace *ws, int n, const shear_mock *m) {
@@ -246,7 +253,8 @@ int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads
 #pragma omp parallel for schedule(dynamic) num_threads(n)
     for (int i = 0; i < count; i++) {
         size_t at = (size_t)i * pixels;
-        make_pair(m, &ws[omp_get_thread_num()], first + i, galaxy + at, noise + at);
+        make_pair(m, &ws[omp_get_thread_num()], first + i, galaxy + at,
+                  noise + (size_t)m->spec.noise_stamps * at);
     }
 done:
     workspaces_free(ws, n);

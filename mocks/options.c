@@ -56,6 +56,7 @@ static const shear_mock_option table[] = {
     SWITCH("psf-per-stamp", ON, psf_per_stamp, "every stamp has its own PSF, at a random angle"),
     ROW("psf-ids", INT, psf_ids, 0, 1e6, "K",
         "K PSFs at random angles, told apart by PSF_ID (0: one)"),
+    ROW("noise-stamps", INT, noise_stamps, 1, SHEAR_MAX_NOISE_PLANES, "N", "noise stamps a galaxy"),
     ROW("noise-ratio", DOUBLE, noise_ratio, 0, 1e6, "X",
         "astronomical noise: I_N/I_G, its mean flux density over the galaxy's (0: none)"),
     ROW_AUTO("noise-density", DOUBLE, noise_density, 1e-9, 1e4, "N",

@@ -37,6 +37,7 @@ void shear_mock_spec_init(shear_mock_spec *s) {
                            .r_psf_px = 1.5,
                            .psf_angle_deg = 30.0,
                            .oversample = 1,
+                           .noise_stamps = 1,
                            .noise_density = NAN,
                            .photon_snr = 1.0,
                            .layout = SHEAR_LAYOUT_CUBE,

@@ -14,16 +14,17 @@ enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128 };
 /* One chunk of stamps and their rows of the catalogue. */
 struct chunk {
     int capacity;
-    double *galaxy, *noise; /* [capacity][ny][nx] */
-    double *psf;            /* [psf_ny][psf_nx] */
-    double *x, *y, *r_gal;  /* [capacity], as the rest */
+    double *galaxy;        /* [capacity][ny][nx] */
+    double *noise;         /* [capacity][noise_stamps][ny][nx] */
+    double *psf;           /* [psf_ny][psf_nx] */
+    double *x, *y, *r_gal; /* [capacity], as the rest */
     int64_t *id;
     int32_t *psf_id;
 };
 
-static int chunk_capacity(const shear_mock_info *info, int threads) {
-    int64_t pair_bytes =
-        (int64_t)info->geometry.nx * info->geometry.ny * 2 * (int64_t)sizeof(double);
+static int chunk_capacity(const shear_mock_info *info, int noise_stamps, int threads) {
+    int64_t pair_bytes = (int64_t)info->geometry.nx * info->geometry.ny * (1 + noise_stamps) *
+                         (int64_t)sizeof(double);
     int64_t n = CHUNK_BYTES / pair_bytes;
     int64_t least = threads > 0 ? threads : omp_get_max_threads();
     n = n > least ? n : least;
@@ -41,13 +42,15 @@ static void chunk_deinit(struct chunk *c) {
     free(c->psf_id);
 }
 
-static int chunk_init(struct chunk *c, const shear_mock_info *info, int threads, shear_error *err) {
-    *c = (struct chunk){.capacity = chunk_capacity(info, threads)};
+static int chunk_init(struct chunk *c, const shear_mock *m, int threads, shear_error *err) {
+    const shear_mock_info *info = shear_mock_get_info(m);
+    const int noise_stamps = shear_mock_get_spec(m)->noise_stamps;
+    *c = (struct chunk){.capacity = chunk_capacity(info, noise_stamps, threads)};
     const shear_geometry *g = &info->geometry;
     size_t n = (size_t)c->capacity;
     size_t pixels = (size_t)g->nx * (size_t)g->ny;
     c->galaxy = calloc(n * pixels, sizeof *c->galaxy);
-    c->noise = calloc(n * pixels, sizeof *c->noise);
+    c->noise = calloc(n * (size_t)noise_stamps * pixels, sizeof *c->noise);
     c->psf = calloc((size_t)g->psf_nx * (size_t)g->psf_ny, sizeof *c->psf);
     c->x = calloc(n, sizeof *c->x);
     c->y = calloc(n, sizeof *c->y);
@@ -122,6 +125,7 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
                               .geometry = info->geometry,
                               .n_stamps = info->n_stamps,
                               .n_psf = info->n_psf,
+                              .noise_planes = s->noise_stamps,
                               .layout = s->layout,
                               .columns = columns_of(m),
                               .bitpix = s->bitpix,
@@ -188,7 +192,7 @@ int shear_mock_write(const shear_mock *m, const char *path, const shear_mock_wri
     const shear_mock_write_options *o = options ? options : &defaults;
     shear_field_writer *w = NULL;
     struct chunk chunk = {0};
-    int code = chunk_init(&chunk, shear_mock_get_info(m), o->threads, err);
+    int code = chunk_init(&chunk, m, o->threads, err);
     if (code) {
         goto done;
     }

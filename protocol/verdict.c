@@ -33,6 +33,7 @@ static void set_shape(json_t *o, const shear_field_info *f, bool *failed) {
     const shear_geometry *g = &f->geometry;
     json_text_set(o, "nx", json_integer(g->nx), failed);
     json_text_set(o, "ny", json_integer(g->ny), failed);
+    json_text_set(o, "noise_stamps", json_integer(f->noise_planes), failed);
     json_text_set(o, "n_psf", json_integer(f->n_psf), failed);
     json_text_set(o, "psf_nx", json_integer(g->psf_nx), failed);
     json_text_set(o, "psf_ny", json_integer(g->psf_ny), failed);

@@ -39,14 +39,17 @@ static void place_columns(shear_block *b, unsigned columns, char *base, size_t *
     }
 }
 
-/* Sides are at most 4096 and a capacity is an int, so that no product here can overflow 64 bits. */
+/* Sides are at most 4096, noise stamps at most 64 a galaxy and a capacity is an int, so that no
+ * product here can overflow 64 bits. */
 static size_t lay_out(shear_block *b, const shear_field_info *info, int capacity, char *base) {
     const shear_geometry *g = &info->geometry;
     const size_t n = (size_t)capacity;
     size_t at = 0;
     *b = (shear_block){.capacity = capacity};
     b->galaxy = place(base, &at, n * (size_t)g->nx * (size_t)g->ny * sizeof(double));
-    b->noise = place(base, &at, n * (size_t)g->nx * (size_t)g->ny * sizeof(double));
+    const int planes = info->noise_planes > 1 ? info->noise_planes : 1;
+    b->noise =
+        place(base, &at, n * (size_t)planes * (size_t)g->nx * (size_t)g->ny * sizeof(double));
     if (info->psf_layout != SHEAR_PSF_ONE) {
         b->psf = place(base, &at, n * (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof(double));
         b->psf_index = place(base, &at, n * sizeof *b->psf_index);
@@ -57,6 +60,7 @@ static size_t lay_out(shear_block *b, const shear_field_info *info, int capacity
                                .ny = g->ny,
                                .galaxy = b->galaxy,
                                .noise = b->noise,
+                               .noise_planes = planes,
                                .psf = b->psf,
                                .psf_index = b->psf_index,
                                .weight = b->weight,

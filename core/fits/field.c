@@ -7,11 +7,13 @@
 static int check_noise(const shear_field *f, shear_error *err) {
     const sf_stamps *g = &f->galaxy;
     const sf_stamps *n = &f->noise;
-    if (n->nx == g->nx && n->ny == g->ny && n->n == g->n) {
+    if (n->nx == g->nx && n->ny == g->ny && n->n >= g->n && n->n % g->n == 0 &&
+        n->n / g->n <= SHEAR_MAX_NOISE_PLANES) {
         return SHEAR_OK;
     }
     return sf_fail(err, SHEAR_E_FORMAT, n->image.cards.at,
-                   "every galaxy stamp needs its noise stamp, of the same shape",
+                   "every galaxy stamp needs its noise stamp, or as many as the others, of the "
+                   "same shape",
                    "it has %lld stamps of %d x %d pixels, but %s has %lld of %d x %d",
                    (long long)n->n, n->nx, n->ny, g->image.cards.at.hdu, (long long)g->n, g->nx,
                    g->ny);
@@ -22,6 +24,7 @@ static void fill_info(shear_field *f) {
     info->geometry.nx = f->galaxy.nx;
     info->geometry.ny = f->galaxy.ny;
     info->n_stamps = f->galaxy.n;
+    info->noise_planes = (int)(f->noise.n / f->galaxy.n);
     info->layout = f->galaxy.layout;
     info->columns = f->catalog.have;
     info->id_unsigned = (f->catalog.have & SHEAR_COL_ID) != 0 &&

@@ -102,7 +102,8 @@ int shear_field_read(shear_field *field, int64_t first, int count, shear_block *
         rc = sf_stamps_read(&field->galaxy, first, count, block->galaxy, err);
     }
     if (rc == SHEAR_OK) {
-        rc = sf_stamps_read(&field->noise, first, count, block->noise, err);
+        const int64_t planes = field->info.noise_planes;
+        rc = sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err);
     }
     if (rc == SHEAR_OK) {
         rc = read_psf(field, first, count, block, err);

@@ -30,6 +30,9 @@ static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err)
     if (s->n_stamps < 1 || s->n_stamps > INT32_MAX) {
         return bad(at, "the number of stamps must be 1 to 2147483647", err);
     }
+    if (!inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES)) {
+        return bad(at, "there must be 1 to 64 noise stamps a galaxy", err);
+    }
     if (s->n_psf != 1 && s->n_psf != s->n_stamps &&
         (s->n_psf < 1 || (s->columns & SHEAR_COL_PSF_ID) == 0 || s->n_psf > INT32_MAX)) {
         return bad(at, "there must be one PSF, or one a stamp, or a column PSF_ID", err);

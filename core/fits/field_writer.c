@@ -44,29 +44,34 @@ static int write_primary(shear_field_writer *w, const shear_field_spec *spec, sh
     return result(w, "primary", status, err);
 }
 
-static void create_cube(fitsfile *f, const shear_field_spec *s, int *status) {
-    long axes[3] = {s->geometry.nx, s->geometry.ny, (long)s->n_stamps};
+static int64_t noise_planes(const shear_field_spec *s) {
+    return s->noise_planes > 1 ? s->noise_planes : 1;
+}
+
+static void create_cube(fitsfile *f, const shear_field_spec *s, int64_t n, int *status) {
+    long axes[3] = {s->geometry.nx, s->geometry.ny, (long)n};
     fits_create_img(f, s->bitpix, 3, axes, status);
 }
 
-static void create_mosaic(fitsfile *f, const shear_field_spec *s, int64_t columns, int *status) {
-    const int64_t rows = (s->n_stamps - 1) / columns + 1;
+static void create_mosaic(fitsfile *f, const shear_field_spec *s, int64_t n, int64_t columns,
+                          int *status) {
+    const int64_t rows = (n - 1) / columns + 1;
     long axes[2] = {(long)(columns * s->geometry.nx), (long)(rows * s->geometry.ny)};
     fits_create_img(f, s->bitpix, 2, axes, status);
     fits_write_key_lng(f, "STAMPNX", s->geometry.nx, "pixels of a stamp along x", status);
     fits_write_key_lng(f, "STAMPNY", s->geometry.ny, "pixels of a stamp along y", status);
-    if (rows * columns != s->n_stamps) {
-        fits_write_key_lng(f, "NSTAMP", s->n_stamps, "stamps; the last row is not full", status);
+    if (rows * columns != n) {
+        fits_write_key_lng(f, "NSTAMP", n, "stamps; the last row is not full", status);
     }
 }
 
-static int create_stamps(shear_field_writer *w, const char *name, const char *comment,
+static int create_stamps(shear_field_writer *w, const char *name, const char *comment, int64_t n,
                          shear_error *err) {
     int status = 0;
     if (w->spec.layout == SHEAR_LAYOUT_CUBE) {
-        create_cube(w->out.fits, &w->spec, &status);
+        create_cube(w->out.fits, &w->spec, n, &status);
     } else {
-        create_mosaic(w->out.fits, &w->spec, w->columns, &status);
+        create_mosaic(w->out.fits, &w->spec, n, w->columns, &status);
     }
     fits_write_key_str(w->out.fits, "EXTNAME", name, comment, &status);
     return result(w, name, status, err);
@@ -117,10 +122,10 @@ static int begin(shear_field_writer *w, const char *path, const shear_field_spec
         rc = write_primary(w, spec, err);
     }
     if (rc == SHEAR_OK) {
-        rc = create_stamps(w, "GALAXY", "galaxy stamps", err);
+        rc = create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err);
     }
     if (rc == SHEAR_OK) {
-        rc = create_stamps(w, "NOISE", "noise stamps", err);
+        rc = create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err);
     }
     if (rc == SHEAR_OK) {
         rc = create_psf(w, err);
@@ -155,14 +160,14 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
     return SHEAR_OK;
 }
 
-static void write_cube(shear_field_writer *w, int64_t first, int count, const double *pixels,
+static void write_cube(shear_field_writer *w, int64_t first, int64_t count, const double *pixels,
                        int *status) {
     const int64_t stamp = (int64_t)w->spec.geometry.nx * w->spec.geometry.ny;
     fits_write_img(w->out.fits, TDOUBLE, first * stamp + 1, count * stamp, (double *)pixels,
                    status);
 }
 
-static void write_mosaic(shear_field_writer *w, int64_t first, int count, const double *pixels,
+static void write_mosaic(shear_field_writer *w, int64_t first, int64_t count, const double *pixels,
                          int *status) {
     const int64_t nx = w->spec.geometry.nx;
     const int64_t ny = w->spec.geometry.ny;
@@ -173,7 +178,7 @@ static void write_mosaic(shear_field_writer *w, int64_t first, int count, const 
     }
 }
 
-static int write_stamps(shear_field_writer *w, int hdu, int64_t first, int count,
+static int write_stamps(shear_field_writer *w, int hdu, int64_t first, int64_t count,
                         const double *pixels, shear_error *err) {
     int status = 0;
     fits_movabs_hdu(w->out.fits, hdu, NULL, &status);
@@ -221,7 +226,8 @@ int shear_field_write(shear_field_writer *w, int64_t first, int count, const dou
     }
     int rc = write_stamps(w, HDU_GALAXY, first, count, galaxy, err);
     if (rc == SHEAR_OK) {
-        rc = write_stamps(w, HDU_NOISE, first, count, noise, err);
+        const int64_t planes = noise_planes(&w->spec);
+        rc = write_stamps(w, HDU_NOISE, planes * first, planes * count, noise, err);
     }
     if (rc == SHEAR_OK && w->spec.columns != 0) {
         rc = write_catalog(w, first, count, columns != NULL ? columns : &none, err);

@@ -50,7 +50,8 @@ typedef struct turn {
 } turn;
 
 shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads) {
-    const double pair_pixels = 2.0 * info->geometry.nx * info->geometry.ny;
+    const int stamps = 1 + (info->noise_planes > 1 ? info->noise_planes : 1);
+    const double pair_pixels = (double)stamps * info->geometry.nx * info->geometry.ny;
     const double fit = fmax(1.0, floor(pixels_at_once / pair_pixels));
     const double blocks = fmax(1.0, floor(fit / SHEAR_BLOCK));
     const double share = fmax(1.0, ceil((double)info->n_stamps / SHEAR_BLOCK / (4.0 * threads)));

@@ -93,6 +93,22 @@ class Validate(ToolTest):
         self.assertEqual((verdict["n_measurable"], result["n_used"]), (3, 3))
         self.assertEqual((verdict["field"]["psf_layout"], verdict["field"]["n_psf"]), ("by_id", 3))
 
+    def test_several_noise_stamps(self):
+        path = self.path("several.fits")
+        self.assertCode(shearctl("mock", path, "--stamps", "6", "--size", "24", "--r-gal", "3", "--white", "0.2",
+                                 "--noise-stamps", "3", "--rotate", "1", "--quiet"), DONE)
+        verdict = self.validate(path)
+        self.assertEqual((verdict["good"], verdict["field"]["noise_stamps"]), (True, 3))
+        self.assertIn("3 stamps a galaxy", shearctl("validate", path).out)
+        with open(path, "r+b") as f:  # a NaN in the last noise stamp of the third galaxy
+            data = f.read()
+            noise = data.index(b"'NOISE   '")
+            start = (noise // 2880 + 1) * 2880
+            f.seek(start + (3 * 2 + 2) * 24 * 24 * 4 + 4 * 77)
+            f.write(b"\x7f\xc0\x00\x00")
+        self.assertEqual(self.validate(path)["flags"]["noise_not_finite"], {"count": 1, "first": [2]})
+        self.assertEqual(self.measure_one(path)["flags"]["noise_not_finite"], 1)
+
     def test_too_few_stamps(self):
         field = Field(n=3)
         field.columns = [("FLAGS", "J", [1, 0, 1])]

@@ -90,9 +90,11 @@ static void write_rows(shear_field_writer *w, const shear_field_spec *s, int64_t
     enum { MOST = 16 };
     const size_t pixels = (size_t)s->geometry.nx * (size_t)s->geometry.ny;
     double *galaxy = calloc((size_t)count * pixels, sizeof *galaxy);
-    double *noise = calloc((size_t)count * pixels, sizeof *noise);
+    const int planes = s->noise_planes > 1 ? s->noise_planes : 1;
+    double *noise = calloc((size_t)planes * (size_t)count * pixels, sizeof *noise);
     fill(galaxy, FIXTURE_GALAXY, first, count, s->geometry.nx, s->geometry.ny);
-    fill(noise, FIXTURE_NOISE, first, count, s->geometry.nx, s->geometry.ny);
+    fill(noise, FIXTURE_NOISE, planes * first, (int64_t)planes * count, s->geometry.nx,
+         s->geometry.ny);
     double values[6][MOST];
     int64_t id[MOST];
     int32_t psf_id[MOST];

@@ -70,6 +70,7 @@ static void check_stamps(shear_field *field, const shear_field_spec *s, int psf_
     shear_error err = {0};
     shear_block *b = NULL;
     const shear_geometry *g = &s->geometry;
+    const int planes = s->noise_planes > 1 ? s->noise_planes : 1;
     assert_int_equal(shear_block_new(&b, shear_field_get_info(field), chunk, &err), SHEAR_OK);
     for (int64_t first = 0; first < s->n_stamps; first += chunk) {
         const int64_t rest = s->n_stamps - first;
@@ -79,11 +80,15 @@ static void check_stamps(shear_field *field, const shear_field_spec *s, int psf_
         }
         assert_int_equal(b->stamps.first, first);
         assert_int_equal(b->stamps.count, count);
+        assert_int_equal(b->stamps.noise_planes, planes);
         for (int k = 0; k < count; k++) {
             check_image(b->stamps.galaxy + (int64_t)k * g->nx * g->ny, FIXTURE_GALAXY, first + k,
                         g->nx, g->ny);
-            check_image(b->stamps.noise + (int64_t)k * g->nx * g->ny, FIXTURE_NOISE, first + k,
-                        g->nx, g->ny);
+            for (int p = 0; p < planes; p++) {
+                const int64_t noise = (int64_t)planes * k + p;
+                check_image(b->stamps.noise + noise * g->nx * g->ny, FIXTURE_NOISE,
+                            planes * first + noise, g->nx, g->ny);
+            }
             check_psf(b, s, psf_layout, k);
             check_columns(b, s->columns & ~(unsigned)SHEAR_COL_PSF_ID, k);
         }
@@ -95,6 +100,7 @@ static void check_info(const shear_field_info *info, const shear_field_spec *s, 
     assert_memory_equal(&info->geometry, &s->geometry, sizeof info->geometry);
     assert_int_equal(info->n_stamps, s->n_stamps);
     assert_int_equal(info->n_psf, s->n_psf);
+    assert_int_equal(info->noise_planes, s->noise_planes > 1 ? s->noise_planes : 1);
     assert_int_equal(info->layout, s->layout);
     assert_int_equal(info->psf_layout, psf_layout);
     assert_int_equal(info->columns, s->columns);
@@ -154,6 +160,18 @@ static void mosaics_of_all_widths(void **state) {
         shear_field_spec s = fixture_spec();
         s.layout = SHEAR_LAYOUT_MOSAIC;
         s.mosaic_columns = columns;
+        round_trip(&s, SHEAR_PSF_ONE);
+    }
+}
+
+/* Several noise stamps a galaxy lie behind each other. */
+static void several_noise_stamps(void **state) {
+    (void)state;
+    static const int planes[] = {1, 2, 3, 64};
+    for (size_t i = 0; i < 2 * sizeof planes / sizeof planes[0]; i++) {
+        shear_field_spec s = fixture_spec();
+        s.layout = i % 2 == 0 ? SHEAR_LAYOUT_CUBE : SHEAR_LAYOUT_MOSAIC;
+        s.noise_planes = planes[i / 2];
         round_trip(&s, SHEAR_PSF_ONE);
     }
 }
@@ -346,6 +364,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_layout),
         cmocka_unit_test(mosaics_of_all_widths),
+        cmocka_unit_test(several_noise_stamps),
         cmocka_unit_test(odd_and_extreme_shapes),
         cmocka_unit_test(the_rows_of_a_mosaic_run_upwards),
         cmocka_unit_test(layouts_may_differ),

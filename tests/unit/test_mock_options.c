@@ -54,6 +54,7 @@ static void test_every_value_reads_back(void **state) {
                                             {"psf-size", "101"},
                                             {"psf-per-stamp", "yes"},
                                             {"psf-ids", "5"},
+                                            {"noise-stamps", "3"},
                                             {"noise-ratio", "0.6"},
                                             {"noise-density", "4"},
                                             {"white", "0.5"},

@@ -46,6 +46,7 @@ typedef struct shear_field_info {
     shear_geometry geometry; /* stamps and PSF */
     int64_t n_stamps;
     int64_t n_psf;
+    int noise_planes;   /* noise stamps a galaxy */
     int layout;         /* of GALAXY: enum shear_layout */
     int psf_layout;     /* enum shear_psf_layout */
     unsigned columns;   /* or of enum shear_column */
@@ -82,11 +83,12 @@ int shear_field_need_name(const shear_field_info *info, const char *path, shear_
 typedef struct shear_block {
     shear_stamps stamps; /* views into the arrays below */
     int capacity;
-    double *galaxy, *noise; /* [capacity][ny][nx] */
-    double *psf;            /* [capacity][psf_ny][psf_nx], or NULL with SHEAR_PSF_ONE */
-    int32_t *psf_index;     /* [capacity], or NULL with SHEAR_PSF_ONE */
-    int64_t *psf_id;        /* [capacity] scratch: which PSF of the file each image is */
-    int64_t *id;            /* [capacity] each, or NULL where the file has no such column */
+    double *galaxy;     /* [capacity][ny][nx] */
+    double *noise;      /* [capacity][noise_planes][ny][nx] */
+    double *psf;        /* [capacity][psf_ny][psf_nx], or NULL with SHEAR_PSF_ONE */
+    int32_t *psf_index; /* [capacity], or NULL with SHEAR_PSF_ONE */
+    int64_t *psf_id;    /* [capacity] scratch: which PSF of the file each image is */
+    int64_t *id;        /* [capacity] each, or NULL where the file has no such column */
     double *x, *y, *ra, *dec, *weight, *r_gal;
     int32_t *mask;
     void *memory; /* what shear_block_free frees; NULL where the memory is the caller's */
@@ -153,6 +155,7 @@ typedef struct shear_field_spec {
     shear_geometry geometry;
     int64_t n_stamps;
     int64_t n_psf;              /* 1, n_stamps, or fewer with SHEAR_COL_PSF_ID */
+    int noise_planes;           /* noise stamps a galaxy; 0 = 1 */
     int layout;                 /* of GALAXY and NOISE */
     int mosaic_columns;         /* stamps in a mosaic's row; 0 = about square */
     unsigned columns;           /* of CATALOG; 0 = no table */
@@ -173,6 +176,7 @@ typedef struct shear_catalog_columns {
  * thread-safe. SHEAR_E_EXISTS where the file exists and overwrite is false. */
 int shear_field_create(shear_field_writer **w, const char *path, const shear_field_spec *spec,
                        shear_error *err);
+/* galaxy [count][ny][nx], noise [count][noise_planes][ny][nx] */
 int shear_field_write(shear_field_writer *w, int64_t first, int count, const double *galaxy,
                       const double *noise, const shear_catalog_columns *columns, shear_error *err);
 int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *psf,

@@ -74,6 +74,7 @@ typedef struct shear_mock_spec {
     bool psf_per_stamp;   /* each stamp has its own PSF, at a random angle */
     int psf_ids; /* this many PSFs at random angles, galaxy i has number i % psf_ids; 0 = one */
     /* noise */
+    int noise_stamps;     /* noise stamps a galaxy */
     double noise_ratio;   /* I_N / I_G of the point-source noise; 0 = none */
     double noise_density; /* its points per square pixel; NaN = one per R_PSF^2 */
     double white_sigma;   /* per pixel, in the unit of the pixel values; 0 = none */
@@ -175,7 +176,8 @@ int shear_mock_paint(const shear_mock *m, int64_t psf, int n, const double *x, c
                      double amplitude, double *image, shear_error *err);
 
 /* Stamp pairs [first, first+count), on `threads` OpenMP threads (0: all cores); the pixels do not
- * depend on the threads or on the chunking, to the last bit. galaxy, noise  [count][ny][nx]
+ * depend on the threads or on the chunking, to the last bit. galaxy [count][ny][nx], noise
+ * [count][noise_stamps][ny][nx]
  * SHEAR_E_NOMEM; SHEAR_E_SETTING where the range is not in the field. */
 int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads, double *galaxy,
                       double *noise, shear_error *err);
