@@ -8,6 +8,7 @@
 #include "settings_options.h"
 #include "settings_parse.h"
 #include "shear/run.h"
+#include "sheard/advice.h"
 #include "sheard/report.h"
 #include "verdict_text.h"
 
@@ -140,6 +141,7 @@ static int validate(const char *path, const struct validate_options *o, bool *go
     shear_plan *plan = NULL;
     shear_error words = {0};
     shear_verdict v = {.path = path, .settings = &o->settings};
+    shear_advice_list doubts = {.n = 0};
     int code = look_into(o, &field, &plan, &v, &words);
     int result = EXIT_CODE_OTHER;
     if (code == SHEAR_E_CANCELLED || code == SHEAR_E_NOMEM || code == SHEAR_E_INTERNAL) {
@@ -149,6 +151,11 @@ static int validate(const char *path, const struct validate_options *o, bool *go
     if (!code) {
         judge(&v, &words);
     }
+    if (v.plan) {
+        shear_advice_psf(&doubts, v.plan);
+    }
+    v.warnings = doubts.lines;
+    v.n_warnings = doubts.n;
     v.verdict = words.message;
     v.advice = words.advice;
     *good = v.good;

@@ -129,6 +129,9 @@ void verdict_text_print(const shear_verdict *v, FILE *out) {
     }
     fprintf(out, "  %-10s %s\n", v->good ? "good" : "bad",
             message_clean(v->verdict, clean, sizeof clean));
+    for (size_t i = 0; i < v->n_warnings; i++) {
+        fprintf(out, "  %-10s %s\n", "warning", message_clean(v->warnings[i], clean, sizeof clean));
+    }
     if (v->advice[0]) {
         fprintf(out, "  %-10s %s\n", "advice", message_clean(v->advice, clean, sizeof clean));
     }

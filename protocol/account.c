@@ -14,6 +14,7 @@ int shear_account_format(char **text, const shear_report_file *file, shear_error
         json_text_set(o, "nx", json_integer(file->plan->geometry.nx), &failed);
         json_text_set(o, "ny", json_integer(file->plan->geometry.ny), &failed);
         json_text_set(o, "per_stamp", json_boolean(file->plan->filter_per_stamp), &failed);
+        json_text_set(o, "psf", json_text_psf(&file->plan->psf), &failed);
     }
     return json_text_finish(text, o, failed, err);
 }
@@ -42,6 +43,27 @@ static int choice(const json_t *o, const char *key, const char *(*name_of)(int),
     return 0;
 }
 
+/* Accounts of older versions have none: nothing is known then. */
+static shear_psf_summary read_psf(const json_t *o) {
+    shear_psf_summary s = {
+        .looked_at = json_integer_value(json_object_get(o, "looked_at")),
+        .unusable = json_integer_value(json_object_get(o, "unusable")),
+        .worst = {.r_psf_px = number(o, "r_psf_px"),
+                  .sampling = number(o, "sampling"),
+                  .border = number(o, "border"),
+                  .border_err = number(o, "border_err"),
+                  .border_slope = number(o, "border_slope"),
+                  .cut = number(o, "cut"),
+                  .noise = number(o, "noise"),
+                  .lowest = number(o, "lowest")},
+    };
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+        const json_t *count = json_object_get(json_object_get(o, "flaws"), shear_psf_flaw_name(i));
+        s.flawed[i] = json_integer_value(count);
+    }
+    return s;
+}
+
 static void read_plan(shear_plan_info *plan, const json_t *entry, const json_t *o) {
     enum { CHOICES = 32 };
     *plan = (shear_plan_info){
@@ -55,6 +77,7 @@ static void read_plan(shear_plan_info *plan, const json_t *entry, const json_t *
         .core_px = number(o, "core_px"),
         .width_px = number(o, "width_px"),
         .k_cut = number(o, "k_cut"),
+        .psf = read_psf(json_object_get(entry, "psf")),
     };
 }
 

@@ -70,14 +70,17 @@ const char *shear_advice_rough_border(const shear_result *r, const shear_plan_in
 }
 
 void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan) {
-    static const char *(*const all[SHEAR_ADVICES])(const shear_result *, const shear_plan_info *,
-                                                   char *, size_t) = {
-        shear_advice_filter, shear_advice_bright_border, shear_advice_rough_border};
+    static const char *(*const all[SHEAR_RESULT_ADVICES])(
+        const shear_result *, const shear_plan_info *, char *,
+        size_t) = {shear_advice_filter, shear_advice_bright_border, shear_advice_rough_border};
     list->n = 0;
-    for (size_t i = 0; plan && i < SHEAR_ADVICES; i++) {
+    for (size_t i = 0; plan && i < SHEAR_RESULT_ADVICES; i++) {
         const char *line = all[i](r, plan, list->text[list->n], SHEAR_ADVICE_SIZE);
         if (line) {
             list->lines[list->n++] = line;
         }
+    }
+    if (plan) {
+        shear_advice_psf(list, plan);
     }
 }

@@ -51,6 +51,17 @@ json_t *json_text_string(const char *text) {
     return string;
 }
 
+json_t *json_text_strings(const char *const *texts, size_t n) {
+    json_t *array = json_array();
+    for (size_t i = 0; i < n; i++) {
+        if (json_array_append_new(array, json_text_string(texts[i])) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
 json_t *json_text_number(double x) {
     return isfinite(x) ? json_real(x) : json_null();
 }
@@ -101,6 +112,36 @@ json_t *json_text_plan(const shear_plan_info *plan) {
     json_text_set(o, "core_px", json_text_number(plan->core_px), &failed);
     json_text_set(o, "width_px", json_text_number(plan->width_px), &failed);
     json_text_set(o, "k_cut", json_text_number(plan->k_cut), &failed);
+    return json_text_whole(o, failed);
+}
+
+static json_t *flaw_counts(const shear_psf_summary *s) {
+    json_t *o = json_object();
+    bool failed = !o;
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+        json_text_set(o, shear_psf_flaw_name(i), json_integer(s->flawed[i]), &failed);
+    }
+    return json_text_whole(o, failed);
+}
+
+json_t *json_text_psf(const shear_psf_summary *s) {
+    if (!s) {
+        return json_null();
+    }
+    const shear_psf_quality *q = &s->worst;
+    json_t *o = json_object();
+    bool failed = !o;
+    json_text_set(o, "looked_at", json_integer(s->looked_at), &failed);
+    json_text_set(o, "unusable", json_integer(s->unusable), &failed);
+    json_text_set(o, "flaws", flaw_counts(s), &failed);
+    json_text_set(o, "r_psf_px", json_text_number(q->r_psf_px), &failed);
+    json_text_set(o, "sampling", json_text_number(q->sampling), &failed);
+    json_text_set(o, "border", json_text_number(q->border), &failed);
+    json_text_set(o, "border_err", json_text_number(q->border_err), &failed);
+    json_text_set(o, "border_slope", json_text_number(q->border_slope), &failed);
+    json_text_set(o, "cut", json_text_number(q->cut), &failed);
+    json_text_set(o, "noise", json_text_number(q->noise), &failed);
+    json_text_set(o, "lowest", json_text_number(q->lowest), &failed);
     return json_text_whole(o, failed);
 }
 

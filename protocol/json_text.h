@@ -13,12 +13,14 @@
 
 /* A string; bytes that are not UTF-8 become U+FFFD. NULL gives null. */
 json_t *json_text_string(const char *text);
+json_t *json_text_strings(const char *const *texts, size_t n); /* an array of them */
 /* A number, or null where it is not finite. */
 json_t *json_text_number(double x);
 /* {"NAME": value, ...} for every setting of the table, in native types, "auto" as a string. */
 json_t *json_text_settings(const shear_settings *s);
 /* {"interpolation", "oversample", "beta_px", ...}; null for NULL. */
 json_t *json_text_plan(const shear_plan_info *plan);
+json_t *json_text_psf(const shear_psf_summary *psf); /* NULL: null */
 
 /* Set a member and keep the books: `*failed` becomes true, and stays so, where value or memory is
  * missing. */

@@ -47,17 +47,6 @@ static json_t *file_list(const shear_report *r) {
     return array;
 }
 
-static json_t *warning_list(const shear_report *r) {
-    json_t *array = json_array();
-    for (size_t i = 0; i < r->n_warnings; i++) {
-        if (json_array_append_new(array, json_text_string(r->warnings[i])) != 0) {
-            json_decref(array);
-            return NULL;
-        }
-    }
-    return array;
-}
-
 static void set_shear(json_t *o, const shear_result *r, bool *failed) {
     json_text_set(o, "g1", json_text_number(r->g1), failed);
     json_text_set(o, "g1_err", json_text_number(r->g1_err), failed);
@@ -121,7 +110,7 @@ int shear_report_json(char **text, const shear_report *report, shear_error *err)
         json_text_set(o, "estimators", estimates(report->estimators), &failed);
     }
     json_text_set(o, "filter_removed", json_text_number(report->result->filter_removed), &failed);
-    json_text_set(o, "warnings", warning_list(report), &failed);
+    json_text_set(o, "warnings", json_text_strings(report->warnings, report->n_warnings), &failed);
     json_text_set(o, "version", json_text_string(shear_version()), &failed);
     json_text_set(o, "seconds", json_text_number(report->seconds), &failed);
     return json_text_finish(text, o, failed, err);

@@ -81,6 +81,8 @@ int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
     json_text_set(o, "field", field_object(v->field), &failed);
     json_text_set(o, "settings", json_text_settings(v->settings), &failed);
     json_text_set(o, "resolved", json_text_plan(v->plan), &failed);
+    json_text_set(o, "psf", json_text_psf(v->plan ? &v->plan->psf : NULL), &failed);
+    json_text_set(o, "warnings", json_text_strings(v->warnings, v->n_warnings), &failed);
     json_text_set(o, "n_measurable", v->scanned ? json_integer(v->n_measurable) : json_null(),
                   &failed);
     json_text_set(o, "flags", v->scanned ? all_flags(v) : json_null(), &failed);

@@ -8,6 +8,7 @@
 #include "shear/field.h"
 #include "shear/input.h"
 #include "shear/plan.h"
+#include "shear/psf.h"
 #include "shear/run.h"
 #include "shear/settings.h"
 #include "shear/stamp.h"

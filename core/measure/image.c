@@ -106,9 +106,11 @@ SHEAR_SIMD static void take_log(const double *pixels, size_t n, double pedestal,
     }
 }
 
-static void find_negative(const image_grid *g, const double *pixels, int *bad_x, int *bad_y) {
+/* The first pixel that is below the limit. */
+static void find_negative(const image_grid *g, const double *pixels, double limit, int *bad_x,
+                          int *bad_y) {
     int i = 0;
-    while (!(pixels[i] + g->pedestal < 0.0)) {
+    while (!(pixels[i] + g->pedestal < limit)) {
         i++;
     }
     *bad_x = i % g->x.n;
@@ -186,11 +188,12 @@ bool image_load(image *im, const image_grid *g, const double *pixels, int *bad_x
         double low;
         double high;
         extremes(pixels, (size_t)g->x.n * (size_t)g->y.n, &low, &high);
-        if (low + g->pedestal < 0.0) {
-            find_negative(g, pixels, bad_x, bad_y);
+        const double limit = g->rounding > 0.0 ? -g->rounding * (high + g->pedestal) : 0.0;
+        if (low + g->pedestal < limit) {
+            find_negative(g, pixels, limit, bad_x, bad_y);
             return false;
         }
-        const bool has_zeros = low + g->pedestal == 0.0;
+        const bool has_zeros = low + g->pedestal <= 0.0;
         im->marked = has_zeros && (g->zeros == SHEAR_ZEROS_SKIP || high + g->pedestal == 0.0);
         tiny = has_zeros ? floor_of_peak * (high + g->pedestal) : 0.0;
     }

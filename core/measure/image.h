@@ -17,6 +17,7 @@ typedef struct image_grid {
     bool log;  /* interpolate ln(pixel + pedestal) */
     int zeros; /* enum shear_zeros, where log */
     double pedestal;
+    double rounding; /* a negative pixel this small beside the brightest counts as 0; set to 0 */
     int fine_nx, fine_ny;
     size_t wide, high; /* nx and ny, rounded up to whole groups of FFT_LANES */
 } image_grid;

@@ -2,7 +2,6 @@
 #include "measure/plan_impl.h"
 
 #include "measure/memory.h"
-#include "measure/psf.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +15,10 @@ static const double well_sampled_px = 1.0;
 static const double aliases_vanish_px = 1.2;
 /* Such a PSF leaves galaxies no power beyond 3/4 of Nyquist (docs/method.md, section 5). */
 static const double smooth_px = 1.3;
+
+/* A PSF made by FFTs has negative samples of this part of its peak; a log method takes them for 0.
+ */
+static const double psf_rounding = 1e-4;
 
 static int check_geometry(const shear_geometry *g, shear_error *err) {
     if (g->nx < SHEAR_MIN_SIDE || g->ny < SHEAR_MIN_SIDE || g->nx > SHEAR_MAX_SIDE ||
@@ -156,6 +159,7 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
                                            info->oversample, set->zeros, set->pedestal);
     const bool psf_grid_made =
         image_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
+    tp->grid.rounding = psf_rounding;
     const bool transfer_made = transfer_plan_init(tp);
     plan->along_x = fft_plan_new(info->fine_nx);
     plan->along_y = fft_plan_new(info->fine_ny);
@@ -238,8 +242,10 @@ static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool ha
         code = check_geometry(g, err);
     }
     info->r_psf_px = r_psf_px;
+    shear_psf_quality quality = {.r_psf_px = r_psf_px};
     if (code == SHEAR_OK && psf != NULL) {
-        code = shear_psf_radius(psf, g->psf_nx, g->psf_ny, g->psf_oversample, &info->r_psf_px, err);
+        code = shear_psf_look(&quality, psf, g->psf_nx, g->psf_ny, g->psf_oversample, err);
+        info->r_psf_px = quality.r_psf_px;
     }
     if (code != SHEAR_OK) {
         return code;
@@ -252,6 +258,9 @@ static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool ha
     info->beta_px = !isnan(set->beta_px)
                         ? set->beta_px
                         : fmax(set->beta_ratio * info->r_psf_px, set->beta_floor_px);
+    if (psf != NULL) {
+        shear_psf_summary_add(&info->psf, &quality, info->beta_px);
+    }
     code = resolve_sampling(set, info, psf_factor, err);
     info->noise_band = resolve_noise_band(set, info);
     return code == SHEAR_OK ? resolve_filter(set, info, has_r_gal, err) : code;
@@ -345,6 +354,15 @@ void shear_plan_free(shear_plan *plan) {
 const char *shear_noise_band_name(int band) {
     static const char *const names[] = {"none", "high", "corners"};
     return band >= 0 && band <= SHEAR_NOISE_BAND_CORNERS ? names[band] : "unknown";
+}
+
+void shear_plan_note_psfs(shear_plan *plan, const shear_psf_quality *each, int n, int unusable) {
+    for (int i = 0; i < n; i++) {
+        shear_psf_summary_add(&plan->info.psf, &each[i], plan->info.beta_px);
+    }
+    for (int i = 0; i < unusable; i++) {
+        shear_psf_summary_add(&plan->info.psf, NULL, plan->info.beta_px);
+    }
 }
 
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/psf.h: what can be said of a PSF image before it is transformed. */
-#ifndef SHEAR_PSF_H
-#define SHEAR_PSF_H
+#ifndef SHEAR_MEASURE_PSF_H
+#define SHEAR_MEASURE_PSF_H
 
 #include "shear/error.h"
 

@@ -2,7 +2,7 @@
 #include "measure/transfer.h"
 
 #include "base/simd.h"
-#include "measure/psf.h"
+#include "shear/psf.h"
 
 #include <math.h>
 #include <string.h>
@@ -311,7 +311,7 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
                   shear_error *err) {
     int bad_x;
     int bad_y;
-    const int checked = psf_check(psf, p->psf_nx, p->psf_ny, err);
+    const int checked = shear_psf_usable(psf, p->psf_nx, p->psf_ny, err);
     if (checked != SHEAR_OK) {
         return checked;
     }

@@ -13,11 +13,10 @@ static int compare_doubles(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The median scale radius of evenly spaced PSFs; unusable ones do not count. */
-static int median_radius(shear_psf_source psfs, const shear_field_info *info, double *psf,
-                         double *r_psf, shear_error *err) {
-    double radius[MAX_PSFS_FOR_RADIUS];
-    int n = 0;
+/* Evenly spaced PSFs are looked at; `psf` is room for one. */
+static int look_at_some(shear_psf_source psfs, const shear_field_info *info, double *psf,
+                        shear_plan_basis *basis, shear_error *err) {
+    const shear_geometry *g = &info->geometry;
     const int64_t tries = info->n_psf < MAX_PSFS_FOR_RADIUS ? info->n_psf : MAX_PSFS_FOR_RADIUS;
     shear_error why = {0};
     for (int64_t i = 0; i < tries; i++) {
@@ -25,17 +24,36 @@ static int median_radius(shear_psf_source psfs, const shear_field_info *info, do
         if (code != SHEAR_OK) {
             return code;
         }
-        const shear_geometry *g = &info->geometry;
-        n += shear_psf_radius(psf, g->psf_nx, g->psf_ny, g->psf_oversample, &radius[n], &why) ==
-             SHEAR_OK;
+        const bool usable = shear_psf_look(&basis->psfs[basis->n_psfs], psf, g->psf_nx, g->psf_ny,
+                                           g->psf_oversample, &why) == SHEAR_OK;
+        basis->n_psfs += usable;
+        basis->n_unusable += !usable;
     }
-    if (n == 0) {
-        return shear_fail(err, SHEAR_E_PSF, why.advice, "none of %lld PSFs is usable: %s",
-                          (long long)tries, why.message);
+    return basis->n_psfs > 0
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_PSF, why.advice, "none of %lld PSFs is usable: %s",
+                            (long long)tries, why.message);
+}
+
+static double median_radius(const shear_plan_basis *basis) {
+    double radius[MAX_PSFS_FOR_RADIUS];
+    for (int i = 0; i < basis->n_psfs; i++) {
+        radius[i] = basis->psfs[i].r_psf_px;
     }
-    qsort(radius, (size_t)n, sizeof *radius, compare_doubles);
-    *r_psf = radius[n / 2];
-    return SHEAR_OK;
+    qsort(radius, (size_t)basis->n_psfs, sizeof *radius, compare_doubles);
+    return radius[basis->n_psfs / 2];
+}
+
+/* Of a field whose stamps have PSFs of their own; unusable ones do not count for the radius. */
+static int read_sample(shear_plan_basis *basis, const shear_field_info *info, shear_psf_source psfs,
+                       double *psf, shear_error *err) {
+    basis->psfs = calloc(MAX_PSFS_FOR_RADIUS, sizeof *basis->psfs);
+    if (basis->psfs == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
+    }
+    const int code = look_at_some(psfs, info, psf, basis, err);
+    basis->r_psf_px = code == SHEAR_OK ? median_radius(basis) : NAN;
+    return code;
 }
 
 int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
@@ -49,19 +67,34 @@ int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF of %d x %d samples",
                           g->psf_nx, g->psf_ny);
     }
-    const int code = one ? psfs.read(psfs.self, 0, psf, err)
-                         : median_radius(psfs, info, psf, &basis->r_psf_px, err);
+    const int code =
+        one ? psfs.read(psfs.self, 0, psf, err) : read_sample(basis, info, psfs, psf, err);
     if (one && code == SHEAR_OK) {
         basis->psf = psf;
     } else {
         free(psf);
+    }
+    if (code != SHEAR_OK) {
+        shear_plan_basis_deinit(basis);
     }
     return code;
 }
 
 void shear_plan_basis_deinit(shear_plan_basis *basis) {
     free(basis->psf);
+    free(basis->psfs);
     *basis = (shear_plan_basis){0};
+}
+
+int shear_plan_from_basis(shear_plan **plan, const shear_settings *settings,
+                          const shear_geometry *geometry, const shear_plan_basis *basis,
+                          shear_error *err) {
+    const int code = shear_plan_new(plan, settings, geometry, basis->psf, basis->r_psf_px,
+                                    basis->has_r_gal, err);
+    if (code == SHEAR_OK) {
+        shear_plan_note_psfs(*plan, basis->psfs, basis->n_psfs, basis->n_unusable);
+    }
+    return code;
 }
 
 int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
@@ -70,8 +103,7 @@ int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
     *plan = NULL;
     int code = shear_plan_basis_read(&basis, info, psfs, err);
     if (code == SHEAR_OK) {
-        code = shear_plan_new(plan, settings, &info->geometry, basis.psf, basis.r_psf_px,
-                              basis.has_r_gal, err);
+        code = shear_plan_from_basis(plan, settings, &info->geometry, &basis, err);
     }
     shear_plan_basis_deinit(&basis);
     return code;

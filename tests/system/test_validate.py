@@ -7,7 +7,8 @@ import unittest
 from fitsfile import Field
 from tool import DONE, INPUT, PARTLY, ToolTest, shearctl
 
-KEYS = ["path", "good", "verdict", "advice", "field", "settings", "resolved", "n_measurable",
+KEYS = ["path", "good", "verdict", "advice", "field", "settings", "resolved", "psf",
+        "warnings", "n_measurable",
         "flags", "negative", "lowest_pixel", "noise", "version"]
 
 

@@ -257,7 +257,8 @@ static void test_beta_too_small(void **state) {
     }
 }
 
-/* A PSF that a log method cannot take. OVERSAMP 1 has to be interpolated, a fine one not. */
+/* A PSF that a log method cannot take. OVERSAMP 1 has to be interpolated, a fine one not. What
+ * rounding leaves below zero counts as zero. */
 static void test_negative_psf(void **state) {
     (void)state;
     pair p;
@@ -265,8 +266,18 @@ static void test_negative_psf(void **state) {
     shear_error err = {0};
     pair_init(&p, 24, 24, 15, 15, 1);
     pair_draw(&p, 0.9, 5);
-    p.psf[2 * 15 + 4] = -1e-6;
     pair_set(&p, "interpolation", "log-bicubic");
+    shear_row with_zero;
+    p.psf[2 * 15 + 4] = 0.0;
+    assert_int_equal(pair_try(&p, &with_zero, &err), SHEAR_OK);
+    double peak = 0.0;
+    for (int i = 0; i < 15 * 15; i++) {
+        peak = fmax(peak, p.psf[i]);
+    }
+    p.psf[2 * 15 + 4] = -0.9e-4 * peak;
+    assert_int_equal(pair_try(&p, &row, &err), SHEAR_OK);
+    assert_same_rows(&row, &with_zero, 1);
+    p.psf[2 * 15 + 4] = -1.1e-4 * peak;
     assert_int_equal(pair_try(&p, &row, &err), SHEAR_E_NEGATIVE);
     assert_non_null(strstr(err.message, "(5, 3)"));
     assert_true(err.advice[0] != '\0');

@@ -13,6 +13,7 @@
 #define SHEAR_PLAN_H
 
 #include "shear/error.h"
+#include "shear/psf.h"
 #include "shear/settings.h"
 #include "shear/stamp.h"
 #include "shear/sums.h"
@@ -51,6 +52,7 @@ typedef struct shear_plan_info {
     double width_px;       /* NaN for none */
     int noise_band;        /* where the noise level is read off: enum shear_noise_band */
     double k_cut; /* modes at |k| >= k_cut are left out; for a plan without PSF, the grid's limit */
+    shear_psf_summary psf; /* what the PSF looked like; of several: shear_plan_note_psfs */
 } shear_plan_info;
 
 /* Make a plan.
@@ -58,11 +60,14 @@ typedef struct shear_plan_info {
  * (shear_stamps.psf) r_psf_px scale radius used for the automatic choices where psf is NULL (see
  * shear_psf_radius); ignored else has_r_gal whether stamps will come with R_GAL (decides
  * filter=auto) Errors: SHEAR_E_SETTING, SHEAR_E_BETA (names the smallest beta that works),
- * SHEAR_E_PSF, SHEAR_E_NEGATIVE (a log method on a PSF with negative pixels), SHEAR_E_NOMEM. *plan
- * is NULL on error. Thread-safe (planning is serialised). */
+ * SHEAR_E_PSF, SHEAR_E_NEGATIVE (a log method on a PSF with samples below -10^-4 of its peak),
+ * SHEAR_E_NOMEM. *plan is NULL on error. Thread-safe (planning is serialised). */
 int shear_plan_new(shear_plan **plan, const shear_settings *settings,
                    const shear_geometry *geometry, const double *psf, double r_psf_px,
                    bool has_r_gal, shear_error *err);
+/* Of a plan that stamps bring their PSFs to: what a sample of these looked like, n usable ones and
+ * some that are not, for shear_plan_info. Before the plan is shared with other threads. */
+void shear_plan_note_psfs(shear_plan *plan, const shear_psf_quality *each, int n, int unusable);
 void shear_plan_free(shear_plan *plan);
 
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan);

@@ -23,11 +23,20 @@ typedef struct shear_plan_basis {
     double *psf;     /* [psf_ny][psf_nx], the field's one PSF; NULL where each stamp has its own */
     double r_psf_px; /* where psf is NULL: the median radius of up to 256 PSFs, evenly spaced */
     bool has_r_gal;
+    /* What those PSFs look like, [n_psfs]; and how many were unusable. NULL, 0, 0 where psf is not
+     * NULL. */
+    shear_psf_quality *psfs;
+    int n_psfs, n_unusable;
 } shear_plan_basis;
 /* Read a field's PSF or PSFs for it. On an error there is nothing to free. */
 int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
                           shear_psf_source psfs, shear_error *err);
 void shear_plan_basis_deinit(shear_plan_basis *basis);
+
+/* The plan that they make. */
+int shear_plan_from_basis(shear_plan **plan, const shear_settings *settings,
+                          const shear_geometry *geometry, const shear_plan_basis *basis,
+                          shear_error *err);
 
 /* Make the plan for a field: reads the basis and resolves the settings. */
 int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,

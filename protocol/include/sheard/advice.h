@@ -30,12 +30,20 @@ const char *shear_advice_rough_border(const shear_result *r, const shear_plan_in
                                       size_t size);
 
 /* All that there is to say: the warnings of `shearctl measure` and of the service. */
-enum { SHEAR_ADVICES = 3, SHEAR_ADVICE_SIZE = 400 };
+enum {
+    SHEAR_RESULT_ADVICES = 3,
+    SHEAR_PSF_ADVICES = SHEAR_N_PSF_FLAWS + 1,
+    SHEAR_ADVICES = SHEAR_RESULT_ADVICES + SHEAR_PSF_ADVICES,
+    SHEAR_ADVICE_SIZE = 400
+};
 typedef struct shear_advice_list {
     const char *lines[SHEAR_ADVICES]; /* [n], in text */
     size_t n;
     char text[SHEAR_ADVICES][SHEAR_ADVICE_SIZE];
 } shear_advice_list;
+/* Appends what is doubtful in the PSF or the PSFs that the plan is of (shear/psf.h), with numbers,
+ * cause and cure: for `shearctl validate`, too. */
+void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan);
 /* `plan`: of the field's first file; NULL where it is not known: then there is nothing to say. */
 void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan);
 

@@ -77,6 +77,8 @@ typedef struct shear_verdict {
     const shear_field_info *field; /* NULL where the file could not be opened */
     const shear_settings *settings;
     const shear_plan_info *plan; /* NULL where no plan could be made */
+    const char *const *warnings; /* [n_warnings] what is doubtful */
+    size_t n_warnings;
     bool scanned;                /* the members below are known */
     int64_t n_measurable;        /* stamps that carry no flag */
     shear_fault flags[SHEAR_N_FLAGS];
@@ -88,7 +90,7 @@ typedef struct shear_verdict {
     double noise_mean, noise_mean_err, noise_rms;
 } shear_verdict;
 
-/* Keys: path good verdict advice field{} settings{} resolved{} n_measurable
+/* Keys: path good verdict advice field{} settings{} resolved{} psf{} warnings[] n_measurable
  * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel noise{mean,mean_err,rms}
  * version; null for what is not known. SHEAR_E_NOMEM. */
 int shear_verdict_json(char **text, const shear_verdict *verdict, shear_error *err);

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is doubtful in a PSF, in words. */
+#include "sheard/advice.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+/* "3 of 64 PSFs looked at: " where there are several, then the words. */
+static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
+                       const char *format, ...) __attribute__((format(printf, 5, 6)));
+
+static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
+                       const char *format, ...) {
+    int used = 0;
+    if (s->looked_at > 1) {
+        used =
+            snprintf(buf, size, "%" PRId64 " of %" PRId64 " PSFs looked at: ", count, s->looked_at);
+    }
+    va_list args;
+    va_start(args, format);
+    vsnprintf(buf + used, size - (size_t)used, format, args);
+    va_end(args);
+    return buf;
+}
+
+static double percent(double part) {
+    return 100.0 * part;
+}
+
+static const char *pedestal(const shear_plan_info *plan, char *buf, size_t size) {
+    const shear_psf_summary *s = &plan->psf;
+    return say(s, s->flawed[SHEAR_PSF_PEDESTAL], buf, size,
+               "the PSF's border is at %.2g %% of its peak and does not fall, which biases the "
+               "shear by about %.2g %%: was its background left in, or taken off twice? subtract "
+               "what the border has",
+               percent(s->worst.border), percent(shear_psf_border_bias(&s->worst, plan->beta_px)));
+}
+
+static const char *cut(const shear_plan_info *plan, char *buf, size_t size) {
+    const shear_psf_summary *s = &plan->psf;
+    return say(
+        s, s->flawed[SHEAR_PSF_CUT], buf, size,
+        "the PSF's wings are cut off where they are at %.2g %% of the peak (about %.2g %% of "
+        "the light is missing), which biases the shear by about %.2g %%: give a larger image "
+        "of the PSF",
+        percent(s->worst.border), percent(s->worst.cut),
+        percent(shear_psf_border_bias(&s->worst, plan->beta_px)));
+}
+
+static const char *noisy(const shear_plan_info *plan, char *buf, size_t size) {
+    const shear_psf_summary *s = &plan->psf;
+    const double m = shear_psf_noise_bias(&s->worst, plan->beta_px);
+    return say(s, s->flawed[SHEAR_PSF_NOISY], buf, size,
+               "the PSF is noisy: that alone makes errors of about %.2g %% of the shear, and of "
+               "%.1g in it whatever it is, which its errors do not contain: give a model of the "
+               "PSF, or the mean of more stars",
+               percent(m), 0.5 * m);
+}
+
+static const char *undersampled(const shear_plan_info *plan, char *buf, size_t size) {
+    const shear_psf_summary *s = &plan->psf;
+    return say(
+        s, s->flawed[SHEAR_PSF_UNDERSAMPLED], buf, size,
+        "the PSF is under-sampled: its radius R_PSF is only %.2g of its samples, and which "
+        "biases the shear by about %.2g %%: give it with more samples a pixel (OVERSAMP)",
+        s->worst.sampling, percent(shear_psf_sampling_bias(&s->worst, plan->beta_px)));
+}
+
+static const char *negative(const shear_plan_info *plan, char *buf, size_t size) {
+    const shear_psf_summary *s = &plan->psf;
+    return say(s, s->flawed[SHEAR_PSF_NEGATIVE], buf, size,
+               "the PSF falls to %.2g %% of its peak, and no light is negative: a bad pixel, or "
+               "ringing of whatever resampled it?",
+               percent(s->worst.lowest));
+}
+
+static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) {
+    snprintf(buf, size,
+             "%" PRId64 " of %" PRId64 " PSFs looked at are unusable (not finite, flat, no flux, "
+             "or with their peak at the image's edge): their stamps are flagged psf_unusable",
+             s->unusable, s->looked_at);
+    return buf;
+}
+
+void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan) {
+    static const char *(*const flaws[SHEAR_N_PSF_FLAWS])(
+        const shear_plan_info *, char *, size_t) = {[SHEAR_PSF_PEDESTAL] = pedestal,
+                                                    [SHEAR_PSF_CUT] = cut,
+                                                    [SHEAR_PSF_NOISY] = noisy,
+                                                    [SHEAR_PSF_UNDERSAMPLED] = undersampled,
+                                                    [SHEAR_PSF_NEGATIVE] = negative};
+    if (plan->psf.unusable > 0) {
+        list->lines[list->n] = unusable(&plan->psf, list->text[list->n], SHEAR_ADVICE_SIZE);
+        list->n++;
+    }
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+        if (plan->psf.flawed[i] > 0) {
+            list->lines[list->n] = flaws[i](plan, list->text[list->n], SHEAR_ADVICE_SIZE);
+            list->n++;
+        }
+    }
+}
