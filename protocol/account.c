@@ -50,6 +50,7 @@ static shear_psf_summary read_psf(const json_t *o) {
         .unusable = json_integer_value(json_object_get(o, "unusable")),
         .worst = {.r_psf_px = number(o, "r_psf_px"),
                   .sampling = number(o, "sampling"),
+                  .rim_px = number(o, "rim_px"),
                   .border = number(o, "border"),
                   .border_err = number(o, "border_err"),
                   .border_slope = number(o, "border_slope"),

@@ -6,7 +6,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-/* "3 of 64 PSFs looked at: " where there are several, then the words. */
+/* "3 of 64 PSFs looked at (the worst): " where there are several, then the words. */
 static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
                        const char *format, ...) __attribute__((format(printf, 5, 6)));
 
@@ -14,8 +14,8 @@ static const char *say(const shear_psf_summary *s, int64_t count, char *buf, siz
                        const char *format, ...) {
     int used = 0;
     if (s->looked_at > 1) {
-        used =
-            snprintf(buf, size, "%" PRId64 " of %" PRId64 " PSFs looked at: ", count, s->looked_at);
+        used = snprintf(buf, size, "%" PRId64 " of %" PRId64 " PSFs looked at (the worst): ", count,
+                        s->looked_at);
     }
     va_list args;
     va_start(args, format);
@@ -28,24 +28,37 @@ static double percent(double part) {
     return 100.0 * part;
 }
 
+/* The estimates are good where they are small. */
+static const char *how_much(double bias, char buf[32]) {
+    if (bias > 0.05) {
+        snprintf(buf, 32, "more than 5 %%");
+    } else {
+        snprintf(buf, 32, "about %.1g %%", percent(bias));
+    }
+    return buf;
+}
+
 static const char *pedestal(const shear_plan_info *plan, char *buf, size_t size) {
+    char much[32];
     const shear_psf_summary *s = &plan->psf;
     return say(s, s->flawed[SHEAR_PSF_PEDESTAL], buf, size,
                "the PSF's border is at %.2g %% of its peak and does not fall, which biases the "
-               "shear by about %.2g %%: was its background left in, or taken off twice? subtract "
+               "shear by %s: was its background left in, or taken off twice? subtract "
                "what the border has",
-               percent(s->worst.border), percent(shear_psf_border_bias(&s->worst, plan->beta_px)));
+               percent(s->worst.border),
+               how_much(shear_psf_border_bias(&s->worst, plan->beta_px), much));
 }
 
 static const char *cut(const shear_plan_info *plan, char *buf, size_t size) {
+    char much[32];
     const shear_psf_summary *s = &plan->psf;
     return say(
         s, s->flawed[SHEAR_PSF_CUT], buf, size,
         "the PSF's wings are cut off where they are at %.2g %% of the peak (about %.2g %% of "
-        "the light is missing), which biases the shear by about %.2g %%: give a larger image "
-        "of the PSF",
+        "the light is missing), which biases the shear by %s: give a larger image "
+        "of the PSF, with no background left in",
         percent(s->worst.border), percent(s->worst.cut),
-        percent(shear_psf_border_bias(&s->worst, plan->beta_px)));
+        how_much(shear_psf_border_bias(&s->worst, plan->beta_px), much));
 }
 
 static const char *noisy(const shear_plan_info *plan, char *buf, size_t size) {
@@ -55,16 +68,17 @@ static const char *noisy(const shear_plan_info *plan, char *buf, size_t size) {
                "the PSF is noisy: that alone makes errors of about %.2g %% of the shear, and of "
                "%.1g in it whatever it is, which its errors do not contain: give a model of the "
                "PSF, or the mean of more stars",
-               percent(m), 0.5 * m);
+               percent(m), 0.7 * m);
 }
 
 static const char *undersampled(const shear_plan_info *plan, char *buf, size_t size) {
+    char much[32];
     const shear_psf_summary *s = &plan->psf;
-    return say(
-        s, s->flawed[SHEAR_PSF_UNDERSAMPLED], buf, size,
-        "the PSF is under-sampled: its radius R_PSF is only %.2g of its samples, and which "
-        "biases the shear by about %.2g %%: give it with more samples a pixel (OVERSAMP)",
-        s->worst.sampling, percent(shear_psf_sampling_bias(&s->worst, plan->beta_px)));
+    return say(s, s->flawed[SHEAR_PSF_UNDERSAMPLED], buf, size,
+               "the PSF is under-sampled: its radius R_PSF is only %.2g of its samples, which "
+               "biases the shear by %s: give it with more samples a pixel (OVERSAMP)",
+               s->worst.sampling,
+               how_much(shear_psf_sampling_bias(&s->worst, plan->beta_px), much));
 }
 
 static const char *negative(const shear_plan_info *plan, char *buf, size_t size) {

@@ -136,6 +136,7 @@ json_t *json_text_psf(const shear_psf_summary *s) {
     json_text_set(o, "flaws", flaw_counts(s), &failed);
     json_text_set(o, "r_psf_px", json_text_number(q->r_psf_px), &failed);
     json_text_set(o, "sampling", json_text_number(q->sampling), &failed);
+    json_text_set(o, "rim_px", json_text_number(q->rim_px), &failed);
     json_text_set(o, "border", json_text_number(q->border), &failed);
     json_text_set(o, "border_err", json_text_number(q->border_err), &failed);
     json_text_set(o, "border_slope", json_text_number(q->border_slope), &failed);

@@ -12,8 +12,9 @@ static const struct {
     {"noise_not_finite", "NaN, infinite or BLANK pixels in the noise stamp"},
     {"masked", "CATALOG.FLAGS is not zero"},
     {"empty", "all pixels of the galaxy stamp are equal"},
-    {"psf_unusable",
-     "the stamp's PSF is not finite, has no flux, is too wide for beta, or is missing"},
+    {"psf_unusable", "the stamp's PSF is not finite, flat, has no flux, its peak at the edge, is "
+                     "too wide for beta, or "
+                     "is missing"},
     {"bad_weight", "CATALOG.WEIGHT is negative, not finite, or above 0 but below 1e-100"},
     {"bad_r_gal", "CATALOG.R_GAL is not positive and finite, and the filter needs it"},
     {"overflow", "the pixels are finite, but the moments, or the sums made of them, are not"},

@@ -29,13 +29,12 @@ SHEAR_SIMD static bool scan(const double *psf, long n, double *sum, double *peak
     return not_finite == 0.0;
 }
 
-int psf_check(const double *psf, int nx, int ny, shear_error *err) {
+int psf_check(const double *psf, int nx, int ny, double *peak, shear_error *err) {
     static const char advice[] =
         "the PSF must be an image of positive total flux, pixel response included";
     const long n = (long)nx * ny;
     double sum;
-    double peak;
-    if (!scan(psf, n, &sum, &peak)) {
+    if (!scan(psf, n, &sum, peak)) {
         long i = 0;
         while (i < n - 1 && isfinite(psf[i])) {
             i++;
@@ -43,9 +42,9 @@ int psf_check(const double *psf, int nx, int ny, shear_error *err) {
         return shear_fail(err, SHEAR_E_PSF, advice, "the PSF is not finite at sample (%ld, %ld)",
                           i % nx + 1, i / nx + 1);
     }
-    if (!(sum > 0.0) || !(peak > 0.0) || !isfinite(sum)) {
+    if (!(sum > 0.0) || !(*peak > 0.0) || !isfinite(sum)) {
         return shear_fail(err, SHEAR_E_PSF, advice,
-                          "the PSF's sum is %g and its peak %g: not positive", sum, peak);
+                          "the PSF's sum is %g and its peak %g: not positive", sum, *peak);
     }
     return SHEAR_OK;
 }
@@ -205,7 +204,8 @@ static int cell_side(const psf_view *v, int i, int j, double level) {
 
 int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
                      shear_error *err) {
-    if (psf_check(psf, nx, ny, err) != SHEAR_OK) {
+    double largest;
+    if (psf_check(psf, nx, ny, &largest, err) != SHEAR_OK) {
         return SHEAR_E_PSF;
     }
     const psf_view view = {.psf = psf, .nx = nx, .ny = ny};

@@ -6,7 +6,7 @@
 #include "shear/error.h"
 
 /* SHEAR_E_PSF where the image [ny][nx] is not finite, or its sum or its brightest sample is not
- * positive. */
-int psf_check(const double *psf, int nx, int ny, shear_error *err);
+ * positive. *peak: that sample. */
+int psf_check(const double *psf, int nx, int ny, double *peak, shear_error *err);
 
 #endif

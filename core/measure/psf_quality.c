@@ -38,13 +38,18 @@ static view view_of(const double *psf, int nx, int ny) {
     return v;
 }
 
-static double brightest_edge(const view *v) {
-    double most = -INFINITY;
-    for (int x = 0; x < v->nx; x++) {
-        most = fmax(most, fmax(at(v, x, 0), at(v, x, v->ny - 1)));
+static double brighter(double a, double b) {
+    return a > b ? a : b;
+}
+
+static double brightest_edge(const double *psf, int nx, int ny) {
+    const double *last = psf + (size_t)(ny - 1) * (size_t)nx;
+    double most = psf[0];
+    for (int x = 0; x < nx; x++) {
+        most = brighter(most, brighter(psf[x], last[x]));
     }
-    for (int y = 0; y < v->ny; y++) {
-        most = fmax(most, fmax(at(v, 0, y), at(v, v->nx - 1, y)));
+    for (const double *row = psf; row <= last; row += nx) {
+        most = brighter(most, brighter(row[0], row[nx - 1]));
     }
     return most;
 }
@@ -106,15 +111,22 @@ static int refuse_edge(const view *v, double edge, shear_error *err) {
 }
 
 int shear_psf_usable(const double *psf, int nx, int ny, shear_error *err) {
-    if (psf_check(psf, nx, ny, err) != SHEAR_OK) {
+    double peak;
+    if (psf_check(psf, nx, ny, &peak, err) != SHEAR_OK) {
         return SHEAR_E_PSF;
     }
-    const view v = view_of(psf, nx, ny);
-    const double edge = brightest_edge(&v);
-    return edge > edge_max * at(&v, v.x, v.y) ? refuse_edge(&v, edge, err) : SHEAR_OK;
+    const double edge = brightest_edge(psf, nx, ny);
+    if (edge > edge_max * peak) {
+        const view v = view_of(psf, nx, ny);
+        return refuse_edge(&v, edge, err);
+    }
+    return SHEAR_OK;
 }
 
 /* ---- levels about the peak ---- */
+
+/* What falls no faster than this has no finite flux beyond: it is no wing. */
+static const double pedestal_slope = 2.2;
 
 enum { MAX_RINGS = 2050 }; /* half the largest side of a PSF, and a little */
 
@@ -229,7 +241,6 @@ static double slope_of(const ring_level *inner, const ring_level *outer, double 
 /* The level at the rim, how it falls towards it, and what lies beyond if it goes on so. */
 static void look_beyond(shear_psf_quality *q, const rings *r, double peak, double sum,
                         double noise) {
-    static const double least_slope = 2.2;
     const ring_level outer = level(r, 0.8, 1.0);
     const ring_level inner = level(r, 0.45, 0.65);
     const double slope = slope_of(&inner, &outer, noise);
@@ -242,7 +253,7 @@ static void look_beyond(shear_psf_quality *q, const rings *r, double peak, doubl
     const double steep = slope - 2.0;
     const double beyond = 2.0 * M_PI * outer.mean * outer.distance * outer.distance *
                           pow(outer.distance / edge, steep) / steep;
-    q->cut = slope >= least_slope && isfinite(slope) ? beyond / (sum + beyond) : (double)NAN;
+    q->cut = slope > pedestal_slope && isfinite(slope) ? beyond / (sum + beyond) : (double)NAN;
 }
 
 static double sum_of(const view *v, double *lowest) {
@@ -274,6 +285,7 @@ int shear_psf_look(shear_psf_quality *q, const double *psf, int nx, int ny, int 
     q->lowest = lowest < -sigmas * (isnan(noise) ? 0.0 : noise) ? lowest / peak : 0.0;
     q->sampling = q->r_psf_px * oversample;
     look_beyond(q, &r, peak, sum, noise);
+    q->rim_px = (double)r.n / oversample;
     return SHEAR_OK;
 }
 
@@ -283,15 +295,18 @@ int shear_psf_look(shear_psf_quality *q, const double *psf, int nx, int ny, int 
 static const double bias_max = 2e-3;
 static const double border_sigmas = 4.0;
 static const double lowest_min = -0.02;
-static const double pedestal_slope = 1.5;
 
 static bool falls(const shear_psf_quality *q) {
     return q->border > 0.0 && q->border_slope > pedestal_slope;
 }
 
+/* The modes that count average over a disc of about the width of target and galaxy: where the rim
+ * lies far outside it, its level counts for less. */
 double shear_psf_border_bias(const shear_psf_quality *q, double beta_px) {
+    const double ratio = beta_px / q->r_psf_px;
     const double part = falls(q) ? 2.0 / fmax(2.0, q->border_slope) : 1.0;
-    return part * fabs(q->border) * pow(beta_px / q->r_psf_px, 3.0);
+    const double far = q->rim_px / (q->r_psf_px * sqrt(2.0 * ratio * ratio + 5.0));
+    return part * fabs(q->border) * pow(ratio, 3.0) * exp(-1.1 * fmax(0.0, far - 2.8));
 }
 
 /* The integrals over u = k^2 of (u - beta^2 u^2/2) exp(-b^2 u), what a Gaussian galaxy of radius
@@ -341,6 +356,7 @@ static double larger(double a, double b) {
 
 static void keep_worst(shear_psf_quality *w, const shear_psf_quality *q) {
     if (fabs(q->border) > fabs(w->border)) {
+        w->rim_px = q->rim_px;
         w->border = q->border;
         w->border_err = q->border_err;
         w->border_slope = q->border_slope;

@@ -14,6 +14,7 @@ import unittest
 
 import daemon
 from daemon import SHEARCTL, DaemonTest, mock, until
+from fitsfile import Field
 
 TIMED = ("seconds",)
 ROW_ONLY = {"digest", "jobs", "unfinished", "partial", "running", "updated", "contributions", "more",
@@ -120,6 +121,26 @@ class ResultsTest(DaemonTest):
                 self.assertIsNotNone(row["truth"])
             warned += len(expected["warnings"])
         self.assertGreaterEqual(warned, 2, "no case of these warns: the test is blunt")
+
+    def test_doubtful_psfs(self):
+        """What is said of PSFs is kept with the file: also when the job is long gone."""
+        d = self.daemon({"retention.jobs_max_count": "1"})
+        for own in (False, True):
+            field = Field(n=4, name=f"own-{own}")
+            bad = [p + 0.02 * max(field.psf) for p in field.psf]
+            if own:
+                field.psf_cube = [field.psf, bad, field.psf, [0.5] * len(bad)]
+            else:
+                field.psf = bad
+            path = field.write(d.path("data", f"{own}.fits"))
+            expected = measure([path], {}, "--field", field.name)
+            self.assertEqual(len(expected["warnings"]), 1 + own)
+            self.assertIn("the PSF's border is at 2 % of its peak", expected["warnings"][-1])
+            job = d.wait_state(d.submit(path)["id"], "done")
+            self.assertEqual(job["result"]["warnings"], expected["warnings"])
+        until(lambda: len(d.jobs()) == 1, "a job is forgotten", step=0.1)
+        self.assertEqual(len(self.row(d, "own-False")["warnings"]), 1)
+        self.assertEqual(self.row(d, "own-True")["warnings"], expected["warnings"])
 
     def several(self, d, field, *hows):
         """Files of one field, counted in this order."""

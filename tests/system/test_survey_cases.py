@@ -168,27 +168,22 @@ class PsfImages(Case):
         field.psf = [change(p, i % n - (n - 1) / 2, i // n - (n - 1) / 2) for i, p in enumerate(field.psf)]
         return field
 
-    @awaited
     def test_a_border(self):
         peak = max(bright(n=1).psf)
         self.tells(self.with_psf(lambda p, x, y: p + 0.01 * peak), r"psf.*(border|background|pedestal)")
 
-    @awaited
     def test_corner_ordered(self):
         field = bright(n=24)
         n, half = field.psf_nx, field.psf_nx // 2
         field.psf = [field.psf[(y + half) % n * n + (x + half) % n] for y in range(n) for x in range(n)]
         self.tells(field, r"corner")
 
-    @awaited
     def test_cut(self):
         self.tells(self.with_psf(lambda p, x, y: p if max(abs(x), abs(y)) < 2 else 0.0), r"psf.*(cut|wings|edge)")
 
-    @awaited
     def test_one_sample_a_pixel_where_it_is_narrow(self):
         self.tells(Field(n=24, r_psf=0.45), r"psf.*sampl|OVERSAMP")
 
-    @awaited
     def test_a_star_s_noise(self):
         rng = random.Random(3)
         norm = math.sqrt(sum(p * p for p in bright(n=1).psf))

@@ -75,6 +75,45 @@ static void rough_border_warns(void **state) {
     assert_null(rough_advice(0.06, 0.01, 1.0, SHEAR_FILTER_EDGE));
 }
 
+/* Nothing where nothing is known; a line a flaw, with counts where there are several PSFs, and room
+ * for all at once. */
+static void psf_warns(void **state) {
+    (void)state;
+    shear_advice_list list = {.n = 0};
+    shear_plan_info plan = {.beta_px = 3.0};
+    shear_advice_psf(&list, &plan);
+    assert_int_equal(list.n, 0);
+    plan.psf = (shear_psf_summary){
+        .looked_at = 1,
+        .flawed = {[SHEAR_PSF_CUT] = 1},
+        .worst = {
+            .r_psf_px = 1.5, .border = 1e-3, .rim_px = 7.0, .border_slope = 4.0, .cut = 0.02}};
+    shear_advice_psf(&list, &plan);
+    assert_int_equal(list.n, 1);
+    assert_string_equal(
+        list.lines[0],
+        "the PSF's wings are cut off where they are at 0.1 % of the peak (about 2 % of the light "
+        "is "
+        "missing), which biases the shear by about 0.4 %: give a larger image of the PSF, with no "
+        "background left in");
+    plan.psf.looked_at = 256;
+    plan.psf.unusable = 3;
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+        plan.psf.flawed[i] = 200 + i;
+    }
+    shear_result r = {.n_used = 2};
+    shear_advice_all(&list, &r, &plan);
+    assert_true(list.n >= 6);
+    assert_non_null(strstr(list.lines[list.n - 6], "3 of 256 PSFs looked at are unusable"));
+    for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
+        char count[40];
+        const char *line = list.lines[list.n - 5 + (size_t)i];
+        snprintf(count, sizeof count, "%d of 256 PSFs looked at (the worst): ", 200 + i);
+        assert_true(strncmp(line, count, strlen(count)) == 0);
+        assert_true(strlen(line) < SHEAR_ADVICE_SIZE - 1);
+    }
+}
+
 /* Some value of a setting that is not its default. */
 static const char *other_value(const shear_setting_def *def, char *buf, size_t size) {
     if (def->type == SHEAR_T_CHOICE) {
@@ -167,6 +206,7 @@ int main(void) {
         cmocka_unit_test(filter_warns_above_one_percent_and_three_errors),
         cmocka_unit_test(bright_border_warns),
         cmocka_unit_test(rough_border_warns),
+        cmocka_unit_test(psf_warns),
         cmocka_unit_test(every_setting_is_an_option),
         cmocka_unit_test(other_values_are_no_settings),
         cmocka_unit_test(little_room_is_not_overrun),

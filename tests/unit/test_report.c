@@ -134,8 +134,8 @@ static void an_unopened_file_has_nulls(void **state) {
     assert_non_null(
         strstr(text, "{\"path\":\"x\",\"good\":false,\"verdict\":\"no such file\",\"advice\":\"\","
                      "\"field\":null,"));
-    assert_non_null(
-        strstr(text, "\"resolved\":null,\"n_measurable\":null,\"flags\":null,\"negative\":null,"));
+    assert_non_null(strstr(text, "\"resolved\":null,\"psf\":null,\"warnings\":[],\"n_measurable\":"
+                                 "null,\"flags\":null,\"negative\":null,"));
     free(text);
 }
 
@@ -215,6 +215,11 @@ static void accounts_keep_all(void **state) {
     plan.filter_per_stamp = true;
     plan.geometry.nx = 48;
     plan.geometry.ny = 50;
+    plan.psf = (shear_psf_summary){
+        .looked_at = 64,
+        .unusable = 2,
+        .flawed = {1, 2, 3, 4, 5},
+        .worst = {1.0 / 7.0, 1e-3, 12.5, 1e-5, INFINITY, NAN, 1.0 / 3.0, 1.4, -0.01}};
     const shear_report_file file = {"a\xFF \"b\".fits", "00ff", "f", 5, 4, &plan, 1.0 / 3.0};
     assert_int_equal(shear_account_format(&texts[0], &file, &err), SHEAR_OK);
     assert_int_equal(shear_account_parse(&account, texts[0], &err), SHEAR_OK);
@@ -227,6 +232,10 @@ static void accounts_keep_all(void **state) {
     assert_int_equal(account.plan.interpolation, SHEAR_INTERP_LOG_SPLINE);
     assert_true(isnan(account.plan.core_px));
     assert_true(account.plan.k_cut == plan.k_cut);
+    assert_int_equal(account.plan.psf.looked_at, 64);
+    assert_memory_equal(account.plan.psf.flawed, plan.psf.flawed, sizeof plan.psf.flawed);
+    assert_true(account.plan.psf.worst.noise == 1.0 / 3.0 &&
+                account.plan.psf.worst.r_psf_px == 1.0 / 7.0);
     shear_account_deinit(&account);
     free(texts[0]);
     free(texts[1]);

@@ -19,6 +19,7 @@ typedef struct shear_psf_quality {
     /* The mean of the samples at the rim: about as far from the peak as the nearest edge of the
      * image, or, where what lies outside is exactly 0, as the last samples that are not. */
     double border;
+    double rim_px;     /* its distance from the peak */
     double border_err; /* of that mean, from `noise` */
     /* Near the rim the level falls like r^-slope; about 0 for a pedestal. +INFINITY where the rim
      * is not above 0, NaN where its level is below 3 errors. */
@@ -41,8 +42,8 @@ enum shear_psf_flaw {
 };
 
 /* How large the flaws are, as relative errors of the shear: |m| that the border makes, the scatter
- * of m (and of 2 c) that the noise makes, |m| that the sampling makes. Estimates, right within a
- * factor of two or three near 2e-3, for galaxies as large as the PSF. */
+ * of m that the noise makes (that of c is 0.7 of it), |m| that the sampling makes. Estimates, right
+ * within a factor of two or three near 2e-3, for galaxies about as large as the PSF. */
 double shear_psf_border_bias(const shear_psf_quality *q, double beta_px);
 double shear_psf_noise_bias(const shear_psf_quality *q, double beta_px);
 double shear_psf_sampling_bias(const shear_psf_quality *q, double beta_px);

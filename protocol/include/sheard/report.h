@@ -79,8 +79,8 @@ typedef struct shear_verdict {
     const shear_plan_info *plan; /* NULL where no plan could be made */
     const char *const *warnings; /* [n_warnings] what is doubtful */
     size_t n_warnings;
-    bool scanned;                /* the members below are known */
-    int64_t n_measurable;        /* stamps that carry no flag */
+    bool scanned;         /* the members below are known */
+    int64_t n_measurable; /* stamps that carry no flag */
     shear_fault flags[SHEAR_N_FLAGS];
     shear_fault negative; /* stamps with pixels below minus the pedestal, under a log method */
     double lowest_pixel;  /* of all finite pixels, galaxy and noise */
