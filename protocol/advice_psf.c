@@ -65,9 +65,9 @@ static const char *noisy(const shear_plan_info *plan, char *buf, size_t size) {
     const shear_psf_summary *s = &plan->psf;
     const double m = shear_psf_noise_bias(&s->worst, plan->beta_px);
     return say(s, s->flawed[SHEAR_PSF_NOISY], buf, size,
-               "the PSF is noisy: that alone makes errors of about %.2g %% of the shear, and of "
-               "%.1g in it whatever it is, which its errors do not contain: give a model of the "
-               "PSF, or the mean of more stars",
+               "the PSF is noisy, which makes errors of about %.1g %% of the shear and of %.1g "
+               "besides, and the errors given do not contain them: give a model of the PSF, or the "
+               "mean of more stars",
                percent(m), 0.7 * m);
 }
 

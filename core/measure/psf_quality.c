@@ -301,12 +301,15 @@ static bool falls(const shear_psf_quality *q) {
 }
 
 /* The modes that count average over a disc of about the width of target and galaxy: where the rim
- * lies far outside it, its level counts for less. */
+ * lies far outside it, its level counts for less; the square of a pedestal's flux is left. */
 double shear_psf_border_bias(const shear_psf_quality *q, double beta_px) {
     const double ratio = beta_px / q->r_psf_px;
+    const double area = q->rim_px * q->rim_px / (q->r_psf_px * q->r_psf_px);
+    const double square = falls(q) ? 0.0 : 1e-3 * pow(q->border * area, 2.0);
     const double part = falls(q) ? 2.0 / fmax(2.0, q->border_slope) : 1.0;
     const double far = q->rim_px / (q->r_psf_px * sqrt(2.0 * ratio * ratio + 5.0));
-    return part * fabs(q->border) * pow(ratio, 3.0) * exp(-1.1 * fmax(0.0, far - 2.8));
+    const double seen = part * fabs(q->border) * exp(-1.1 * fmax(0.0, far - 2.8));
+    return pow(ratio, 3.0) * (seen + square);
 }
 
 /* The integrals over u = k^2 of (u - beta^2 u^2/2) exp(-b^2 u), what a Gaussian galaxy of radius
