@@ -188,6 +188,29 @@ static int fail_invalid(const struct measure_group *g, shear_error *err) {
                       g->field, (long long)r->n_used, r->sum_d);
 }
 
+/* The advice is on the first file's PSF; others may have others. */
+static void warn_of_other_psfs(struct measure_group *g) {
+    const struct measure_input *first = measure_group_first(g);
+    const struct measure_input *example = NULL;
+    shear_advice_list said = {.n = 0};
+    size_t doubtful = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        shear_advice_list list = {.n = 0};
+        if (g->inputs[i]->measured && g->inputs[i] != first) {
+            shear_advice_psf(&list, &g->inputs[i]->report.plan);
+        }
+        if (list.n > 0 && !example) {
+            example = g->inputs[i];
+            shear_advice_psf(&said, &example->report.plan);
+        }
+        doubtful += list.n > 0;
+    }
+    if (example) {
+        warnings_add(&g->warnings, "%zu of %zu files after the first have doubtful PSFs: %s: %s",
+                     doubtful, g->n - 1, example->path, said.lines[0]);
+    }
+}
+
 /* What stands out in the result. A field without a usable stamp is bad input, but its counts are
  * worth showing. */
 static void judge(struct measure_group *g, size_t done) {
@@ -196,6 +219,7 @@ static void judge(struct measure_group *g, size_t done) {
     for (size_t i = 0; i < advice.n; i++) {
         warnings_add(&g->warnings, "%s", advice.lines[i]);
     }
+    warn_of_other_psfs(g);
     if (done < g->n) {
         warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",
                      g->n - done, g->n);

@@ -112,6 +112,17 @@ class Psf(ToolTest):
         self.assertEqual(len(warnings), 1)
         self.assertIn("3 of 12 PSFs looked at (the worst): the PSF's border is at 2 %", warnings[0])
 
+    def test_a_later_file(self):
+        paths = [Field(n=4 + i, name="one").write(self.path(f"{i}.fits")) for i in range(3)]
+        self.assertEqual(self.measure_one(*paths)["warnings"], [])
+        field = Field(n=9, name="one")
+        field.psf = [p + 0.02 * max(field.psf) for p in field.psf]
+        paths.append(field.write(self.path("bad.fits")))
+        (answer,) = shearctl("measure", "--json", *paths).json()
+        (words,) = answer["warnings"]
+        self.assertIn("1 of 3 files after the first have doubtful PSFs: " + paths[-1], words)
+        self.assertIn("border is at 2 %", words)
+
     def test_all_corner_ordered(self):
         field = Field(n=4)
         field.psf_cube = [rolled(field.psf, 48)] * 4
