@@ -73,6 +73,18 @@ static bool has_background(const shear_verdict *v) {
            fabs(v->noise_mean) > part * v->noise_rms;
 }
 
+/* What to do about a file that would measure. */
+static const char *advice_for(const shear_verdict *v) {
+    if (has_background(v)) {
+        return "the noise stamps have a mean, a background that the filter would cut an edge into: "
+               "give --background noise-mean";
+    }
+    return v->weight_is_suspect
+               ? "weights made of the stamps' own flux bias the shear by several per cent: take "
+                 "weights of something else, or none, and --estimator pdf-sym"
+               : NULL;
+}
+
 /* The verdict on a file whose every stamp has been seen; the words go to *words. */
 static void judge(shear_verdict *v, shear_error *words) {
     int64_t n = v->field->n_stamps;
@@ -92,10 +104,7 @@ static void judge(shear_verdict *v, shear_error *words) {
                    "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
     } else {
         v->good = true;
-        shear_fail(words, SHEAR_OK,
-                   has_background(v) ? "the noise stamps have a mean, a background that the filter "
-                                       "would cut an edge into: give --background noise-mean"
-                                     : NULL,
+        shear_fail(words, SHEAR_OK, advice_for(v),
                    "would measure %" PRId64 " of %" PRId64 " stamps", v->n_measurable, n);
     }
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "field_scan.h"
 
+#include "weight_check.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,6 +22,7 @@ struct scan {
     shear_block *block;
     shear_row *rows; /* [block->capacity] */
     struct levels levels;
+    weight_check weights;
     shear_verdict *v;
 };
 
@@ -154,6 +157,9 @@ static int scan_block(struct scan *s, shear_error *err) {
     }
     for (int i = 0; i < t->count; i++) {
         count_flags(s->v, flags[i], t->first + i);
+        if (!flags[i]) {
+            weight_check_add(&s->weights, t, i);
+        }
     }
     return SHEAR_OK;
 }
@@ -204,6 +210,10 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     v->scanned = !code;
     levels_tell(&s.levels, v);
+    const rank_relation relation = weight_check_relation(&s.weights);
+    v->weight_follows_flux = relation.correlation;
+    v->weight_is_suspect = rank_is_strong(&relation);
+    weight_check_deinit(&s.weights);
     free(s.rows);
     shear_block_free(s.block);
     return code;

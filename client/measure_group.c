@@ -5,6 +5,7 @@
 #include "message.h"
 #include "progress.h"
 #include "sheard/advice.h"
+#include "weight_check.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -154,6 +155,18 @@ static void gathering_deinit(struct gathering *to) {
     shear_field_sums_free(to->sums);
 }
 
+/* Weights made of the stamps' own brightness. */
+static void check_weights(struct measure_group *g, const shear_symmetry *terms) {
+    const rank_relation r = weight_check_terms(terms);
+    if (rank_is_strong(&r)) {
+        warnings_add(&g->warnings,
+                     "WEIGHT follows the stamps' own power (rank correlation %+.2f): such weights "
+                     "bias the shear, 1/flux^2 by 4 to 6 %%; take weights of something else, or "
+                     "none and --estimator pdf-sym",
+                     r.correlation);
+    }
+}
+
 static int run_all(struct measure_group *g, const struct measure_options *o,
                    struct measure_input **order, size_t *done, shear_error *err) {
     struct gathering to = {0};
@@ -163,6 +176,9 @@ static int run_all(struct measure_group *g, const struct measure_options *o,
         code = shear_estimate(o->settings.estimator, to.sums, to.terms, &g->result, err);
     }
     if (!code) {
+        if (to.terms) {
+            check_weights(g, to.terms);
+        }
         code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
     }
     if (!code && to.jack && *done > 0) {

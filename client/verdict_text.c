@@ -110,6 +110,13 @@ static void print_noise(const shear_verdict *v, FILE *out) {
     }
 }
 
+static void print_weights(const shear_verdict *v, FILE *out) {
+    if (isfinite(v->weight_follows_flux)) {
+        fprintf(out, "  %-10s rank correlation with the stamps' own flux %+.2f%s\n", "weights",
+                v->weight_follows_flux, v->weight_is_suspect ? ": they bias the shear" : "");
+    }
+}
+
 void verdict_text_print(const shear_verdict *v, FILE *out) {
     char clean[1024];
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
@@ -124,6 +131,7 @@ void verdict_text_print(const shear_verdict *v, FILE *out) {
     }
     if (v->scanned) {
         print_noise(v, out);
+        print_weights(v, out);
         print_fault("negative", "pixels below zero, of which there is no logarithm", &v->negative,
                     out);
     }

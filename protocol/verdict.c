@@ -90,6 +90,8 @@ int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
     json_text_set(o, "lowest_pixel", v->scanned ? json_text_number(v->lowest_pixel) : json_null(),
                   &failed);
     json_text_set(o, "noise", v->scanned ? noise_object(v) : json_null(), &failed);
+    json_text_set(o, "weight_follows_flux",
+                  v->scanned ? json_text_number(v->weight_follows_flux) : json_null(), &failed);
     json_text_set(o, "version", json_text_string(shear_version()), &failed);
     return json_text_finish(text, o, failed, err);
 }

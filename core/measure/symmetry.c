@@ -82,6 +82,13 @@ size_t shear_symmetry_count(const shear_symmetry *s) {
     return s->n;
 }
 
+void shear_symmetry_powers(const shear_symmetry *s, double *weight, double *d) {
+    for (size_t i = 0; i < s->n; i++) {
+        weight[i] = s->stamps[i].weight;
+        d[i] = s->stamps[i].d;
+    }
+}
+
 /* A double as 8 bytes, the lowest first. */
 static void put_double(double value, unsigned char *out) {
     uint64_t bits;

@@ -256,6 +256,14 @@ class Files(ToolTest):
         self.assertIsNone(self.measure_one(few)["estimators"])
         self.assertNotIn("precision", shearctl("measure", few).out)
 
+    def test_weights_of_the_flux(self):
+        field = Field(n=210, nx=24, ny=24, sigma=2.0)
+        fluxes = [sum(stamp) for stamp in field.galaxy]
+        for weights, warned in (([1 / f ** 2 for f in fluxes], True), ([1 + i % 7 for i in range(210)], False)):
+            field.columns = [("WEIGHT", "D", weights)]
+            result = self.measure_one(field.write(self.path(f"{warned}.fits")))
+            self.assertEqual(any("WEIGHT follows" in w for w in result["warnings"]), warned)
+
     def test_symmetry_needs_16_stamps(self):
         path = Field(n=15).write(self.path("a.fits"))
         self.assertFails(shearctl("measure", path, "--estimator", "pdf-sym"), INPUT, "usable")

@@ -2,6 +2,7 @@
 """shearctl validate: what it says of good files and of those that are half good. Bad files are in
 test_bad_input.py."""
 import math
+import random
 import unittest
 
 from fitsfile import Field
@@ -9,7 +10,7 @@ from tool import DONE, INPUT, PARTLY, ToolTest, shearctl
 
 KEYS = ["path", "good", "verdict", "advice", "field", "settings", "resolved", "psf",
         "warnings", "n_measurable",
-        "flags", "negative", "lowest_pixel", "noise", "version"]
+        "flags", "negative", "lowest_pixel", "noise", "weight_follows_flux", "version"]
 
 
 class Validate(ToolTest):
@@ -127,6 +128,30 @@ class Validate(ToolTest):
         self.assertEqual((verdict["negative"]["count"], verdict["n_measurable"]), (0, 3))
         self.assertEqual(verdict["lowest_pixel"], -5.0)
         self.assertEqual(self.measure_one(path, *args)["n_used"], 3)
+
+    def test_weights_of_the_flux(self):
+        """Weights made of the stamps' own flux are told of, by rank; others, and few, are not."""
+        field = Field(n=60, nx=24, ny=24, sigma=2.0)
+        fluxes = [sum(stamp) for stamp in field.galaxy]
+        self.assertIsNone(self.validate(field.write(self.path("none.fits")))["weight_follows_flux"])
+        rng = random.Random(5)
+        for name, weights, suspect in (("flux", [1 / f ** 2 for f in fluxes], True),
+                                       ("brightness", [f ** 3 for f in fluxes], True),
+                                       ("steps", [1 + (f > sorted(fluxes)[20]) + (f > sorted(fluxes)[40]) for f in fluxes], True),
+                                       ("level", [rng.uniform(0.5, 2.0) for _ in fluxes], False),
+                                       ("partly", [1e4 + 0.3 * f + rng.uniform(0, 1e4) for f in fluxes], False),
+                                       ("equal", [3.0] * 60, False)):
+            field.columns = [("WEIGHT", "D", weights)]
+            path = field.write(self.path(name + ".fits"))
+            verdict = self.validate(path)
+            self.assertTrue(verdict["good"])
+            self.assertEqual("--estimator pdf-sym" in verdict["advice"], suspect, name)
+            self.assertEqual("they bias the shear" in shearctl("validate", path).out, suspect, name)
+        few = Field(n=24, nx=24, ny=24)
+        few.columns = [("WEIGHT", "D", [1 / sum(stamp) for stamp in few.galaxy])]
+        verdict = self.validate(few.write(self.path("few.fits")))
+        self.assertLess(verdict["weight_follows_flux"], -0.95)
+        self.assertEqual(verdict["advice"], "")
 
     def test_background(self):
         field = Field(n=6, sigma=2.0)

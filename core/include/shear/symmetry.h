@@ -57,6 +57,8 @@ int shear_symmetry_join(shear_symmetry *s, const shear_symmetry *other, size_t f
 /* Back to the first n stamps; the memory is kept. */
 void shear_symmetry_truncate(shear_symmetry *s, size_t n);
 size_t shear_symmetry_count(const shear_symmetry *s);
+/* Weight and D (the power, about flux^2) of each stamp, in the order of adding: [count] each. */
+void shear_symmetry_powers(const shear_symmetry *s, double *weight, double *d);
 
 /* As bytes, SHEAR_SYMMETRY_BYTES a stamp in the order of adding, the same on every machine: those
  * of the stamps [from, count) into out. And back: SHEAR_E_FORMAT where the size is not a whole

@@ -88,11 +88,15 @@ typedef struct shear_verdict {
      * error, from their scatter (NaN for less than 2), and how much pixels scatter about their own
      * stamp's mean. */
     double noise_mean, noise_mean_err, noise_rms;
+    /* Rank correlation of WEIGHT with the flux of the same stamps, and whether it is beyond doubt
+     * and strong: then the weights bias the shear. NaN where all weights are equal. */
+    double weight_follows_flux;
+    bool weight_is_suspect;
 } shear_verdict;
 
 /* Keys: path good verdict advice field{} settings{} resolved{} psf{} warnings[] n_measurable
  * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel noise{mean,mean_err,rms}
- * version; null for what is not known. SHEAR_E_NOMEM. */
+ * weight_follows_flux version; null for what is not known. SHEAR_E_NOMEM. */
 int shear_verdict_json(char **text, const shear_verdict *verdict, shear_error *err);
 
 #endif
