@@ -51,7 +51,8 @@ void weight_check_add(weight_check *c, const shear_stamps *t, int i) {
     if (!t->weight || !(t->weight[i] > 0.0) || c->n >= RANK_MAX || !make_room(c)) {
         return;
     }
-    const double level = mean_of(t->noise + (size_t)i * n, n);
+    const size_t planes = t->noise_planes > 1 ? (size_t)t->noise_planes : 1;
+    const double level = mean_of(t->noise + (size_t)i * planes * n, planes * n);
     c->weight[c->n] = t->weight[i];
     c->flux[c->n++] = central_flux(t->galaxy + (size_t)i * n, t->nx, t->ny, level);
 }
