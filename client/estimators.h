@@ -8,7 +8,7 @@
 
 enum {
     ESTIMATORS_MIN = 200,    /* used stamps: from here on both errors are right within 5 % */
-    ESTIMATORS_MAX = 1000000 /* stamps whose terms are kept only for this: some 50 MB */
+    ESTIMATORS_MAX = 1000000 /* stamps whose terms are kept only for this: 56 MB */
 };
 
 /* Will both be told of a field of so many stamps? Then keep its terms. */

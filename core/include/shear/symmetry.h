@@ -22,7 +22,7 @@
  * of the difference. Weights are rounded to 1/SHEAR_SYMMETRY_WEIGHTS of the largest.
  *
  * Counts are integers and bins come from sorted values: the answer is the same to the last bit for
- * any order of stamps. Memory: 48 bytes a stamp are kept; solving takes 29 more for its time.
+ * any order of stamps. Memory: 56 bytes a stamp are kept; solving takes 29 more for its time.
  *
  * The errors suppose that stamps are independent of each other: like the delta method's they are
  * too large for rotated copies of the same galaxies.
