@@ -39,7 +39,8 @@ static void resolve_settings(shear_settings *s, const shear_mock_spec *m) {
     if (isnan(s->beta_px)) {
         s->beta_px = fmax(s->beta_ratio * m->r_psf_px, s->beta_floor_px);
     }
-    bool paper = s->filter == SHEAR_FILTER_PAPER || s->filter == SHEAR_FILTER_AUTO;
+    bool paper = s->filter == SHEAR_FILTER_PAPER || s->filter == SHEAR_FILTER_AUTO ||
+                 s->filter == SHEAR_FILTER_R_GAL;
     if (paper && isnan(s->core_px)) {
         s->filter = SHEAR_FILTER_AUTO; /* which is what a core of one's own goes with */
         s->core_px = m->r_gal_px + 4.0 * s->beta_px;

@@ -15,7 +15,7 @@ static const char *const presets[] = {"default", "zhang2010", NULL};
 static const char *const interpolations[] = {
     "auto",         "none",        "bilinear",   "bicubic", "spline",
     "log-bilinear", "log-bicubic", "log-spline", "paper",   NULL};
-static const char *const filters[] = {"auto", "paper", "edge", "none", NULL};
+static const char *const filters[] = {"auto", "paper", "edge", "none", "r-gal", NULL};
 static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
 static const char *const backgrounds[] = {"auto", "keep", "noise-mean", NULL};
@@ -44,7 +44,9 @@ static const shear_setting_def table[] = {
      "smallest beta, where beta is auto; 0: none"},
     {"filter", "FILTER", SHEAR_T_CHOICE, AT(filter), filters, 0, 0, false, "", "KIND",
      "border filter: paper (core R_G + 4 beta, width beta), edge (widest that ends at the border), "
-     "none; auto: paper where R_G is known, else none"},
+     "none; r-gal: paper where R_GAL is known, else none; auto: the same, but else the smallest "
+     "core "
+     "that leaves the file's own galaxies whole"},
     {"core", "CORE_PX", SHEAR_T_DOUBLE, AT(core_px), NULL, 0, 2048, true, "px", "PX",
      "radius within which the filter is 1; auto: by the filter's rule"},
     {"width", "WIDTH_PX", SHEAR_T_DOUBLE, AT(width_px), NULL, 1e-3, 2048, true, "px", "PX",
@@ -317,7 +319,7 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
                           "choose an interpolation, or leave oversample at auto",
                           "setting 'oversample' is %d but interpolation is none", s->oversample);
     }
-    if (core_given && s->filter != SHEAR_FILTER_AUTO) {
+    if (core_given && s->filter != SHEAR_FILTER_AUTO && s->filter != SHEAR_FILTER_R_GAL) {
         return shear_fail(err, SHEAR_E_SETTING, "a core of your own goes with filter=auto",
                           "setting 'core' contradicts filter=%s", shear_filter_name(s->filter));
     }
@@ -354,7 +356,7 @@ const char *shear_interpolation_name(int interpolation) {
 }
 
 const char *shear_filter_name(int filter) {
-    return filter >= 0 && filter <= SHEAR_FILTER_NONE ? filters[filter] : "unknown";
+    return filter >= 0 && filter <= SHEAR_FILTER_R_GAL ? filters[filter] : "unknown";
 }
 
 const char *shear_estimator_name(int estimator) {

@@ -105,11 +105,28 @@ static int resolve_sampling(const shear_settings *set, shear_plan_info *info, in
     return check_psf_size(info, *psf_factor, err);
 }
 
-static int resolve_filter(const shear_settings *set, shear_plan_info *info, bool has_r_gal,
-                          shear_error *err) {
-    const bool core_given = !isnan(set->core_px);
+static bool filter_by_rule(const shear_settings *set) {
+    return set->filter == SHEAR_FILTER_AUTO || set->filter == SHEAR_FILTER_R_GAL;
+}
+
+bool shear_plan_wants_core(const shear_settings *settings, const shear_plan_basis *basis) {
+    return settings->filter == SHEAR_FILTER_AUTO && isnan(settings->core_px) && !basis->has_r_gal;
+}
+
+static double width_of(const shear_settings *set, int filter, double beta_px) {
+    return !isnan(set->width_px)         ? set->width_px
+           : filter == SHEAR_FILTER_EDGE ? 0.5 * beta_px
+                                         : beta_px;
+}
+
+static int resolve_filter(const shear_settings *set, shear_plan_info *info,
+                          const shear_plan_basis *basis, shear_error *err) {
+    const bool has_r_gal = basis->has_r_gal;
+    const bool found = shear_plan_wants_core(set, basis) && !isnan(basis->core_px);
+    const double core = found ? basis->core_px : set->core_px;
+    const bool core_given = !isnan(core);
     info->filter = set->filter;
-    if (info->filter == SHEAR_FILTER_AUTO) {
+    if (filter_by_rule(set)) {
         info->filter = core_given || has_r_gal ? SHEAR_FILTER_PAPER : SHEAR_FILTER_NONE;
     }
     info->core_px = NAN;
@@ -124,10 +141,8 @@ static int resolve_filter(const shear_settings *set, shear_plan_info *info, bool
             "filter=paper needs R_G of the galaxies, and there is no column R_GAL in CATALOG");
     }
     const bool edge = info->filter == SHEAR_FILTER_EDGE;
-    info->width_px = !isnan(set->width_px) ? set->width_px
-                     : edge                ? 0.5 * info->beta_px
-                                           : info->beta_px;
-    info->core_px = core_given ? set->core_px : NAN;
+    info->width_px = width_of(set, info->filter, info->beta_px);
+    info->core_px = core;
     if (edge) {
         info->core_px = filter_edge_core(info->geometry.nx, info->geometry.ny, info->width_px);
         if (!(info->core_px > 0.0)) {
@@ -233,20 +248,15 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) 
     return code;
 }
 
-static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool has_r_gal,
-                   int *psf_factor, shear_error *err) {
-    shear_plan_info *info = &plan->info;
+/* R_PSF and beta. */
+static int resolve_radii(const shear_settings *set, shear_plan_info *info,
+                         const shear_plan_basis *basis, shear_error *err) {
     const shear_geometry *g = &info->geometry;
-    int code = shear_settings_check(&plan->settings, err);
-    if (code == SHEAR_OK) {
-        code = check_geometry(g, err);
-    }
-    info->r_psf_px = r_psf_px;
-    shear_psf_quality quality = {.r_psf_px = r_psf_px};
-    if (code == SHEAR_OK && psf != NULL) {
-        code = shear_psf_look(&quality, psf, g->psf_nx, g->psf_ny, g->psf_oversample, err);
-        info->r_psf_px = quality.r_psf_px;
-    }
+    shear_psf_quality quality = {.r_psf_px = basis->r_psf_px};
+    const int code = basis->psf == NULL ? SHEAR_OK
+                                        : shear_psf_look(&quality, basis->psf, g->psf_nx, g->psf_ny,
+                                                         g->psf_oversample, err);
+    info->r_psf_px = quality.r_psf_px;
     if (code != SHEAR_OK) {
         return code;
     }
@@ -254,16 +264,36 @@ static int resolve(shear_plan *plan, const double *psf, double r_psf_px, bool ha
         return shear_fail(err, SHEAR_E_PSF, NULL, "the PSF's scale radius is %g px",
                           info->r_psf_px);
     }
-    const shear_settings *set = &plan->settings;
     info->beta_px = !isnan(set->beta_px)
                         ? set->beta_px
                         : fmax(set->beta_ratio * info->r_psf_px, set->beta_floor_px);
-    if (psf != NULL) {
+    if (basis->psf != NULL) {
         shear_psf_summary_add(&info->psf, &quality, info->beta_px);
     }
-    code = resolve_sampling(set, info, psf_factor, err);
+    return SHEAR_OK;
+}
+
+static int resolve(shear_plan *plan, const shear_plan_basis *basis, int *psf_factor,
+                   shear_error *err) {
+    shear_plan_info *info = &plan->info;
+    const shear_settings *set = &plan->settings;
+    int code = shear_settings_check(set, err);
+    code = code == SHEAR_OK ? check_geometry(&info->geometry, err) : code;
+    code = code == SHEAR_OK ? resolve_radii(set, info, basis, err) : code;
+    code = code == SHEAR_OK ? resolve_sampling(set, info, psf_factor, err) : code;
     info->noise_band = resolve_noise_band(set, info);
-    return code == SHEAR_OK ? resolve_filter(set, info, has_r_gal, err) : code;
+    return code == SHEAR_OK ? resolve_filter(set, info, basis, err) : code;
+}
+
+int shear_plan_find_radii(shear_plan_radii *radii, const shear_settings *settings,
+                          const shear_geometry *geometry, const shear_plan_basis *basis,
+                          shear_error *err) {
+    shear_plan_info info = {.geometry = *geometry};
+    const int code = resolve_radii(settings, &info, basis, err);
+    *radii = (shear_plan_radii){.r_psf_px = info.r_psf_px,
+                                .beta_px = info.beta_px,
+                                .width_px = width_of(settings, settings->filter, info.beta_px)};
+    return code;
 }
 
 /* With a PSF a stamp, only the grid's own limit can be judged here. */
@@ -279,8 +309,9 @@ static int check_limit(shear_plan *plan, shear_error *err) {
     return SHEAR_OK;
 }
 
-int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear_geometry *geometry,
-                   const double *psf, double r_psf_px, bool has_r_gal, shear_error *err) {
+int shear_plan_make(shear_plan **out, const shear_settings *settings,
+                    const shear_geometry *geometry, const shear_plan_basis *basis,
+                    shear_error *err) {
     *out = NULL;
     shear_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL) {
@@ -289,29 +320,42 @@ int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear
     plan->settings = *settings;
     plan->info.geometry = *geometry;
     int psf_factor = 1;
-    int code = resolve(plan, psf, r_psf_px, has_r_gal, &psf_factor, err);
+    int code = resolve(plan, basis, &psf_factor, err);
     if (code == SHEAR_OK && !(make_grids(plan, psf_factor) && make_filter(plan) &&
                               make_high_band(plan) && make_plateau(plan))) {
         code = out_of_memory(err);
     }
     if (code == SHEAR_OK) {
-        code = psf != NULL ? make_transfer(plan, psf, err) : check_limit(plan, err);
+        code = basis->psf != NULL ? make_transfer(plan, basis->psf, err) : check_limit(plan, err);
     }
     if (code != SHEAR_OK) {
         shear_plan_free(plan);
         return code;
     }
+    shear_plan_note_psfs(plan, basis->psfs, basis->n_psfs, basis->n_unusable);
     *out = plan;
     return SHEAR_OK;
 }
 
-int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
-                      const shear_geometry *geometry, const double *psf, double r_psf_px,
-                      bool has_r_gal, shear_error *err) {
+/* The basis only lends the PSF. */
+static shear_plan_basis basis_of(const double *psf, double r_psf_px, bool has_r_gal) {
+    return (shear_plan_basis){
+        .psf = (double *)psf, .r_psf_px = r_psf_px, .has_r_gal = has_r_gal, .core_px = NAN};
+}
+
+int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear_geometry *geometry,
+                   const double *psf, double r_psf_px, bool has_r_gal, shear_error *err) {
+    const shear_plan_basis basis = basis_of(psf, r_psf_px, has_r_gal);
+    return shear_plan_make(out, settings, geometry, &basis, err);
+}
+
+int shear_plan_memory_of(shear_memory *memory, const shear_settings *settings,
+                         const shear_geometry *geometry, const shear_plan_basis *basis,
+                         shear_error *err) {
     shear_plan plan = {.settings = *settings, .info = {.geometry = *geometry}};
     int psf_factor = 1;
-    const int code = resolve(&plan, psf, r_psf_px, has_r_gal, &psf_factor, err);
-    const memory_of m = {.settings = settings, .info = &plan.info, .has_psf = psf != NULL};
+    const int code = resolve(&plan, basis, &psf_factor, err);
+    const memory_of m = {.settings = settings, .info = &plan.info, .has_psf = basis->psf != NULL};
     *memory = (shear_memory){0};
     if (code == SHEAR_OK) {
         memory->plan = memory_of_plan(&m);
@@ -319,6 +363,13 @@ int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
         memory->workspace = memory_of_workspace(&m, memory_last_row(&plan.info));
     }
     return code;
+}
+
+int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
+                      const shear_geometry *geometry, const double *psf, double r_psf_px,
+                      bool has_r_gal, shear_error *err) {
+    const shear_plan_basis basis = basis_of(psf, r_psf_px, has_r_gal);
+    return shear_plan_memory_of(memory, settings, geometry, &basis, err);
 }
 
 static memory_of memory_of_made(const shear_plan *plan) {

@@ -60,8 +60,8 @@ int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
                           shear_psf_source psfs, shear_error *err) {
     const bool one = info->psf_layout == SHEAR_PSF_ONE;
     const shear_geometry *g = &info->geometry;
-    *basis =
-        (shear_plan_basis){.r_psf_px = NAN, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0};
+    *basis = (shear_plan_basis){
+        .r_psf_px = NAN, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0, .core_px = NAN};
     double *psf = malloc((size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *psf);
     if (psf == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF of %d x %d samples",
@@ -86,35 +86,56 @@ void shear_plan_basis_deinit(shear_plan_basis *basis) {
     *basis = (shear_plan_basis){0};
 }
 
-int shear_plan_from_basis(shear_plan **plan, const shear_settings *settings,
-                          const shear_geometry *geometry, const shear_plan_basis *basis,
-                          shear_error *err) {
-    const int code = shear_plan_new(plan, settings, geometry, basis->psf, basis->r_psf_px,
-                                    basis->has_r_gal, err);
-    if (code == SHEAR_OK) {
-        shear_plan_note_psfs(*plan, basis->psfs, basis->n_psfs, basis->n_unusable);
-    }
-    return code;
-}
-
-int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
-                        const shear_field_info *info, shear_psf_source psfs, shear_error *err) {
-    shear_plan_basis basis;
-    *plan = NULL;
-    int code = shear_plan_basis_read(&basis, info, psfs, err);
-    if (code == SHEAR_OK) {
-        code = shear_plan_from_basis(plan, settings, &info->geometry, &basis, err);
-    }
-    shear_plan_basis_deinit(&basis);
-    return code;
-}
-
 static int read_from_file(void *self, int64_t index, double *out, shear_error *err) {
     return shear_field_read_psf(self, index, out, err);
 }
 
+/* The file as a source of one slot. */
+typedef struct one_slot {
+    shear_field *field;
+    shear_block *block;
+} one_slot;
+
+static int read_block(void *self, int slot, int64_t first, int count, const shear_block **block,
+                      shear_error *err) {
+    one_slot *source = self;
+    (void)slot;
+    *block = source->block;
+    return shear_field_read(source->field, first, count, source->block, err);
+}
+
+static int sample_file(shear_plan_basis *basis, const shear_settings *settings, shear_field *field,
+                       shear_error *err) {
+    const shear_field_info *info = shear_field_get_info(field);
+    one_slot slot = {.field = field};
+    if (!shear_plan_wants_core(settings, basis)) {
+        return SHEAR_OK;
+    }
+    const shear_turn_size size = shear_turn_size_for(info, 1);
+    const int capacity = size.stamps < SHEAR_BLOCK ? size.stamps : SHEAR_BLOCK;
+    int code = shear_block_new(&slot.block, info, capacity, err);
+    if (code == SHEAR_OK) {
+        const shear_source source = {.self = &slot, .read = read_block};
+        code = shear_plan_basis_sample(basis, settings, info, source, capacity, err);
+    }
+    shear_block_free(slot.block);
+    return code;
+}
+
 int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,
                          shear_error *err) {
+    const shear_field_info *info = shear_field_get_info(field);
     const shear_psf_source psfs = {.self = field, .read = read_from_file};
-    return shear_plan_for_psfs(plan, settings, shear_field_get_info(field), psfs, err);
+    shear_plan_basis basis;
+    *plan = NULL;
+    int code = shear_plan_basis_read(&basis, info, psfs, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = sample_file(&basis, settings, field, err);
+    if (code == SHEAR_OK) {
+        code = shear_plan_make(plan, settings, &info->geometry, &basis, err);
+    }
+    shear_plan_basis_deinit(&basis);
+    return code;
 }

@@ -49,8 +49,8 @@ static bool key_make(key *k, const shear_settings *settings, const shear_geometr
         char value[64];
         fprintf(out, "%s;", shear_settings_format(settings, &table[i], value, sizeof value));
     }
-    fprintf(out, "%d;%d;%d;%d;%d;%d;%a;", g->nx, g->ny, g->psf_nx, g->psf_ny, g->psf_oversample,
-            basis->has_r_gal, basis->psf != NULL ? 0.0 : basis->r_psf_px);
+    fprintf(out, "%d;%d;%d;%d;%d;%d;%a;%a;", g->nx, g->ny, g->psf_nx, g->psf_ny, g->psf_oversample,
+            basis->has_r_gal, basis->psf != NULL ? 0.0 : basis->r_psf_px, basis->core_px);
     fwrite(basis->psf != NULL ? (const void *)basis->psf : "", 1, n_psf, out);
     fprintf(out, "%d;%d;", basis->n_psfs, basis->n_unusable);
     for (int i = 0; i < basis->n_psfs; i++) {
@@ -144,7 +144,7 @@ void plans_free(plans *p) {
 static int make(plans *p, key *k, const shear_settings *settings, const shear_geometry *geometry,
                 const shear_plan_basis *basis, const shear_plan **plan, shear_error *err) {
     kept_plan *fresh = calloc(1, sizeof *fresh);
-    int code = fresh != NULL ? shear_plan_from_basis(&fresh->plan, settings, geometry, basis, err)
+    int code = fresh != NULL ? shear_plan_make(&fresh->plan, settings, geometry, basis, err)
                              : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     if (code != SHEAR_OK) {
         free(fresh);

@@ -69,8 +69,7 @@ static int reserve(job *j, int64_t bytes, shear_error *err) {
 static int plan_within_budget(job *j, const shear_plan_basis *basis, shear_error *err) {
     const shear_geometry *g = &reader_get_info(j->reader)->geometry;
     shear_memory memory;
-    int code = shear_plan_memory(&memory, &j->settings, g, basis->psf, basis->r_psf_px,
-                                 basis->has_r_gal, err);
+    int code = shear_plan_memory_of(&memory, &j->settings, g, basis, err);
     const int64_t planning = memory.plan + memory.planning;
     for (int64_t bytes = planning; code == SHEAR_OK;) {
         code = reserve(j, bytes, err);
@@ -95,15 +94,22 @@ static int plan_within_budget(job *j, const shear_plan_basis *basis, shear_error
     return code;
 }
 
-/* The PSF is read into memory that is reserved only then: it is no more than the shared memory. */
+/* The PSF and the sample's rings are read into memory that is reserved only then: it is no more
+ * than the shared memory. */
 static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
     shear_plan_basis basis;
     const shear_psf_source psfs = {.self = j, .read = read_psf};
     int code = shear_plan_basis_read(&basis, info, psfs, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const shear_source source = {.self = j->reader, .read = reader_read};
+    const int capacity = j->size.stamps < SHEAR_BLOCK ? j->size.stamps : SHEAR_BLOCK;
+    code = shear_plan_basis_sample(&basis, &j->settings, info, source, capacity, err);
     if (code == SHEAR_OK) {
         code = plan_within_budget(j, &basis, err);
-        shear_plan_basis_deinit(&basis);
     }
+    shear_plan_basis_deinit(&basis);
     return code;
 }
 

@@ -193,7 +193,8 @@ static void test_names(void **state) {
     assert_string_equal(shear_interpolation_name(-1), "unknown");
     assert_string_equal(shear_interpolation_name(9), "unknown");
     assert_string_equal(shear_filter_name(SHEAR_FILTER_EDGE), "edge");
-    assert_string_equal(shear_filter_name(4), "unknown");
+    assert_string_equal(shear_filter_name(4), "r-gal");
+    assert_string_equal(shear_filter_name(5), "unknown");
     for (int i = -1; i < 10; i++) {
         assert_int_equal(shear_interpolation_is_log(i),
                          strncmp(shear_interpolation_name(i), "log-", 4) == 0);
@@ -226,6 +227,7 @@ static void test_contradictions(void **state) {
     BAD("core", "core", "5", "filter", "paper");
     BAD("core", "core", "5", "filter", "edge");
     GOOD("core", "5");
+    GOOD("core", "5", "filter", "r-gal");
     GOOD("core", "0", "width", "2");
     BAD("width", "width", "5", "filter", "none");
     BAD("background", "background", "noise-mean", "filter", "none");
@@ -281,7 +283,7 @@ static void test_preset(void **state) {
     assert_int_equal(shear_settings_set(&paper, "preset", "zhang2010", NULL), SHEAR_OK);
     assert_true(paper.preset == SHEAR_PRESET_ZHANG2010 && paper.beta_ratio == 1.5 &&
                 paper.beta_floor_px == 0.0 && paper.interpolation == SHEAR_INTERP_PAPER &&
-                paper.background == SHEAR_BACKGROUND_KEEP);
+                paper.background == SHEAR_BACKGROUND_KEEP && paper.filter == SHEAR_FILTER_R_GAL);
     assert_int_equal(shear_settings_check(&paper, NULL), SHEAR_OK);
     change_everything(&s);
     assert_int_equal(shear_settings_set(&s, "preset", "zhang2010", NULL), SHEAR_OK);

@@ -70,6 +70,33 @@ int shear_plan_new(shear_plan **plan, const shear_settings *settings,
 void shear_plan_note_psfs(shear_plan *plan, const shear_psf_quality *each, int n, int unusable);
 void shear_plan_free(shear_plan *plan);
 
+/* What a field's plan is made from, beside the settings and the geometry: equal bases, settings and
+ * geometries give equal plans. */
+typedef struct shear_plan_basis {
+    double *psf;     /* [psf_ny][psf_nx], the field's one PSF; NULL where each stamp has its own */
+    double r_psf_px; /* where psf is NULL: the median radius of up to 256 PSFs, evenly spaced */
+    bool has_r_gal;
+    double core_px; /* for filter=auto: found from the galaxies themselves; NaN: none was */
+    /* What those PSFs look like, [n_psfs]; and how many were unusable. NULL, 0, 0 where psf is not
+     * NULL. */
+    shear_psf_quality *psfs;
+    int n_psfs, n_unusable;
+} shear_plan_basis;
+int shear_plan_make(shear_plan **plan, const shear_settings *settings,
+                    const shear_geometry *geometry, const shear_plan_basis *basis,
+                    shear_error *err);
+
+/* Would the plan use basis.core_px (filter=auto, no core of one's own, no R_GAL)? And the radii
+ * that it would have: R_PSF, beta, and the width of the filter's fall. Errors as of shear_plan_new.
+ */
+bool shear_plan_wants_core(const shear_settings *settings, const shear_plan_basis *basis);
+typedef struct shear_plan_radii {
+    double r_psf_px, beta_px, width_px;
+} shear_plan_radii;
+int shear_plan_find_radii(shear_plan_radii *radii, const shear_settings *settings,
+                          const shear_geometry *geometry, const shear_plan_basis *basis,
+                          shear_error *err);
+
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan);
 const shear_settings *shear_plan_get_settings(const shear_plan *plan);
 
@@ -90,6 +117,9 @@ typedef struct shear_memory {
 int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
                       const shear_geometry *geometry, const double *psf, double r_psf_px,
                       bool has_r_gal, shear_error *err);
+int shear_plan_memory_of(shear_memory *memory, const shear_settings *settings,
+                         const shear_geometry *geometry, const shear_plan_basis *basis,
+                         shear_error *err);
 
 /* Measure pair number i of `stamps` into *row. The shape must be the plan's.
  * Returns SHEAR_OK, also for a flagged row; SHEAR_E_NEGATIVE where a log method meets negative

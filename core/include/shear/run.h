@@ -10,6 +10,7 @@
 #include "shear/settings.h"
 #include "shear/sums.h"
 #include "shear/symmetry.h"
+#include "shear/work.h"
 
 /* Where PSF images come from: `read` gives image `index` of a field as out[psf_ny][psf_nx]. */
 typedef struct shear_psf_source {
@@ -17,31 +18,21 @@ typedef struct shear_psf_source {
     int (*read)(void *self, int64_t index, double *out, shear_error *err);
 } shear_psf_source;
 
-/* What a field's plan is made from, beside the settings and the geometry: equal bases, settings and
- * geometries give equal plans. */
-typedef struct shear_plan_basis {
-    double *psf;     /* [psf_ny][psf_nx], the field's one PSF; NULL where each stamp has its own */
-    double r_psf_px; /* where psf is NULL: the median radius of up to 256 PSFs, evenly spaced */
-    bool has_r_gal;
-    /* What those PSFs look like, [n_psfs]; and how many were unusable. NULL, 0, 0 where psf is not
-     * NULL. */
-    shear_psf_quality *psfs;
-    int n_psfs, n_unusable;
-} shear_plan_basis;
-/* Read a field's PSF or PSFs for it. On an error there is nothing to free. */
+/* Read a field's PSF or PSFs for a plan's basis; core_px is NaN. On an error there is nothing to
+ * free. */
 int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
                           shear_psf_source psfs, shear_error *err);
 void shear_plan_basis_deinit(shear_plan_basis *basis);
 
-/* The plan that they make. */
-int shear_plan_from_basis(shear_plan **plan, const shear_settings *settings,
-                          const shear_geometry *geometry, const shear_plan_basis *basis,
-                          shear_error *err);
+/* Where the settings want it (shear_plan_wants_core), find basis->core_px: from up to 1,024 stamps
+ * in blocks that are evenly spaced in the file, read from slot 0 of the source, at most `capacity`
+ * at a time; masked ones, those of weight 0 or a bad one, and those that are not finite do not
+ * count. Depends on the field, the settings and the PSF only. METHOD section 2. */
+int shear_plan_basis_sample(shear_plan_basis *basis, const shear_settings *settings,
+                            const shear_field_info *info, shear_source source, int capacity,
+                            shear_error *err);
 
-/* Make the plan for a field: reads the basis and resolves the settings. */
-int shear_plan_for_psfs(shear_plan **plan, const shear_settings *settings,
-                        const shear_field_info *info, shear_psf_source psfs, shear_error *err);
-/* The same for an open field file. */
+/* The plan for an open field file: reads the basis and the sample. */
 int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,
                          shear_error *err);
 

@@ -31,10 +31,13 @@ enum shear_interpolation {
 };
 
 enum shear_filter {
-    SHEAR_FILTER_AUTO = 0, /* explicit core where given, paper where R_GAL is known, else none */
-    SHEAR_FILTER_PAPER,    /* core = R_G + 4 beta, width = beta */
-    SHEAR_FILTER_EDGE,     /* widest core that has fallen to 1e-3 at the edge, width = beta/2 */
-    SHEAR_FILTER_NONE
+    SHEAR_FILTER_AUTO =
+        0,              /* explicit core where given, paper where R_GAL is known, else the smallest
+                           core that leaves the file's galaxies whole: METHOD section 2 */
+    SHEAR_FILTER_PAPER, /* core = R_G + 4 beta, width = beta */
+    SHEAR_FILTER_EDGE,  /* widest core that has fallen to 1e-3 at the edge, width = beta/2 */
+    SHEAR_FILTER_NONE,
+    SHEAR_FILTER_R_GAL /* paper where R_GAL is known, else none */
 };
 
 enum shear_background {

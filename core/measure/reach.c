@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/reach.h"
+
+#include "measure/radial.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of 64 stamps the brightest does not count, nor the extremes of any ring: no star and no artefact
+ * decides. */
+enum { TRIMMED = 64, FEWEST = 16, CORES_PER_PX = 4 };
+
+/* Part of the shear that the mean profile may lose. The moments are quadratic in the flux: large
+ * and elongated galaxies lose more, of their mean up to 10 times as much (METHOD section 2). */
+static const double most_lost = 1e-4;
+/* A ring this many errors above zero is seen ... */
+static const double seen = 4.0;
+/* ... and beyond the last the profile goes on as exp(-b sqrt(r)), between a disk's and a bulge's;
+ * it begins at least like this power of the radius. */
+static const double slowest_fall = 2.5;
+
+static void measure_rings(reach *r) {
+    for (int y = 0; y < r->ny; y++) {
+        for (int x = 0; x < r->nx; x++) {
+            const double d = hypot(x - 0.5 * (r->nx - 1), y - 0.5 * (r->ny - 1));
+            const int ring = d < r->n_rings ? (int)d : -1;
+            r->ring[y * r->nx + x] = ring;
+            if (ring >= 0) {
+                r->pixels[ring] += 1.0;
+                r->radius[ring] += d;
+            }
+        }
+    }
+    for (int i = 0; i < r->n_rings; i++) {
+        r->radius[i] = r->pixels[i] > 0.0 ? r->radius[i] / r->pixels[i] : i + 0.5;
+    }
+}
+
+bool reach_init(reach *r, int nx, int ny, int capacity) {
+    *r = (reach){.nx = nx, .ny = ny, .n_rings = (nx < ny ? nx : ny) / 2, .capacity = capacity};
+    const size_t rings = (size_t)r->n_rings;
+    r->ring = malloc((size_t)nx * (size_t)ny * sizeof *r->ring);
+    r->pixels = calloc(rings, sizeof *r->pixels);
+    r->radius = calloc(rings, sizeof *r->radius);
+    r->mean = malloc((size_t)capacity * rings * sizeof *r->mean);
+    r->sorted = malloc((size_t)capacity * sizeof *r->sorted);
+    r->profile = calloc(rings, sizeof *r->profile);
+    if (r->ring == NULL || r->pixels == NULL || r->radius == NULL || r->mean == NULL ||
+        r->sorted == NULL || r->profile == NULL) {
+        return false;
+    }
+    measure_rings(r);
+    return true;
+}
+
+void reach_deinit(reach *r) {
+    free(r->ring);
+    free(r->pixels);
+    free(r->radius);
+    free(r->mean);
+    free(r->sorted);
+    free(r->profile);
+    *r = (reach){0};
+}
+
+void reach_add(reach *r, const double *galaxy, const double *noise) {
+    const int pixels = r->nx * r->ny;
+    double *mean = r->mean + (size_t)r->count * (size_t)r->n_rings;
+    double level = 0.0;
+    double sum = 0.0;
+    if (r->count == r->capacity) {
+        return;
+    }
+    for (int i = 0; i < pixels; i++) {
+        level += noise[i] / pixels;
+        sum += galaxy[i] / pixels;
+    }
+    if (!isfinite(level) || !isfinite(sum)) {
+        return;
+    }
+    memset(mean, 0, (size_t)r->n_rings * sizeof *mean);
+    for (int i = 0; i < pixels; i++) {
+        if (r->ring[i] >= 0) {
+            mean[r->ring[i]] += galaxy[i] - level;
+        }
+    }
+    for (int i = 0; i < r->n_rings; i++) {
+        mean[i] /= fmax(1.0, r->pixels[i]);
+    }
+    r->count++;
+}
+
+/* ---- the stack ---- */
+
+static int compare_doubles(const void *a, const void *b) {
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double flux_within(const reach *r, int stamp, double radius) {
+    const double *mean = r->mean + (size_t)stamp * (size_t)r->n_rings;
+    double flux = 0.0;
+    for (int i = 0; i < r->n_rings && r->radius[i] < radius; i++) {
+        flux += r->pixels[i] * mean[i];
+    }
+    return flux;
+}
+
+/* Every ring times its stamp's flux, which is how much the moments heed it; a flux that is negative
+ * or among the brightest counts 0. Returns how many are left. */
+static int weigh(reach *r, double aperture) {
+    for (int s = 0; s < r->count; s++) {
+        r->sorted[s] = flux_within(r, s, aperture);
+    }
+    qsort(r->sorted, (size_t)r->count, sizeof *r->sorted, compare_doubles);
+    const double brightest = r->sorted[r->count - 1 - r->count / TRIMMED];
+    int left = 0;
+    for (int s = 0; s < r->count; s++) {
+        const double flux = flux_within(r, s, aperture);
+        if (flux > brightest) {
+            continue;
+        }
+        for (int i = 0; i < r->n_rings; i++) {
+            const double value = r->mean[(size_t)s * (size_t)r->n_rings + (size_t)i];
+            r->mean[(size_t)left * (size_t)r->n_rings + (size_t)i] = fmax(flux, 0.0) * value;
+        }
+        left++;
+    }
+    r->count = left;
+    return left;
+}
+
+/* The trimmed mean of ring i, and its error. */
+static double ring_mean(reach *r, int i, double *error) {
+    const int n = r->count;
+    const int cut = n / TRIMMED;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (int s = 0; s < n; s++) {
+        r->sorted[s] = r->mean[(size_t)s * (size_t)r->n_rings + (size_t)i];
+    }
+    qsort(r->sorted, (size_t)n, sizeof *r->sorted, compare_doubles);
+    for (int s = cut; s < n - cut; s++) {
+        sum += r->sorted[s];
+    }
+    const double mean = sum / (n - 2 * cut);
+    for (int s = 0; s < n; s++) {
+        const int kept = s < cut ? cut : s < n - cut ? s : n - cut - 1;
+        squares += (r->sorted[kept] - mean) * (r->sorted[kept] - mean);
+    }
+    *error = sqrt(squares) / n;
+    return mean;
+}
+
+/* Fill the profile; the last ring of those that are seen without a gap, or -1. */
+static int stack(reach *r) {
+    int last = -1;
+    for (int i = 0; i < r->n_rings; i++) {
+        double error;
+        r->profile[i] = ring_mean(r, i, &error);
+        if (last == i - 1 && r->profile[i] > seen * error && r->profile[i] > 0.0) {
+            last = i;
+        }
+    }
+    return last;
+}
+
+/* ---- the core ---- */
+
+/* The profile at any radius: as it was seen, then with the slope of the last 40 % of what was. */
+static double profile_at(const reach *r, int last, double fall, double radius) {
+    if (radius >= r->radius[last]) {
+        return r->profile[last] * exp(fall * (sqrt(r->radius[last]) - sqrt(radius)));
+    }
+    int i = 0;
+    while (r->radius[i + 1] <= radius) {
+        i++;
+    }
+    if (radius <= r->radius[0]) {
+        return r->profile[0];
+    }
+    const double x = (radius - r->radius[i]) / (r->radius[i + 1] - r->radius[i]);
+    return r->profile[i] + x * (r->profile[i + 1] - r->profile[i]);
+}
+
+static void load(const reach *r, int last, radial *q) {
+    const int from = (int)(0.6 * last);
+    const double at = sqrt(r->radius[last]);
+    const double fall = log(r->profile[from] / r->profile[last]) / (at - sqrt(r->radius[from]));
+    for (int i = 0; i < q->n_r; i++) {
+        q->profile[i] = profile_at(r, last, fmax(fall, 2.0 * slowest_fall / at), q->r[i]);
+    }
+    radial_load(q);
+}
+
+static bool whole(radial *q, int quarters, double width) {
+    return fabs(radial_response(q, (double)quarters / CORES_PER_PX, width) - 1.0) < most_lost;
+}
+
+/* By bisection: a wider core loses less. */
+static double smallest_core(const reach *r, radial *q, double beta, double width) {
+    const int side = r->nx < r->ny ? r->nx : r->ny;
+    int low = (int)ceil(2.0 * beta * CORES_PER_PX);
+    int high = (side - 1) * CORES_PER_PX / 2;
+    if (low > high || !whole(q, high, width)) {
+        return NAN;
+    }
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (whole(q, middle, width)) {
+            high = middle;
+        } else {
+            low = middle + 1;
+        }
+    }
+    return (double)high / CORES_PER_PX;
+}
+
+bool reach_core(reach *r, double r_psf, double beta, double width, double *core) {
+    *core = NAN;
+    const int last = r->count < FEWEST || weigh(r, 2.0 * beta) < FEWEST ? -1 : stack(r);
+    if (last < 3) {
+        return true;
+    }
+    radial q;
+    const bool made = radial_init(&q, 0.7 * (r->nx > r->ny ? r->nx : r->ny), r_psf, beta);
+    if (made) {
+        load(r, last, &q);
+        *core = smallest_core(r, &q, beta, width);
+    }
+    radial_deinit(&q);
+    return made;
+}

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The sample of a field's stamps that tells how far its galaxies reach. */
+#include "measure/reach.h"
+#include "shear/run.h"
+
+#include <math.h>
+
+enum { MAX_SAMPLED_BLOCKS = 64 };
+
+static bool counts(const shear_stamps *s, int i) {
+    const bool weighs =
+        s->weight == NULL || (shear_weight_is_good(s->weight[i]) && s->weight[i] > 0);
+    return weighs && (s->mask == NULL || s->mask[i] == 0);
+}
+
+static void add_stamps(reach *r, const shear_stamps *s) {
+    const size_t pixels = (size_t)s->nx * (size_t)s->ny;
+    for (int i = 0; i < s->count; i++) {
+        if (counts(s, i)) {
+            reach_add(r, s->galaxy + (size_t)i * pixels, s->noise + (size_t)i * pixels);
+        }
+    }
+}
+
+/* One block of the sums. */
+static int read_sampled(reach *r, shear_source source, int64_t first, int64_t end, int capacity,
+                        shear_error *err) {
+    const shear_block *block = NULL;
+    int code = SHEAR_OK;
+    while (code == SHEAR_OK && first < end) {
+        const int count = end - first < capacity ? (int)(end - first) : capacity;
+        code = source.read(source.self, 0, first, count, &block, err);
+        if (code == SHEAR_OK) {
+            add_stamps(r, &block->stamps);
+        }
+        first += count;
+    }
+    return code;
+}
+
+static int read_sample(reach *r, const shear_field_info *info, shear_source source, int capacity,
+                       shear_error *err) {
+    const int64_t blocks = (info->n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    const int64_t tries = blocks < MAX_SAMPLED_BLOCKS ? blocks : MAX_SAMPLED_BLOCKS;
+    int code = SHEAR_OK;
+    for (int64_t i = 0; i < tries && code == SHEAR_OK; i++) {
+        const int64_t first = i * blocks / tries * SHEAR_BLOCK;
+        const int64_t end =
+            first + SHEAR_BLOCK < info->n_stamps ? first + SHEAR_BLOCK : info->n_stamps;
+        code = read_sampled(r, source, first, end, capacity, err);
+    }
+    return code;
+}
+
+int shear_plan_basis_sample(shear_plan_basis *basis, const shear_settings *settings,
+                            const shear_field_info *info, shear_source source, int capacity,
+                            shear_error *err) {
+    const shear_geometry *g = &info->geometry;
+    shear_plan_radii radii;
+    if (!shear_plan_wants_core(settings, basis)) {
+        return SHEAR_OK;
+    }
+    int code = shear_plan_find_radii(&radii, settings, g, basis, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    reach r;
+    bool enough = reach_init(&r, g->nx, g->ny, MAX_SAMPLED_BLOCKS * SHEAR_BLOCK);
+    if (enough) {
+        code = read_sample(&r, info, source, capacity, err);
+    }
+    if (enough && code == SHEAR_OK) {
+        enough = reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &basis->core_px);
+    }
+    reach_deinit(&r);
+    return enough ? code : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a sample");
+}
