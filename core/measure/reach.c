@@ -9,7 +9,7 @@
 
 /* Of 64 stamps the brightest does not count, nor the extremes of any ring: no star and no artefact
  * decides. */
-enum { TRIMMED = 64, FEWEST = 16, CORES_PER_PX = 4 };
+enum { TRIMMED = 64, FEWEST = 64, CORES_PER_PX = 4 };
 
 /* Part of the shear that the mean profile may lose. The moments are quadratic in the flux: large
  * and elongated galaxies lose more, of their mean up to 10 times as much (METHOD section 2). */

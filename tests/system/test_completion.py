@@ -137,7 +137,7 @@ class ZshCompletion(ToolTest):
 
     def test_values(self):
         found, _ = self.zsh.complete("shearctl measure --filter=")
-        self.assertEqual(found, ["auto", "edge", "none", "paper"])
+        self.assertEqual(found, ["auto", "edge", "none", "paper", "r-gal"])
         self.assertEqual(self.zsh.complete("shearctl measure --zeros sk")[1],
                          "shearctl measure --zeros skip ")
         found, _ = self.zsh.complete("shearctl jobs --state=")

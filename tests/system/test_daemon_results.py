@@ -28,6 +28,7 @@ CASES = [
     (("--noise-ratio", "0.2"), {}),
     (("--white", "0.3", "--noise-stamps", "3"), {}),
     (("--no-r-gal",), {}),
+    (("--no-r-gal", "--stamps", "200", "--white", "0.3"), {}),  # the core is found from the galaxies
     (("--psf-per-stamp",), {}),
     (("--psf-ids", "3"), {}),
     (("--layout", "mosaic"), {}),

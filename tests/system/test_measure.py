@@ -191,6 +191,22 @@ class Files(ToolTest):
         there, back = (self.measure_one("--jackknife", 2, *order) for order in (parts, parts[::-1]))
         self.assertEqual(numbers(there), numbers(back))
 
+    def test_the_core_is_found_from_the_galaxies(self):
+        path = Field(n=96, sigma=0.05).write(self.path("a.fits"))
+        found = self.measure_one(path)
+        core = found["resolved"]["core_px"]
+        self.assertEqual(found["resolved"]["filter"], "paper")
+        self.assertEqual(4 * core, round(4 * core))
+        self.assertGreater(core, 6)
+        given = self.measure_one(path, "--core", core)
+        self.assertEqual(numbers(found), numbers(given))
+        self.assertEqual(numbers(found), numbers(self.measure_one(path, "--threads", 3)))
+        none = self.measure_one(path, "--filter", "none")
+        self.assertLess(abs(found["g1"] - none["g1"]), 2 * none["g1_err"])
+        self.assertLess(found["g1_err"], none["g1_err"])
+        for args in (("--filter", "none"), ("--filter", "r-gal"), ("--preset", "zhang2010")):
+            self.assertEqual(self.measure_one(path, *args)["resolved"]["filter"], "none")
+
     def test_symmetry_of_any_order(self):
         symmetric = ("--estimator", "pdf-sym")
         whole = Field(n=32, nx=24, ny=24, sigma=0.2, size=2.0, r_psf=1.2)

@@ -158,10 +158,10 @@ static void test_nothing_decides_alone(void **state) {
 /* Where nothing can be told, or nothing fits, there is no core. */
 static void test_no_core(void **state) {
     (void)state;
-    assert_true(isnan(core_of(&(sample){.side = 64, .count = 15, .scale = 3.0, .sigma = 1e-4})));
-    assert_true(isnan(core_of(&(sample){.side = 64, .count = 64, .scale = 3.0, .sigma = 50.0})));
-    assert_true(isnan(core_of(&(sample){.side = 20, .count = 64, .scale = 4.0, .sigma = 1e-4})));
-    assert_true(isnan(core_of(&(sample){.side = 12, .count = 64, .scale = 2.0, .sigma = 1e-4})));
+    assert_true(isnan(core_of(&(sample){.side = 64, .count = 63, .scale = 3.0, .sigma = 1e-4})));
+    assert_true(isnan(core_of(&(sample){.side = 64, .count = 128, .scale = 3.0, .sigma = 50.0})));
+    assert_true(isnan(core_of(&(sample){.side = 20, .count = 128, .scale = 4.0, .sigma = 1e-4})));
+    assert_true(isnan(core_of(&(sample){.side = 12, .count = 128, .scale = 2.0, .sigma = 1e-4})));
 }
 
 int main(void) {
