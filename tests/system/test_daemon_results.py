@@ -104,7 +104,7 @@ class ResultsTest(DaemonTest):
 
     def test_jobs_and_fields(self):
         d = self.daemon()
-        warned = 0
+        warned = found = 0
         for i, (how, settings) in enumerate(CASES):
             field = f"f{i}"
             path = mock(d.path("data", f"{i}.fits"), 48, 32, 1 + i, *how)
@@ -120,8 +120,10 @@ class ResultsTest(DaemonTest):
                 self.assertSeconds(row)
                 self.assertIsNotNone(row["resolved"])
                 self.assertIsNotNone(row["truth"])
+            found += "200" in how and job["result"]["resolved"]["filter"] == "paper"
             warned += len(expected["warnings"])
         self.assertGreaterEqual(warned, 2, "no case of these warns: the test is blunt")
+        self.assertEqual(found, 1, "no core was found from the galaxies: the test is blunt")
 
     def test_doubtful_psfs(self):
         """What is said of PSFs is kept with the file: also when the job is long gone."""
