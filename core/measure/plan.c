@@ -6,154 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A packed fine image of more points than this would need over a gigabyte a thread. */
-static const double max_fine_points = 67108864.0;
-/* A PSF of this radius (in samples) is well sampled (METHOD section 1). */
-static const double well_sampled_px = 1.0;
-/* Below it, what the pixels fold back on the modes is nothing under a target of this beta (METHOD
- * section 1). */
-static const double aliases_vanish_px = 1.2;
-/* Such a PSF leaves galaxies no power beyond 3/4 of Nyquist (docs/method.md, section 5). */
-static const double smooth_px = 1.3;
-
 /* A PSF made by FFTs has negative samples of this part of its peak; a log method takes them for 0.
  */
 static const double psf_rounding = 1e-4;
-
-static int check_geometry(const shear_geometry *g, shear_error *err) {
-    if (g->nx < SHEAR_MIN_SIDE || g->ny < SHEAR_MIN_SIDE || g->nx > SHEAR_MAX_SIDE ||
-        g->ny > SHEAR_MAX_SIDE) {
-        return shear_fail(err, SHEAR_E_FORMAT, NULL,
-                          "stamps of %d x %d px: each side must be %d to %d px", g->nx, g->ny,
-                          SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
-    }
-    if (g->psf_nx < 2 || g->psf_ny < 2 || g->psf_oversample < 1) {
-        return shear_fail(err, SHEAR_E_PSF, NULL, "a PSF of %d x %d samples, %d a pixel: too small",
-                          g->psf_nx, g->psf_ny, g->psf_oversample);
-    }
-    return SHEAR_OK;
-}
-
-/* The PSF's fine image and its transform must fit too; this also keeps nx q far from overflow. */
-static int check_psf_size(const shear_plan_info *info, int factor, shear_error *err) {
-    const shear_geometry *g = &info->geometry;
-    const double q = info->psf_oversample;
-    const double samples = (double)g->psf_nx * factor * g->psf_ny * factor;
-    const double modes = 0.5 * g->nx * fmin(q, info->oversample) * g->ny * q;
-    if (modes > max_fine_points || (factor > 1 && samples > max_fine_points)) {
-        return shear_fail(
-            err, SHEAR_E_PSF, "give a PSF of fewer samples, or of fewer a pixel (OVERSAMP)",
-            "a PSF of %d x %d samples, %d a pixel, is too large for stamps of %d x %d px",
-            g->psf_nx, g->psf_ny, g->psf_oversample, g->nx, g->ny);
-    }
-    return SHEAR_OK;
-}
-
-/* The smallest power of two with 1/s < r/4. */
-static int finest_needed(double r_psf_px) {
-    int s = 1;
-    while (1.0 / s >= r_psf_px / 4.0 && s < 1024) {
-        s *= 2;
-    }
-    return s;
-}
-
-/* Interpolation by a rule. A beta of the user's own that is too small for the pixels asks for
- * interpolation as an s or a pedestal of his own does. */
-static int choose_interpolation(const shear_settings *set, const shear_plan_info *info) {
-    const double r = info->r_psf_px;
-    const bool asked = set->oversample > 1 || set->pedestal > 0;
-    const bool blurred =
-        set->interpolation == SHEAR_INTERP_AUTO && info->beta_px >= aliases_vanish_px;
-    return !asked && (r >= well_sampled_px || blurred) ? SHEAR_INTERP_NONE
-                                                       : SHEAR_INTERP_LOG_BICUBIC;
-}
-
-/* Interpolation, s and the PSF's own sampling. A PSF that is given finer than the pixels is taken
- * as it is, as long as its samples are not wider apart than its radius. */
-static int resolve_sampling(const shear_settings *set, shear_plan_info *info, int *psf_factor,
-                            shear_error *err) {
-    const double r = info->r_psf_px;
-    info->interpolation = set->interpolation;
-    if (shear_interpolation_is_rule(set->interpolation)) {
-        info->interpolation = choose_interpolation(set, info);
-    }
-    const bool none = info->interpolation == SHEAR_INTERP_NONE;
-    if (!none && set->shot_noise == SHEAR_SHOT_PLATEAU) {
-        return shear_fail(err, SHEAR_E_SETTING, "set interpolation=none, or shot-noise=none",
-                          "shot-noise=plateau goes without interpolation, but R_PSF is %.3g px and "
-                          "interpolation=%s takes %s",
-                          r, shear_interpolation_name(set->interpolation),
-                          shear_interpolation_name(info->interpolation));
-    }
-    info->oversample = none ? 1 : set->oversample > 0 ? set->oversample : finest_needed(r);
-    const int given = info->geometry.psf_oversample;
-    const bool fine_enough = given > 1 && r * given >= well_sampled_px;
-    *psf_factor = 1;
-    while (!none && !fine_enough && given * *psf_factor < info->oversample) {
-        *psf_factor *= 2;
-    }
-    info->psf_oversample = given * *psf_factor;
-    info->fine_nx = info->geometry.nx * info->oversample;
-    info->fine_ny = info->geometry.ny * info->oversample;
-    if ((double)info->fine_nx * info->fine_ny > max_fine_points) {
-        return shear_fail(err, SHEAR_E_SETTING,
-                          "set oversample to a smaller number, or cut smaller stamps",
-                          "a fine grid of %d x %d points (oversample %d) is too large",
-                          info->fine_nx, info->fine_ny, info->oversample);
-    }
-    return check_psf_size(info, *psf_factor, err);
-}
-
-static bool filter_by_rule(const shear_settings *set) {
-    return set->filter == SHEAR_FILTER_AUTO || set->filter == SHEAR_FILTER_R_GAL;
-}
-
-bool shear_plan_wants_core(const shear_settings *settings, const shear_plan_basis *basis) {
-    return settings->filter == SHEAR_FILTER_AUTO && isnan(settings->core_px) && !basis->has_r_gal;
-}
-
-static double width_of(const shear_settings *set, int filter, double beta_px) {
-    return !isnan(set->width_px)         ? set->width_px
-           : filter == SHEAR_FILTER_EDGE ? 0.5 * beta_px
-                                         : beta_px;
-}
-
-static int resolve_filter(const shear_settings *set, shear_plan_info *info,
-                          const shear_plan_basis *basis, shear_error *err) {
-    const bool has_r_gal = basis->has_r_gal;
-    const bool found = shear_plan_wants_core(set, basis) && !isnan(basis->core_px);
-    const double core = found ? basis->core_px : set->core_px;
-    const bool core_given = !isnan(core);
-    info->filter = set->filter;
-    if (filter_by_rule(set)) {
-        info->filter = core_given || has_r_gal ? SHEAR_FILTER_PAPER : SHEAR_FILTER_NONE;
-    }
-    info->core_px = NAN;
-    info->width_px = NAN;
-    info->filter_per_stamp = info->filter == SHEAR_FILTER_PAPER && !core_given;
-    if (info->filter == SHEAR_FILTER_NONE) {
-        return SHEAR_OK;
-    }
-    if (info->filter_per_stamp && !has_r_gal) {
-        return shear_fail(
-            err, SHEAR_E_SETTING, "add the column R_GAL, or give a core, or use filter=none",
-            "filter=paper needs R_G of the galaxies, and there is no column R_GAL in CATALOG");
-    }
-    const bool edge = info->filter == SHEAR_FILTER_EDGE;
-    info->width_px = width_of(set, info->filter, info->beta_px);
-    info->core_px = core;
-    if (edge) {
-        info->core_px = filter_edge_core(info->geometry.nx, info->geometry.ny, info->width_px);
-        if (!(info->core_px > 0.0)) {
-            return shear_fail(
-                err, SHEAR_E_SETTING, "set a smaller width, or cut larger stamps",
-                "filter=edge: a fall of width %.3g px does not fit into stamps of %d x %d px",
-                info->width_px, info->geometry.nx, info->geometry.ny);
-        }
-    }
-    return SHEAR_OK;
-}
 
 static bool make_grids(shear_plan *plan, int psf_factor) {
     const shear_plan_info *info = &plan->info;
@@ -204,15 +59,6 @@ static bool make_filter(shear_plan *plan) {
     return true;
 }
 
-static int resolve_noise_band(const shear_settings *set, const shear_plan_info *info) {
-    const bool wanted = set->noise_level == SHEAR_NOISE_LEVEL_FIELD && set->noise_correction &&
-                        set->shot_noise == SHEAR_SHOT_NONE;
-    if (!wanted || info->interpolation != SHEAR_INTERP_NONE || info->r_psf_px < well_sampled_px) {
-        return SHEAR_NOISE_BAND_NONE;
-    }
-    return info->r_psf_px >= smooth_px ? SHEAR_NOISE_BAND_HIGH : SHEAR_NOISE_BAND_CORNERS;
-}
-
 static bool make_high_band(shear_plan *plan) {
     const shear_geometry *g = &plan->info.geometry;
     const int band = plan->info.noise_band;
@@ -248,54 +94,6 @@ static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) 
     return code;
 }
 
-/* R_PSF and beta. */
-static int resolve_radii(const shear_settings *set, shear_plan_info *info,
-                         const shear_plan_basis *basis, shear_error *err) {
-    const shear_geometry *g = &info->geometry;
-    shear_psf_quality quality = {.r_psf_px = basis->r_psf_px};
-    const int code = basis->psf == NULL ? SHEAR_OK
-                                        : shear_psf_look(&quality, basis->psf, g->psf_nx, g->psf_ny,
-                                                         g->psf_oversample, err);
-    info->r_psf_px = quality.r_psf_px;
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    if (!(info->r_psf_px > 0.0) || !isfinite(info->r_psf_px)) {
-        return shear_fail(err, SHEAR_E_PSF, NULL, "the PSF's scale radius is %g px",
-                          info->r_psf_px);
-    }
-    info->beta_px = !isnan(set->beta_px)
-                        ? set->beta_px
-                        : fmax(set->beta_ratio * info->r_psf_px, set->beta_floor_px);
-    if (basis->psf != NULL) {
-        shear_psf_summary_add(&info->psf, &quality, info->beta_px);
-    }
-    return SHEAR_OK;
-}
-
-static int resolve(shear_plan *plan, const shear_plan_basis *basis, int *psf_factor,
-                   shear_error *err) {
-    shear_plan_info *info = &plan->info;
-    const shear_settings *set = &plan->settings;
-    int code = shear_settings_check(set, err);
-    code = code == SHEAR_OK ? check_geometry(&info->geometry, err) : code;
-    code = code == SHEAR_OK ? resolve_radii(set, info, basis, err) : code;
-    code = code == SHEAR_OK ? resolve_sampling(set, info, psf_factor, err) : code;
-    info->noise_band = resolve_noise_band(set, info);
-    return code == SHEAR_OK ? resolve_filter(set, info, basis, err) : code;
-}
-
-int shear_plan_find_radii(shear_plan_radii *radii, const shear_settings *settings,
-                          const shear_geometry *geometry, const shear_plan_basis *basis,
-                          shear_error *err) {
-    shear_plan_info info = {.geometry = *geometry};
-    const int code = resolve_radii(settings, &info, basis, err);
-    *radii = (shear_plan_radii){.r_psf_px = info.r_psf_px,
-                                .beta_px = info.beta_px,
-                                .width_px = width_of(settings, settings->filter, info.beta_px)};
-    return code;
-}
-
 /* With a PSF a stamp, only the grid's own limit can be judged here. */
 static int check_limit(shear_plan *plan, shear_error *err) {
     const transfer_plan *p = &plan->transfer_plan;
@@ -320,7 +118,7 @@ int shear_plan_make(shear_plan **out, const shear_settings *settings,
     plan->settings = *settings;
     plan->info.geometry = *geometry;
     int psf_factor = 1;
-    int code = resolve(plan, basis, &psf_factor, err);
+    int code = plan_resolve(&plan->info, &plan->settings, basis, &psf_factor, err);
     if (code == SHEAR_OK && !(make_grids(plan, psf_factor) && make_filter(plan) &&
                               make_high_band(plan) && make_plateau(plan))) {
         code = out_of_memory(err);
@@ -354,7 +152,7 @@ int shear_plan_memory_of(shear_memory *memory, const shear_settings *settings,
                          shear_error *err) {
     shear_plan plan = {.settings = *settings, .info = {.geometry = *geometry}};
     int psf_factor = 1;
-    const int code = resolve(&plan, basis, &psf_factor, err);
+    const int code = plan_resolve(&plan.info, &plan.settings, basis, &psf_factor, err);
     const memory_of m = {.settings = settings, .info = &plan.info, .has_psf = basis->psf != NULL};
     *memory = (shear_memory){0};
     if (code == SHEAR_OK) {

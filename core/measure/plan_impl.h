@@ -29,6 +29,10 @@ struct shear_plan {
     moments flat;            /* what `transfer` makes of it */
 };
 
+/* Fill *info, whose geometry is set; *psf_factor: how much finer the PSF's samples are made. */
+int plan_resolve(shear_plan_info *info, const shear_settings *set, const shear_plan_basis *basis,
+                 int *psf_factor, shear_error *err);
+
 struct shear_workspace {
     image galaxy, noise;
     fft_lanes strip;              /* [fine_ny + 1][FFT_LANES] galaxy + i noise, some columns */
