@@ -83,47 +83,65 @@ void high_band_deinit(high_band *b) {
     *b = (high_band){0};
 }
 
+/* Sums so far, a row of modes a lane. */
+typedef struct lane_power {
+    double edge_galaxy[FFT_LANES], edge_noise[FFT_LANES];
+    double corner_galaxy[FFT_LANES], corner_noise[FFT_LANES];
+} lane_power;
+
 /* With z = g + i n: G(k) = (Z(k) + Z*(-k))/2 and N(k) = (Z(k) - Z*(-k))/2i; four times their
  * squares. The noise's is formed from its own transform and not as a difference from the sum: where
  * it is nothing beside the galaxy's, it comes out as nothing. */
-SHEAR_SIMD static void sum_columns(const mode_rows *r, const high_band *b, double *edge_galaxy,
-                                   double *edge_noise, double *corner_galaxy,
-                                   double *corner_noise) {
-    const size_t nx = (size_t)r->nx;
-    const size_t first = (size_t)b->first_jx[r->group];
-    const size_t last = first > 0 ? nx - first : nx - 1;
-    const size_t row = (size_t)r->group * FFT_LANES;
-    const bool has_edge = b->edge != NULL;
-    double sums[4][FFT_LANES] = {{0}};
-    for (size_t x = first; x <= last; x++) {
-        const size_t at = x * FFT_LANES;
-        const size_t mirror = (nx - x) * FFT_LANES;
-        const double *corner = b->corner + x * b->stride + row;
-        const double *edge = has_edge ? b->edge + x * b->stride + row : corner;
+static SHEAR_INLINE void add_column(lane_power *s, const mode_rows *r, size_t x, const double *edge,
+                                    const double *corner) {
+    const size_t at = x * FFT_LANES;
+    const size_t mirror = ((size_t)r->nx - x) * FFT_LANES;
 #pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
-            const double gr = r->up.re[at + l] + r->down.re[mirror + l];
-            const double gi = r->up.im[at + l] - r->down.im[mirror + l];
-            const double nr = r->up.im[at + l] + r->down.im[mirror + l];
-            const double ni = r->up.re[at + l] - r->down.re[mirror + l];
-            const double g = gr * gr + gi * gi;
-            const double n = nr * nr + ni * ni;
-            sums[0][l] += edge[l] * g;
-            sums[1][l] += edge[l] * n;
-            sums[2][l] += corner[l] * g;
-            sums[3][l] += corner[l] * n;
-        }
-    }
     for (size_t l = 0; l < FFT_LANES; l++) {
-        *edge_galaxy += has_edge ? 0.25 * sums[0][l] : 0.0;
-        *edge_noise += has_edge ? 0.25 * sums[1][l] : 0.0;
-        *corner_galaxy += 0.25 * sums[2][l];
-        *corner_noise += 0.25 * sums[3][l];
+        const double gr = r->up.re[at + l] + r->down.re[mirror + l];
+        const double gi = r->up.im[at + l] - r->down.im[mirror + l];
+        const double nr = r->up.im[at + l] + r->down.im[mirror + l];
+        const double ni = r->up.re[at + l] - r->down.re[mirror + l];
+        const double galaxy = gr * gr + gi * gi;
+        const double noise = nr * nr + ni * ni;
+        if (edge != NULL) {
+            s->edge_galaxy[l] += edge[l] * galaxy;
+            s->edge_noise[l] += edge[l] * noise;
+        }
+        s->corner_galaxy[l] += corner[l] * galaxy;
+        s->corner_noise[l] += corner[l] * noise;
     }
 }
 
+SHEAR_SIMD static void sum_columns(const mode_rows *rows, const high_band *b, lane_power *out) {
+    const mode_rows r = *rows;
+    const size_t nx = (size_t)r.nx;
+    const size_t first = (size_t)b->first_jx[r.group];
+    const size_t last = first > 0 ? nx - first : nx - 1;
+    const size_t row = (size_t)r.group * FFT_LANES;
+    lane_power s = {0}; /* a local copy stays in registers */
+    if (b->edge == NULL) {
+        for (size_t x = first; x <= last; x++) {
+            add_column(&s, &r, x, NULL, b->corner + x * b->stride + row);
+        }
+    } else {
+        for (size_t x = first; x <= last; x++) {
+            add_column(&s, &r, x, b->edge + x * b->stride + row, b->corner + x * b->stride + row);
+        }
+    }
+    *out = s;
+}
+
 void high_power_add(high_power *p, const high_band *b, const mode_rows *rows) {
-    if (b->first_jx[rows->group] <= b->nx / 2) {
-        sum_columns(rows, b, &p->edge_galaxy, &p->edge_noise, &p->corner_galaxy, &p->corner_noise);
+    lane_power s;
+    if (b->first_jx[rows->group] > b->nx / 2) {
+        return;
+    }
+    sum_columns(rows, b, &s);
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        p->edge_galaxy += 0.25 * s.edge_galaxy[l];
+        p->edge_noise += 0.25 * s.edge_noise[l];
+        p->corner_galaxy += 0.25 * s.corner_galaxy[l];
+        p->corner_noise += 0.25 * s.corner_noise[l];
     }
 }

@@ -295,16 +295,83 @@ static void fill_table(transfer *t, const transfer_plan *p, const transfer_scrat
     }
 }
 
+/* The largest k^4 T of a column. */
+SHEAR_SIMD static double largest_weight(const double *t, const double *ky2, double kx2, size_t n) {
+    double most = 0.0;
+#pragma omp simd reduction(max : most)
+    for (size_t jy = 0; jy < n; jy++) {
+        const double k2 = kx2 + ky2[jy];
+        const double weight = t[jy] > 0.0 ? k2 * k2 * t[jy] : 0.0;
+        most = weight > most ? weight : most;
+    }
+    return most;
+}
+
+/* The largest k^2 of a column whose k^4 T is more than `least`. */
+SHEAR_SIMD static double farthest(const double *t, const double *ky2, double kx2, size_t n,
+                                  double least) {
+    double most = 0.0;
+#pragma omp simd reduction(max : most)
+    for (size_t jy = 0; jy < n; jy++) {
+        const double k2 = kx2 + ky2[jy];
+        const double reached = t[jy] > 0.0 && k2 * k2 * t[jy] > least ? k2 : 0.0;
+        most = reached > most ? reached : most;
+    }
+    return most;
+}
+
+/* What a transfer lets through at its edge is often so little that it is not worth its transforms.
+ */
+static double find_reach(const transfer *t, const transfer_plan *p) {
+    static const double nothing = 1e-15;
+    const double ux = 2.0 * M_PI / p->nx;
+    const size_t n = (size_t)t->jy + 1;
+    double most = 0.0;
+    double k2 = 0.0;
+    for (int jx = -t->jx; jx <= t->jx; jx++) {
+        const double *column = t->t + (size_t)(jx + p->max_jx) * p->stride;
+        most = fmax(most, largest_weight(column, p->ky2, (ux * jx) * (ux * jx), n));
+    }
+    for (int jx = -t->jx; jx <= t->jx; jx++) {
+        const double *column = t->t + (size_t)(jx + p->max_jx) * p->stride;
+        k2 = fmax(k2, farthest(column, p->ky2, (ux * jx) * (ux * jx), n, nothing * most));
+    }
+    return sqrt(k2);
+}
+
+SHEAR_SIMD static void end_column(const double *ky2, double kx2, double reach2, size_t n,
+                                  double *t) {
+#pragma omp simd
+    for (size_t jy = 0; jy < n; jy++) {
+        t[jy] = kx2 + ky2[jy] <= reach2 ? t[jy] : 0.0;
+    }
+}
+
+/* T = 0 beyond its reach; modes of the same |k| as the farthest one count like it, however they
+ * round. */
+static void end_table(transfer *t, const transfer_plan *p) {
+    const double ux = 2.0 * M_PI / p->nx;
+    const double reach2 = t->k_reach * t->k_reach * (1.0 + 0x1p-46);
+    for (int jx = -t->jx; jx <= t->jx; jx++) {
+        end_column(p->ky2, (ux * jx) * (ux * jx), reach2, fft_padded(t->jy + 1),
+                   t->t + (size_t)(jx + p->max_jx) * p->stride);
+    }
+}
+
 static int last_mode(double k_cut, int n, int max_j) {
     const int j = (int)floor(k_cut * n / (2.0 * M_PI));
     return j < max_j ? j : max_j;
 }
 
 /* One mode more than the root says, which rounds. */
+static int reach_mode(double k, int n, int max_j) {
+    return last_mode(k, n, max_j - 1) + 1;
+}
+
 int transfer_reach(const transfer *t, const transfer_plan *p, int jy) {
     const double ky = 2.0 * M_PI / p->ny * jy;
-    const double left = t->k_cut * t->k_cut - ky * ky;
-    return last_mode(left > 0.0 ? sqrt(left) : 0.0, p->nx, t->jx - 1) + 1;
+    const double left = t->k_reach * t->k_reach - ky * ky;
+    return reach_mode(left > 0.0 ? sqrt(left) : 0.0, p->nx, t->jx);
 }
 
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
@@ -336,5 +403,9 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
     t->jx = last_mode(t->k_cut, p->nx, p->max_jx);
     t->jy = last_mode(t->k_cut, p->ny, p->max_jy);
     fill_table(t, p, scratch);
+    t->k_reach = find_reach(t, p);
+    t->jx = reach_mode(t->k_reach, p->nx, t->jx);
+    t->jy = reach_mode(t->k_reach, p->ny, t->jy);
+    end_table(t, p);
     return SHEAR_OK;
 }

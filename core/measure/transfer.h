@@ -50,9 +50,10 @@ bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p);
 void transfer_scratch_deinit(transfer_scratch *t);
 
 typedef struct transfer {
-    double k_cut; /* T = 0 at |k| >= k_cut */
-    int jx, jy;   /* T = 0 beyond these modes: <= max_jx, max_jy */
-    double *t;    /* [2 max_jx + 1][stride], column max_jx + jx; whole groups of rows are filled */
+    double k_cut;   /* T = 0 at |k| >= k_cut */
+    double k_reach; /* and beyond it, where k^4 T is nothing beside its largest value (1e-15) */
+    int jx, jy;     /* the last modes that count: <= max_jx, max_jy */
+    double *t; /* [2 max_jx + 1][stride], column max_jx + jx; whole groups of rows are filled */
 } transfer;
 bool transfer_init(transfer *t, const transfer_plan *p); /* false when memory is out */
 void transfer_deinit(transfer *t);
@@ -61,7 +62,7 @@ void transfer_deinit(transfer *t);
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
                   shear_error *err);
 
-/* The last jx that has T > 0 in row jy >= 0 or beyond; at most t->jx. */
+/* The last jx that counts in row jy >= 0 or beyond; at most t->jx. */
 int transfer_reach(const transfer *t, const transfer_plan *p, int jy);
 
 /* The part of the target's power, weighted with k^4 as in M4, that lies beyond k_cut: (1 + x +
