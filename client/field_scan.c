@@ -3,6 +3,7 @@
 
 #include "weight_check.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,7 +17,7 @@ struct levels {
 
 struct scan {
     const shear_plan *plan;
-    const shear_plan_info *info;
+    shear_workspace *ws;
     bool is_log;
     double pedestal;
     shear_block *block;
@@ -27,22 +28,20 @@ struct scan {
 };
 
 struct pixels {
-    bool finite, constant;
     double lowest; /* of the finite ones */
     double mean, var;
 };
 
-static struct pixels look_at(const double *pixel, size_t n) {
-    struct pixels p = {.finite = true, .constant = true, .lowest = INFINITY};
+/* `bad`: the setting bad-value; a file of floats holds the nearest one. */
+static struct pixels look_at(const double *pixel, size_t n, double bad) {
+    double narrow = fabs(bad) <= (double)FLT_MAX ? (double)(float)bad : bad;
+    struct pixels p = {.lowest = INFINITY};
     double sum = 0.0;
     double squares = 0.0;
     for (size_t i = 0; i < n; i++) {
-        if (!isfinite(pixel[i])) {
-            p.finite = false;
-        } else if (pixel[i] < p.lowest) {
+        if (isfinite(pixel[i]) && pixel[i] < p.lowest && pixel[i] != bad && pixel[i] != narrow) {
             p.lowest = pixel[i];
         }
-        p.constant = p.constant && pixel[i] == pixel[0];
         double d = pixel[i] - pixel[0]; /* likewise */
         sum += d;
         squares += d * d;
@@ -53,36 +52,17 @@ static struct pixels look_at(const double *pixel, size_t n) {
 }
 
 /* All noise stamps of stamp i as one. */
-static struct pixels look_at_noise(const shear_stamps *t, int i) {
+static struct pixels look_at_noise(const shear_stamps *t, int i, double bad) {
     const int planes = t->noise_planes > 1 ? t->noise_planes : 1;
     const size_t n = (size_t)t->nx * (size_t)t->ny;
-    struct pixels all = {.finite = true, .constant = true, .lowest = INFINITY};
+    struct pixels all = {.lowest = INFINITY};
     for (int k = 0; k < planes; k++) {
-        struct pixels p = look_at(t->noise + ((size_t)i * (size_t)planes + (size_t)k) * n, n);
-        all.finite = all.finite && p.finite;
-        all.constant = all.constant && p.constant;
+        struct pixels p = look_at(t->noise + ((size_t)i * (size_t)planes + (size_t)k) * n, n, bad);
         all.lowest = fmin(all.lowest, p.lowest);
         all.mean += p.mean / planes;
         all.var += p.var / planes;
     }
     return all;
-}
-
-static unsigned catalog_flags(const struct scan *s, const shear_stamps *t, int i) {
-    unsigned flags = 0;
-    if (t->mask && t->mask[i] != 0) {
-        flags |= SHEAR_FLAG_MASKED;
-    }
-    if (t->weight && !shear_weight_is_good(t->weight[i])) {
-        flags |= SHEAR_FLAG_BAD_WEIGHT;
-    }
-    if (s->info->filter_per_stamp && t->r_gal && !(isfinite(t->r_gal[i]) && t->r_gal[i] > 0.0)) {
-        flags |= SHEAR_FLAG_BAD_R_GAL;
-    }
-    if (t->psf_index && t->psf_index[i] < 0) {
-        flags |= SHEAR_FLAG_PSF_UNUSABLE;
-    }
-    return flags;
 }
 
 static void levels_add(struct levels *l, const struct pixels *noise) {
@@ -109,24 +89,34 @@ static void fault_add(shear_fault *f, int64_t index) {
     f->count++;
 }
 
-/* Everything about stamp i that needs no measuring (only SHEAR_FLAG_OVERFLOW does). */
-static unsigned stamp_flags(struct scan *s, const shear_stamps *t, int i) {
+/* Then its lowest pixel may be one that says nothing of the others. */
+static bool has_artefact(unsigned flags) {
+    return (flags & ((unsigned)SHEAR_FLAG_ARTEFACT | (unsigned)SHEAR_FLAG_NOISE_ARTEFACT)) != 0;
+}
+
+/* Everything about stamp i that needs no measuring (only SHEAR_FLAG_OVERFLOW does), into *flags. */
+static int look_at_stamp(struct scan *s, const shear_stamps *t, int i, unsigned *flags,
+                         shear_error *err) {
     size_t n = (size_t)t->nx * (size_t)t->ny;
-    struct pixels galaxy = look_at(t->galaxy + (size_t)i * n, n);
-    struct pixels noise = look_at_noise(t, i);
-    double lowest = fmin(galaxy.lowest, noise.lowest);
-    unsigned flags = catalog_flags(s, t, i);
-    flags |= galaxy.finite ? 0u : SHEAR_FLAG_GALAXY_NOT_FINITE;
-    flags |= noise.finite ? 0u : SHEAR_FLAG_NOISE_NOT_FINITE;
-    flags |= galaxy.finite && galaxy.constant ? SHEAR_FLAG_EMPTY : 0u;
-    s->v->lowest_pixel = fmin(s->v->lowest_pixel, lowest);
-    if (!flags) {
+    double bad = shear_plan_get_settings(s->plan)->bad_value;
+    struct pixels galaxy = look_at(t->galaxy + (size_t)i * n, n, bad);
+    struct pixels noise = look_at_noise(t, i, bad);
+    shear_row row;
+    int code = shear_examine(s->plan, s->ws, t, i, &row, err);
+    if (code) {
+        return code;
+    }
+    *flags = row.flags;
+    if (!has_artefact(row.flags)) {
+        s->v->lowest_pixel = fmin(s->v->lowest_pixel, fmin(galaxy.lowest, noise.lowest));
+    }
+    if (!row.flags) {
         levels_add(&s->levels, &noise);
     }
-    if (!flags && s->is_log && lowest + s->pedestal < 0.0) {
+    if (!row.flags && s->is_log && fmin(galaxy.lowest, noise.lowest) + s->pedestal < 0.0) {
         fault_add(&s->v->negative, t->first + i);
     }
-    return flags;
+    return SHEAR_OK;
 }
 
 static void count_flags(shear_verdict *v, unsigned flags, int64_t index) {
@@ -142,7 +132,10 @@ static int scan_block(struct scan *s, shear_error *err) {
     const shear_stamps *t = &s->block->stamps;
     unsigned flags[MAX_BLOCK];
     for (int i = 0; i < t->count; i++) {
-        flags[i] = stamp_flags(s, t, i);
+        int code = look_at_stamp(s, t, i, &flags[i], err);
+        if (code) {
+            return code;
+        }
     }
     /* Stamps that a log method cannot take would be an error here: they are reported as such
      * instead. */
@@ -197,7 +190,7 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
                shear_verdict *v, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const shear_plan_info *resolved = shear_plan_get_info(plan);
-    struct scan s = {.plan = plan, .info = resolved, .v = v};
+    struct scan s = {.plan = plan, .v = v};
     s.is_log = shear_interpolation_is_log(resolved->interpolation);
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;
@@ -206,8 +199,11 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
         return code;
     }
     s.rows = calloc((size_t)s.block->capacity, sizeof *s.rows);
-    code = s.rows ? scan_all(&s, field, progress, err)
+    code = s.rows ? shear_workspace_new(&s.ws, plan, err)
                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    if (!code) {
+        code = scan_all(&s, field, progress, err);
+    }
     v->scanned = !code;
     levels_tell(&s.levels, v);
     const rank_relation relation = weight_check_relation(&s.weights);
@@ -215,6 +211,7 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
     v->weight_is_suspect = rank_is_strong(&relation);
     weight_check_deinit(&s.weights);
     free(s.rows);
+    shear_workspace_free(s.ws);
     shear_block_free(s.block);
     return code;
 }

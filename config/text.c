@@ -35,7 +35,10 @@ static void list_choices(const char *const *choices, char *buf, size_t size) {
 static void expected_measure(const shear_setting_def *def, char *buf, size_t size) {
     const char *kind = def->type == SHEAR_T_INT ? "a whole number" : "a number";
     const char *space = def->unit[0] != '\0' ? " " : "";
-    const char *automatic = def->has_auto ? ", or auto" : "";
+    char automatic[24] = "";
+    if (def->has_auto) {
+        snprintf(automatic, sizeof automatic, ", or %s", shear_setting_auto(def));
+    }
     if (def->type == SHEAR_T_CHOICE) {
         list_choices(def->choices, buf, size);
     } else if (def->type == SHEAR_T_BOOL) {

@@ -73,11 +73,13 @@ static json_t *setting_value(const shear_settings *s, const shear_setting_def *d
         return json_text_string(def->choices[*(const int *)member]);
     case SHEAR_T_INT: {
         int value = *(const int *)member;
-        return def->has_auto && value == 0 ? json_string("auto") : json_integer(value);
+        return def->has_auto && value == 0 ? json_string(shear_setting_auto(def))
+                                           : json_integer(value);
     }
     case SHEAR_T_DOUBLE: {
         double value = *(const double *)member;
-        return def->has_auto && isnan(value) ? json_string("auto") : json_text_number(value);
+        return def->has_auto && isnan(value) ? json_string(shear_setting_auto(def))
+                                             : json_text_number(value);
     }
     case SHEAR_T_BOOL:
         return json_boolean(*(const bool *)member);

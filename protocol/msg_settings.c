@@ -94,7 +94,9 @@ static const char *expected(const shear_setting_def *def) {
     case SHEAR_T_INT:
         return def->has_auto ? "a whole number or \"auto\"" : "a whole number";
     case SHEAR_T_DOUBLE:
-        return def->has_auto ? "a number or \"auto\"" : "a number";
+        return !def->has_auto                                 ? "a number"
+               : strcmp(shear_setting_auto(def), "auto") == 0 ? "a number or \"auto\""
+                                                              : "a number or \"none\"";
     default:
         return "a string";
     }
@@ -102,13 +104,14 @@ static const char *expected(const shear_setting_def *def) {
 
 static bool is_auto(const shear_setting_def *def, const json_t *value) {
     const char *text = json_string_value(value);
-    return def->has_auto && text && strcmp(text, "auto") == 0 && json_string_length(value) == 4;
+    return def->has_auto && text && strcmp(text, shear_setting_auto(def)) == 0 &&
+           json_string_length(value) == strlen(text);
 }
 
 /* The JSON value as the text that shear_settings_set reads; false: of the wrong type. */
 static bool value_text(const shear_setting_def *def, const json_t *value, char *buf, size_t size) {
     if (is_auto(def, value)) {
-        snprintf(buf, size, "auto");
+        snprintf(buf, size, "%s", shear_setting_auto(def));
         return true;
     }
     const bool right = def->type == SHEAR_T_BOOL     ? json_is_boolean(value)

@@ -20,6 +20,7 @@ static const char *const zeros[] = {"skip", "floor", NULL};
 static const char *const shot_noises[] = {"none", "plateau", NULL};
 static const char *const backgrounds[] = {"auto", "keep", "noise-mean", NULL};
 static const char *const noise_levels[] = {"field", "none", NULL};
+static const char *const artefacts[] = {"flag", "keep", NULL};
 static const char *const estimators[] = {"mean", "pdf-sym", "pdf-sym-cross", NULL};
 
 enum { MAX_OVERSAMPLE = 64 };
@@ -78,6 +79,11 @@ static const shear_setting_def table[] = {
      "how a field's shear is made of its stamps: mean (the ratio of means), pdf-sym (the shear "
      "that makes the distribution of shapes symmetric) or pdf-sym-cross (the same, unbiased by "
      "noise; with background = noise-mean)"},
+    {"artefacts", "ARTEFACT", SHEAR_T_CHOICE, AT(artefacts), artefacts, 0, 0, false, "", "WHAT",
+     "stamps with a pixel that is sharper than the PSF can be, or below the sky (cosmic rays, hot "
+     "pixels, sentinels): flag (they are left out), or keep"},
+    {"bad-value", "BADVALUE", SHEAR_T_DOUBLE, AT(bad_value), NULL, -1e300, 1e300, true, "", "VALUE",
+     "pixels of this value count as NaN: -9999, say; none: there are no such pixels"},
 };
 enum { N_SETTINGS = sizeof table / sizeof table[0] };
 
@@ -126,7 +132,13 @@ void shear_settings_init(shear_settings *s) {
         .noise_level = SHEAR_NOISE_LEVEL_FIELD,
         .shot_noise = SHEAR_SHOT_NONE,
         .estimator = SHEAR_ESTIMATOR_MEAN,
+        .artefacts = SHEAR_ARTEFACTS_FLAG,
+        .bad_value = NAN,
     };
+}
+
+const char *shear_setting_auto(const shear_setting_def *def) {
+    return def->offset == AT(bad_value) ? "none" : "auto";
 }
 
 static void *member(shear_settings *s, const shear_setting_def *def) {
@@ -166,9 +178,10 @@ static int set_bool(bool *value, const shear_setting_def *def, const char *text,
 
 static int out_of_range(const shear_setting_def *def, const char *text, shear_error *err) {
     return shear_fail(err, SHEAR_E_SETTING, NULL,
-                      "setting '%s': '%s' is not %s from %g to %g%s%s%s", def->name, text,
+                      "setting '%s': '%s' is not %s from %g to %g%s%s%s%s", def->name, text,
                       def->type == SHEAR_T_INT ? "a whole number" : "a number", def->min, def->max,
-                      def->unit[0] != '\0' ? " " : "", def->unit, def->has_auto ? ", or auto" : "");
+                      def->unit[0] != '\0' ? " " : "", def->unit, def->has_auto ? ", or " : "",
+                      def->has_auto ? shear_setting_auto(def) : "");
 }
 
 static int set_int(int *value, const shear_setting_def *def, const char *text, shear_error *err) {
@@ -207,7 +220,7 @@ int shear_settings_set(shear_settings *s, const char *name, const char *text, sh
         return shear_fail(err, SHEAR_E_SETTING, "the settings are listed in shearctl(1)",
                           "there is no setting '%s'", name);
     }
-    const bool automatic = def->has_auto && strcmp(text, "auto") == 0;
+    const bool automatic = def->has_auto && strcmp(text, shear_setting_auto(def)) == 0;
     switch (def->type) {
     case SHEAR_T_CHOICE:
         return def == &table[0] ? set_preset(s, def, text, err)
@@ -251,14 +264,14 @@ char *shear_settings_format(const shear_settings *s, const shear_setting_def *de
         break;
     case SHEAR_T_INT:
         if (def->has_auto && *(const int *)value == 0) {
-            snprintf(buf, size, "auto");
+            snprintf(buf, size, "%s", shear_setting_auto(def));
         } else {
             snprintf(buf, size, "%d", *(const int *)value);
         }
         break;
     default:
         if (isnan(*(const double *)value)) {
-            snprintf(buf, size, "auto");
+            snprintf(buf, size, "%s", shear_setting_auto(def));
         } else {
             format_double(*(const double *)value, buf, size);
         }

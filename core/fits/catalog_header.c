@@ -38,7 +38,7 @@ void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *stat
     }
 }
 
-/* Numbers and logicals as such, choices and "auto" as strings. */
+/* Numbers and logicals as such, choices, "auto" and "none" as strings. */
 static void put_setting(fitsfile *f, const shear_settings *s, const shear_setting_def *def,
                         int *status) {
     char text[64];

@@ -36,6 +36,22 @@ static int read_flags(const sf_table *table, double *values, shear_catalog_table
     return rc;
 }
 
+/* A column of places into a member of all rows; none where the table has no such column. */
+static int read_place(const sf_table *table, const sf_place_member *m, double *values,
+                      shear_catalog_table *t, shear_error *err) {
+    const sf_column *column = NULL;
+    int rc = sf_table_find_number(table, m->name, &column, err);
+    if (rc == SHEAR_OK && column != NULL) {
+        rc = sf_table_doubles(table, column, 0, t->n, values, err);
+    }
+    for (int64_t i = 0; rc == SHEAR_OK && i < t->n; i++) {
+        const bool is_one = column != NULL && values[i] >= 1.0 && values[i] <= SHEAR_MAX_SIDE;
+        const int place = is_one ? (int)values[i] - 1 : -1;
+        memcpy((char *)&t->rows[i] + m->offset, &place, sizeof place);
+    }
+    return rc;
+}
+
 static int read_rows(const sf_table *table, shear_catalog_table *t, shear_error *err) {
     int rc = SHEAR_OK;
     double *values = calloc((size_t)t->n + 1, sizeof *values);
@@ -55,6 +71,9 @@ static int read_rows(const sf_table *table, shear_catalog_table *t, shear_error 
     }
     if (rc == SHEAR_OK) {
         rc = read_flags(table, values, t, err);
+    }
+    for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_PLACES; i++) {
+        rc = read_place(table, &sf_catalog_places[i], values, t, err);
     }
 done:
     free(values);

@@ -28,6 +28,12 @@ const sf_member sf_catalog_members[SF_CATALOG_MEMBERS] = {
     {"WEIGHT", MEMBER(weight), "", "weight in the sums of the field"},
 };
 
+const sf_place_member sf_catalog_places[SF_CATALOG_PLACES] = {
+    {"ART_X", MEMBER(artefact_x), "artefact's pixel, from 1; 0 = there is none"},
+    {"ART_Y", MEMBER(artefact_y), "artefact's pixel, from 1; 0 = there is none"},
+};
+
 const char *const sf_flag_keywords[SHEAR_N_FLAGS] = {
-    "NF_GAL", "NF_NOISE", "NF_MASK", "NF_EMPTY", "NF_PSF", "NF_WGHT", "NF_RGAL", "NF_OVER",
+    "NF_GAL",  "NF_NOISE", "NF_MASK", "NF_EMPTY", "NF_PSF",
+    "NF_WGHT", "NF_RGAL",  "NF_OVER", "NF_ARTEF", "NF_NARTE",
 };

@@ -24,6 +24,16 @@ typedef struct sf_member {
 } sf_member;
 extern const sf_member sf_catalog_members[SF_CATALOG_MEMBERS];
 
+/* Behind FLAGS, columns of places of pixels: from 1, where the member counts from 0 and -1 is none.
+ */
+enum { SF_CATALOG_PLACES = 2 };
+typedef struct sf_place_member {
+    const char *name;
+    size_t offset; /* of the int in shear_row */
+    const char *comment;
+} sf_place_member;
+extern const sf_place_member sf_catalog_places[SF_CATALOG_PLACES];
+
 /* NF_...: how many rows carry flag number i. */
 extern const char *const sf_flag_keywords[SHEAR_N_FLAGS];
 

@@ -15,7 +15,7 @@ struct shear_catalog {
     sf_bitset written;
     int64_t kept;   /* rows that its header says are on disk */
     double *values; /* [room]: one column of a chunk */
-    int32_t *flags; /* [room] */
+    int32_t *flags; /* [room] flags, or places */
     int room;
 };
 

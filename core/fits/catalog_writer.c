@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_COLUMNS = SF_CATALOG_COPIED + SF_CATALOG_MEMBERS + 1 };
+enum { MAX_COLUMNS = SF_CATALOG_COPIED + SF_CATALOG_MEMBERS + 1 + SF_CATALOG_PLACES };
 
 /* The table's columns while it is being laid out. */
 typedef struct layout {
@@ -43,6 +43,9 @@ static void lay_out(layout *l, unsigned columns) {
         add(l, m->name, "D", m->unit, m->comment);
     }
     add(l, "FLAGS", "J", "", "why it is left out; 0 = in the sums");
+    for (int i = 0; i < SF_CATALOG_PLACES; i++) {
+        add(l, sf_catalog_places[i].name, "J", "pixel", sf_catalog_places[i].comment);
+    }
 }
 
 static int check(const shear_catalog *c, int status, shear_error *err) {
@@ -183,6 +186,14 @@ static void write_members(shear_catalog *c, int64_t first, int count, const shea
         c->flags[k] = (int32_t)rows[k].flags;
     }
     fits_write_col(c->out.fits, TINT, ++column, first + 1, 1, count, c->flags, status);
+    for (int i = 0; i < SF_CATALOG_PLACES; i++) {
+        for (int k = 0; k < count; k++) {
+            int place;
+            memcpy(&place, (const char *)&rows[k] + sf_catalog_places[i].offset, sizeof place);
+            c->flags[k] = place + 1;
+        }
+        fits_write_col(c->out.fits, TINT, ++column, first + 1, 1, count, c->flags, status);
+    }
 }
 
 int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_row *rows,

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/artefact.h"
 #include "measure/block_sums.h"
 #include "measure/moments.h"
 #include "measure/photometry.h"
@@ -24,6 +25,8 @@ static void row_init(shear_row *row, int64_t stamp, double weight, uint32_t flag
                        .border_var_noise = NAN,
                        .weight = weight,
                        .stamp = stamp,
+                       .artefact_x = -1,
+                       .artefact_y = -1,
                        .flags = flags};
 }
 
@@ -62,18 +65,26 @@ void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stam
     *coarse = one_grid ? &ws->fine : &ws->coarse;
 }
 
+/* The image that stamp i brings; NULL where there is none. */
+static const double *psf_of(const shear_plan *plan, const shear_stamps *stamps, int i) {
+    const transfer_plan *p = &plan->transfer_plan;
+    const int index = stamps->psf_index != NULL ? stamps->psf_index[i] : i;
+    return stamps->psf == NULL || index < 0 || index >= stamps->n_psf
+               ? NULL
+               : stamps->psf + (size_t)index * (size_t)p->psf_nx * (size_t)p->psf_ny;
+}
+
 const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,
                                 const shear_stamps *stamps, int i, uint32_t *flags) {
     if (plan->has_psf) {
         return &plan->transfer;
     }
-    const int index = stamps->psf_index != NULL ? stamps->psf_index[i] : i;
-    if (stamps->psf == NULL || index < 0 || index >= stamps->n_psf) {
+    const transfer_plan *p = &plan->transfer_plan;
+    const double *psf = psf_of(plan, stamps, i);
+    if (psf == NULL) {
         *flags |= SHEAR_FLAG_PSF_UNUSABLE;
         return NULL;
     }
-    const transfer_plan *p = &plan->transfer_plan;
-    const double *psf = stamps->psf + (size_t)index * (size_t)p->psf_nx * (size_t)p->psf_ny;
     if (psf == ws->transfer_of) {
         return &ws->transfer;
     }
@@ -217,6 +228,18 @@ static uint32_t flags_of_pixels(const photometry *ph) {
            (ph->galaxy_finite && ph->galaxy_flat ? (uint32_t)SHEAR_FLAG_EMPTY : 0u);
 }
 
+static uint32_t bad_values(const shear_plan *plan, const shear_stamps *stamps, const subject *s) {
+    const size_t planes = (size_t)noise_planes(stamps);
+    const double value = plan->settings.bad_value;
+    const size_t n = (size_t)plan->info.geometry.nx * (size_t)plan->info.geometry.ny;
+    if (isnan(value)) {
+        return 0u;
+    }
+    return (photometry_holds(s->galaxy, n, value) ? (uint32_t)SHEAR_FLAG_GALAXY_NOT_FINITE : 0u) |
+           (photometry_holds(s->noise, planes * n, value) ? (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE
+                                                          : 0u);
+}
+
 /* Everything up to the transform along y; the pixels' photometry comes with it. Bad pixels are
  * found on the way, and then what was packed is not used. */
 static void take_up(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
@@ -230,17 +253,74 @@ static void take_up(const shear_plan *plan, shear_workspace *ws, const shear_sta
         s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, last_group(plan, s->transfer),
                               &s->ph, &s->failure);
     } else {
-        s->ph = photometry_of(s->galaxy, s->noise, stamps->nx, stamps->ny);
+        s->ph = photometry_of(s->galaxy, s->noise, stamps->nx, stamps->ny, ws->strip_most);
     }
-    *flags |= flags_of_pixels(&s->ph);
+    *flags |= flags_of_pixels(&s->ph) | bad_values(plan, stamps, s);
     *flags |= *flags == 0 ? psf_flag : 0u;
 }
 
+/* The PSF's, of the one that stamp i brings only where somebody asks for it: that takes a time. */
+static const sharpness *choose_sharpness(const shear_plan *plan, shear_workspace *ws,
+                                         const shear_stamps *stamps, int i) {
+    const shear_geometry *g = &plan->info.geometry;
+    const double *psf = plan->has_psf ? NULL : psf_of(plan, stamps, i);
+    if (psf == NULL) {
+        return plan->has_psf ? &plan->sharpness : NULL;
+    }
+    if (psf != ws->sharpness_of) {
+        ws->sharpness = sharpness_of(psf, g->psf_nx, g->psf_ny, g->psf_oversample);
+        ws->sharpness_of = psf;
+    }
+    return &ws->sharpness;
+}
+
+/* Of pixels that are finite. */
+static void find_artefact(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                          int i, const subject *s, shear_row *row) {
+    static const sharpness weakest = {.ratio = 1.0, .leak = 0.0};
+    const artefact_pair pair = {.galaxy = s->galaxy,
+                                .noise = s->noise,
+                                .nx = stamps->nx,
+                                .ny = stamps->ny,
+                                .ph = &s->ph,
+                                .strip_most = ws->strip_most};
+    if (plan->settings.artefacts == SHEAR_ARTEFACTS_KEEP ||
+        !artefact_suspected(&pair, plan->has_psf ? &plan->sharpness : &weakest)) {
+        return;
+    }
+    const sharpness *sharp = choose_sharpness(plan, ws, stamps, i);
+    const artefact found =
+        sharp != NULL ? artefact_find(&pair, sharp) : (artefact){.x = -1, .y = -1};
+    if (found.x >= 0) {
+        row->flags |= found.in_noise ? SHEAR_FLAG_NOISE_ARTEFACT : SHEAR_FLAG_ARTEFACT;
+        row->artefact_x = found.x;
+        row->artefact_y = found.y;
+    }
+}
+
+/* Two further noise stamps, whose photometry is `ph`: the flags that they give the row. */
+static void judge_more_noise(const shear_plan *plan, shear_workspace *ws,
+                             const shear_stamps *stamps, int i, const double *one,
+                             const double *two, const photometry *ph, shear_row *row) {
+    const subject s = {.galaxy = one, .noise = two, .ph = *ph};
+    shear_row seen = {.artefact_x = -1, .artefact_y = -1};
+    if (!ph->galaxy_finite || !ph->noise_finite) {
+        row->flags |= SHEAR_FLAG_NOISE_NOT_FINITE;
+        return;
+    }
+    find_artefact(plan, ws, stamps, i, &s, &seen);
+    if (seen.flags != 0) {
+        row->flags |= SHEAR_FLAG_NOISE_ARTEFACT;
+        row->artefact_x = seen.artefact_x;
+        row->artefact_y = seen.artefact_y;
+    }
+}
+
 /* The noise stamps after the first one, two a transform: the mean of all takes the place of the
- * first. False where one cannot be used: a pixel is not finite, or negative under a log method
+ * first. False where one cannot be used: it gives the row a flag, or is negative under a log method
  * (`s->packed` false). */
 static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
-                       subject *s, spectra *sp) {
+                       int i, subject *s, spectra *sp, shear_row *row) {
     const int planes = noise_planes(stamps);
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
     spectra all = {.noise = sp->noise, .high = sp->high};
@@ -252,7 +332,8 @@ static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_
         s->packed =
             pack_pair(plan, ws, s->fine, one, two, last_group(plan, s->transfer), &ph, &s->failure);
         s->failure.in_noise = true;
-        if (!s->packed || !ph.galaxy_finite || !ph.noise_finite) {
+        judge_more_noise(plan, ws, stamps, i, one, two, &ph, row);
+        if (!s->packed || row->flags != 0) {
             return false;
         }
         const spectra pair = spectra_of(plan, ws, s->transfer);
@@ -293,14 +374,25 @@ static void fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan
     }
 }
 
+static subject subject_of(const shear_stamps *stamps, int i) {
+    const size_t at = (size_t)i * (size_t)stamps->nx * (size_t)stamps->ny;
+    return (subject){.galaxy = stamps->galaxy + at,
+                     .noise = stamps->noise + (size_t)noise_planes(stamps) * at};
+}
+
+static void row_begin(shear_row *row, const shear_stamps *stamps, int i) {
+    const double weight = stamps->weight != NULL ? stamps->weight[i] : 1.0;
+    row_init(row, stamps->first + i, weight, flags_of_catalogue(stamps, i, weight));
+}
+
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
-    const size_t at = (size_t)i * (size_t)stamps->nx * (size_t)stamps->ny;
-    const double weight = stamps->weight != NULL ? stamps->weight[i] : 1.0;
-    subject s = {.galaxy = stamps->galaxy + at,
-                 .noise = stamps->noise + (size_t)noise_planes(stamps) * at};
-    row_init(row, stamps->first + i, weight, flags_of_catalogue(stamps, i, weight));
+    subject s = subject_of(stamps, i);
+    row_begin(row, stamps, i);
     take_up(plan, ws, stamps, i, &s, &row->flags);
+    if (row->flags == 0) {
+        find_artefact(plan, ws, stamps, i, &s, row);
+    }
     if (row->flags != 0) {
         return SHEAR_OK;
     }
@@ -311,9 +403,8 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
     row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - sp.flux);
     if (s.ph.noise_var > 0.0) {
-        if (!more_noise(plan, ws, stamps, &s, &sp)) {
-            row->flags |= s.packed ? (uint32_t)SHEAR_FLAG_NOISE_NOT_FINITE : 0u;
-            return s.packed ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
+        if (!more_noise(plan, ws, stamps, i, &s, &sp, row)) {
+            return row->flags != 0 ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
         }
         fill_noise(row, &sp, plan);
     }
@@ -338,6 +429,7 @@ int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear
                         int from, int to, shear_row *rows, shear_error *err) {
     int code = check_shape(plan, stamps, err);
     ws->transfer_of = NULL; /* the caller may have put other images into the same memory */
+    ws->sharpness_of = NULL;
     for (int i = from; i < to && code == SHEAR_OK; i++) {
         code = measure_one(plan, ws, stamps, i, &rows[i - from], err);
     }
@@ -347,4 +439,29 @@ int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear
 int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err) {
     return shear_measure_range(plan, ws, stamps, i, i + 1, row, err);
+}
+
+int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
+                  shear_row *row, shear_error *err) {
+    const int code = check_shape(plan, stamps, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    subject s = subject_of(stamps, i);
+    row_begin(row, stamps, i);
+    ws->sharpness_of = NULL;
+    s.ph = photometry_of(s.galaxy, s.noise, stamps->nx, stamps->ny, ws->strip_most);
+    row->flags |= flags_of_pixels(&s.ph) | bad_values(plan, stamps, &s);
+    choose_filter(plan, ws, stamps, i, &s.fine, &s.coarse, &row->flags);
+    row->flags |=
+        !plan->has_psf && psf_of(plan, stamps, i) == NULL ? (uint32_t)SHEAR_FLAG_PSF_UNUSABLE : 0u;
+    if (row->flags == 0) {
+        find_artefact(plan, ws, stamps, i, &s, row);
+    }
+    for (int k = 1; k < noise_planes(stamps) && row->flags == 0; k++) {
+        const double *noise = s.noise + (size_t)k * (size_t)stamps->nx * (size_t)stamps->ny;
+        const photometry ph = photometry_of(noise, noise, stamps->nx, stamps->ny, ws->strip_most);
+        judge_more_noise(plan, ws, stamps, i, noise, noise, &ph, row);
+    }
+    return SHEAR_OK;
 }

@@ -180,9 +180,9 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
     const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
     photometry_sums sums;
-    photometry_begin(&sums, galaxy, noise, g->nx, g->ny);
+    photometry_begin(&sums, galaxy, noise, g->nx, g->ny, ws->strip_most);
     if (!as_pixels) {
-        *ph = photometry_of(galaxy, noise, g->nx, g->ny);
+        *ph = photometry_of(galaxy, noise, g->nx, g->ny, ws->strip_most);
     }
     ws->level = levels ? photometry_level(noise, (size_t)g->nx * (size_t)g->ny) : 0.0;
     if (!load_pair(plan, ws, galaxy, noise, failure)) {
@@ -198,6 +198,9 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
             turn_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, last);
         } else {
             clear_columns(ws, st.x0, last);
+        }
+        if (as_pixels) {
+            photometry_end_strip(&sums);
         }
     }
     if (as_pixels) {

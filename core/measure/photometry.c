@@ -3,16 +3,27 @@
 
 #include "base/simd.h"
 
+#include <float.h>
 #include <math.h>
 
-void photometry_begin(photometry_sums *s, const double *galaxy, const double *noise, int nx,
-                      int ny) {
+static void fill(double *lanes, double value) {
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        lanes[l] = value;
+    }
+}
+
+void photometry_begin(photometry_sums *s, const double *galaxy, const double *noise, int nx, int ny,
+                      double *most) {
     *s = (photometry_sums){.galaxy = galaxy,
                            .noise = noise,
                            .nx = nx,
                            .ny = ny,
-                           .galaxy_first = galaxy[0],
-                           .noise_first = noise[0]};
+                           .noise_first = noise[0],
+                           .most = most};
+    fill(s->strip_most, -INFINITY);
+    fill(s->galaxy_least, INFINITY);
+    fill(s->noise_most, -INFINITY);
+    fill(s->noise_least, INFINITY);
 }
 
 SHEAR_SIMD static void add_strip(photometry_sums *sums, const double *galaxy, const double *noise,
@@ -56,6 +67,28 @@ static double total(const double *lanes) {
            ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
 }
 
+static double larger(double a, double b) {
+    return a > b ? a : b;
+}
+
+static double largest(const double *lanes) {
+    return larger(larger(larger(lanes[0], lanes[1]), larger(lanes[2], lanes[3])),
+                  larger(larger(lanes[4], lanes[5]), larger(lanes[6], lanes[7])));
+}
+
+static double smallest(const double *lanes) {
+    double least = lanes[0];
+    for (size_t l = 1; l < FFT_LANES; l++) {
+        least = lanes[l] < least ? lanes[l] : least;
+    }
+    return least;
+}
+
+void photometry_end_strip(photometry_sums *s) {
+    s->most[s->strips++] = largest(s->strip_most);
+    fill(s->strip_most, -INFINITY);
+}
+
 photometry photometry_end(const photometry_sums *s) {
     const size_t pixels = (size_t)s->nx * (size_t)s->ny;
     const double mean = total(s->first) / (double)pixels;
@@ -63,9 +96,16 @@ photometry photometry_end(const photometry_sums *s) {
     photometry p = {.flux = total(s->flux),
                     .galaxy_finite = true,
                     .noise_finite = true,
-                    .galaxy_flat = total(s->galaxy_others) == 0.0,
-                    .noise_mean = s->noise_first + mean,
-                    .noise_var = total(s->noise_others) > 0.0 ? var : 0.0};
+                    .galaxy_most = -INFINITY,
+                    .galaxy_least = smallest(s->galaxy_least),
+                    .noise_most = largest(s->noise_most),
+                    .noise_least = smallest(s->noise_least),
+                    .noise_mean = s->noise_first + mean};
+    for (int i = 0; i < s->strips; i++) {
+        p.galaxy_most = larger(p.galaxy_most, s->most[i]);
+    }
+    p.galaxy_flat = p.galaxy_most == p.galaxy_least;
+    p.noise_var = p.noise_most > p.noise_least ? var : 0.0;
     /* A NaN or an infinity stays in the sums; finite pixels of 1e308 may make one there. */
     if (!isfinite(p.flux) || !isfinite(mean)) {
         p.galaxy_finite = all_finite(s->galaxy, pixels);
@@ -74,17 +114,25 @@ photometry photometry_end(const photometry_sums *s) {
     return p;
 }
 
-photometry photometry_of(const double *galaxy, const double *noise, int nx, int ny) {
+photometry photometry_of(const double *galaxy, const double *noise, int nx, int ny, double *most) {
     photometry_sums sums;
-    int x0 = 0;
-    photometry_begin(&sums, galaxy, noise, nx, ny);
-    for (; x0 <= nx - FFT_LANES; x0 += FFT_LANES) {
-        photometry_add(&sums, x0, 0, 0, ny);
-    }
-    if (x0 < nx) {
-        photometry_add(&sums, nx - FFT_LANES, FFT_LANES - (nx - x0), 0, ny);
+    photometry_begin(&sums, galaxy, noise, nx, ny, most);
+    for (int x = 0; x < nx; x += FFT_LANES) {
+        const int x0 = x <= nx - FFT_LANES ? x : nx - FFT_LANES;
+        photometry_add(&sums, x0, x - x0, 0, ny);
+        photometry_end_strip(&sums);
     }
     return photometry_end(&sums);
+}
+
+bool photometry_holds(const double *pixels, size_t n, double value) {
+    /* Files of floats hold the nearest one. */
+    const double narrow = fabs(value) <= (double)FLT_MAX ? (double)(float)value : value;
+    size_t i = 0;
+    while (i < n && pixels[i] != value && pixels[i] != narrow) {
+        i++;
+    }
+    return i < n;
 }
 
 /* About a pixel, see photometry_pixel; lane by lane, the same sum on every machine. */

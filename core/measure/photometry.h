@@ -13,7 +13,9 @@
 typedef struct photometry {
     double flux; /* galaxy - noise */
     bool galaxy_finite, noise_finite;
-    bool galaxy_flat; /* all pixels of the galaxy stamp are equal */
+    bool galaxy_flat;                 /* all pixels of the galaxy stamp are equal */
+    double galaxy_most, galaxy_least; /* brightest and darkest pixel; NaN does not count */
+    double noise_most, noise_least;
     double noise_mean;
     double noise_var; /* about the mean; 0 where all pixels are equal, whatever rounding makes */
 } photometry;
@@ -22,16 +24,23 @@ typedef struct photometry {
 typedef struct photometry_sums {
     const double *galaxy, *noise; /* [ny][nx] */
     int nx, ny;
-    double galaxy_first, noise_first; /* the first pixels */
+    double noise_first; /* the first pixel */
     double flux[FFT_LANES];
     double first[FFT_LANES], second[FFT_LANES]; /* noise and its squares, about its first pixel */
-    double galaxy_others[FFT_LANES], noise_others[FFT_LANES]; /* unlike the first pixel */
+    double strip_most[FFT_LANES]; /* of the galaxy's pixels since the last photometry_end_strip */
+    double galaxy_least[FFT_LANES], noise_most[FFT_LANES], noise_least[FFT_LANES];
+    double *most; /* the brightest pixel of each strip of the galaxy stamp that has been ended */
+    int strips;
 } photometry_sums;
 
-void photometry_begin(photometry_sums *s, const double *galaxy, const double *noise, int nx,
-                      int ny);
+/* `most` [(nx + FFT_LANES - 1) / FFT_LANES]: the caller's; it becomes what the strips' brightest
+ * pixels are. Strip i begins at column i FFT_LANES, the last where it still fits. */
+void photometry_begin(photometry_sums *s, const double *galaxy, const double *noise, int nx, int ny,
+                      double *most);
 /* Rows [y0, y1) of columns [x0 + skip, x0 + FFT_LANES). Every pixel must be added once. */
 void photometry_add(photometry_sums *s, int x0, int skip, int y0, int y1);
+/* A strip's pixels have all been added; the strips come in order. */
+void photometry_end_strip(photometry_sums *s);
 
 /* One pixel of each stamp, to lane l. Squares are taken about one of the pixels: about zero, a
  * bright sky would swallow its own noise. */
@@ -41,14 +50,19 @@ static SHEAR_INLINE void photometry_pixel(photometry_sums *s, size_t l, double g
     s->flux[l] += galaxy - noise;
     s->first[l] += d;
     s->second[l] += d * d;
-    s->galaxy_others[l] += galaxy != s->galaxy_first ? 1.0 : 0.0;
-    s->noise_others[l] += noise != s->noise_first ? 1.0 : 0.0;
+    s->strip_most[l] = galaxy > s->strip_most[l] ? galaxy : s->strip_most[l];
+    s->galaxy_least[l] = galaxy < s->galaxy_least[l] ? galaxy : s->galaxy_least[l];
+    s->noise_most[l] = noise > s->noise_most[l] ? noise : s->noise_most[l];
+    s->noise_least[l] = noise < s->noise_least[l] ? noise : s->noise_least[l];
 }
 
 photometry photometry_end(const photometry_sums *s);
 
 /* All of a pair at once. */
-photometry photometry_of(const double *galaxy, const double *noise, int nx, int ny);
+photometry photometry_of(const double *galaxy, const double *noise, int nx, int ny, double *most);
+
+/* Is one of the pixels this value, as a double or rounded to a float? */
+bool photometry_holds(const double *pixels, size_t n, double value);
 
 /* The mean of an image's pixels: what there is of a background in a noise stamp. */
 double photometry_level(const double *pixels, size_t n);

@@ -126,6 +126,10 @@ int shear_plan_make(shear_plan **out, const shear_settings *settings,
     if (code == SHEAR_OK) {
         code = basis->psf != NULL ? make_transfer(plan, basis->psf, err) : check_limit(plan, err);
     }
+    if (code == SHEAR_OK && basis->psf != NULL) {
+        plan->sharpness =
+            sharpness_of(basis->psf, geometry->psf_nx, geometry->psf_ny, geometry->psf_oversample);
+    }
     if (code != SHEAR_OK) {
         shear_plan_free(plan);
         return code;

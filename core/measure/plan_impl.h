@@ -10,6 +10,7 @@
 #include "measure/moments.h"
 #include "measure/photometry.h"
 #include "measure/plateau.h"
+#include "measure/sharpness.h"
 #include "measure/transfer.h"
 #include "shear/plan.h"
 
@@ -27,6 +28,7 @@ struct shear_plan {
     high_band high;          /* where the noise level is read off */
     plateau plateau;         /* where shot_noise is PLATEAU */
     moments flat;            /* what `transfer` makes of it */
+    sharpness sharpness;     /* of the one PSF, where there is one */
 };
 
 /* Fill *info, whose geometry is set; *psf_factor: how much finer the PSF's samples are made. */
@@ -43,6 +45,10 @@ struct shear_workspace {
     filter_map fine, coarse;      /* where the filter differs from stamp to stamp */
     transfer_scratch psf_scratch; /* where each stamp has its own PSF */
     transfer transfer;
+    double
+        strip_most[SHEAR_MAX_SIDE / FFT_LANES]; /* brightest pixels of the galaxy stamp's strips */
+    sharpness sharpness;                        /* where each stamp has its own PSF: ... */
+    const double *sharpness_of;                 /* ... of this one, as below */
     const double
         *transfer_of; /* the PSF image `transfer` was made from in this batch; NULL: none */
 };

@@ -103,6 +103,28 @@ static double log_at(const psf_view *v, double x, double y) {
     return nearest > 0.0 ? log(nearest) : -INFINITY;
 }
 
+void psf_refine(const double *psf, int nx, int ny, int x, int y, int fine, double *out) {
+    const psf_view v = {.psf = psf, .nx = nx, .ny = ny};
+    double patch[4][4];
+    const bool positive = log_patch(&v, x, y, patch);
+    for (int j = 0; j < fine; j++) {
+        for (int i = 0; i < fine; i++) {
+            const double t = (double)i / fine;
+            const double u = (double)j / fine;
+            out[j * fine + i] =
+                positive
+                    ? exp(patch_at(patch, t, u))
+                    : (1 - t) * (1 - u) * sample(&v, x, y) + t * (1 - u) * sample(&v, x + 1, y) +
+                          (1 - t) * u * sample(&v, x, y + 1) + t * u * sample(&v, x + 1, y + 1);
+        }
+    }
+}
+
+double psf_at(const double *psf, int nx, int ny, double x, double y) {
+    const psf_view v = {.psf = psf, .nx = nx, .ny = ny};
+    return exp(log_at(&v, x, y));
+}
+
 enum { MAX_REFINE = 32 };
 
 /* How far the PSF is above the level, positive inside, on the (refine+1)^2 corners of the cell's

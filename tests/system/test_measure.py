@@ -14,11 +14,11 @@ KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", 
         "flags", "settings", "resolved", "files", "estimator", "error_method", "jackknife", "truth", "pull",
         "estimators", "filter_removed", "warnings", "version", "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
-         "bad_r_gal", "overflow"]
+         "bad_r_gal", "overflow", "artefact", "noise_artefact"]
 SETTINGS = {"preset": "default", "interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 2, "beta-floor": 1.4,
             "filter": "auto", "core": "auto", "width": "auto", "background": "auto", "zeros": "skip", "pedestal": 0.0,
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
-            "noise-level": "field", "shot-noise": "none", "estimator": "mean"}
+            "noise-level": "field", "shot-noise": "none", "estimator": "mean", "artefacts": "flag", "bad-value": "none"}
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",
             "k_cut"]
 

@@ -112,15 +112,12 @@ class Artefacts(Case):
             field.galaxy[stamp][self.PIXEL] = value + (field.galaxy[stamp][self.PIXEL] if add else 0.0)
         return field
 
-    @awaited
     def test_a_cosmic_ray(self):
         self.flags(self.spoilt(80.0, True), "artefact", [5, 40])
 
-    @awaited
     def test_a_hot_pixel(self):
         self.flags(self.spoilt(400.0, True), "artefact", [5, 40])
 
-    @awaited
     def test_sentinels(self):
         for value in (-9999.0, -1e30):
             with self.subTest(value=value):
@@ -145,7 +142,6 @@ class OneStampDecides(Case):
         field.galaxy[17] = [p + q for p, q in zip(field.galaxy[17], star)]
         self.flagged_or_named(field, 17)
 
-    @awaited
     def test_a_stamp_off_the_chip(self):
         field = bright()
         for i in range(field.ny * field.nx):

@@ -15,6 +15,7 @@ void pair_init(pair *p, int nx, int ny, int psf_nx, int psf_ny, int psf_oversamp
                              .psf_ny = psf_ny,
                              .psf_oversample = psf_oversample}};
     shear_settings_init(&p->settings);
+    p->settings.artefacts = SHEAR_ARTEFACTS_KEEP; /* a law holds for images of any kind */
     p->galaxy = calloc(pixels, sizeof(double));
     p->noise = calloc(pixels, sizeof(double));
     p->psf = calloc((size_t)psf_nx * (size_t)psf_ny, sizeof(double));

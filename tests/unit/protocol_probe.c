@@ -96,7 +96,9 @@ static void print_settings(void) {
     for (size_t i = 0; i < n; i++) {
         printf("%s{\"name\":\"%s\",\"type\":\"%s\",\"auto\":%s,\"min\":%.17g,\"max\":%.17g",
                i > 0 ? "," : "", table[i].name, types[table[i].type],
-               table[i].has_auto ? "true" : "false", table[i].min, table[i].max);
+               table[i].has_auto && strcmp(shear_setting_auto(&table[i]), "auto") == 0 ? "true"
+                                                                                       : "false",
+               table[i].min, table[i].max);
         if (table[i].choices) {
             print_names(table[i].choices);
         }

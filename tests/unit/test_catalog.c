@@ -213,8 +213,9 @@ static void the_header_holds_all_settings(void **state) {
         shear_settings_format(&back, &table[i], is, sizeof is);
         assert_string_equal(was, is);
     }
-    static const char *const flags[SHEAR_N_FLAGS] = {"NF_GAL", "NF_NOISE", "NF_MASK", "NF_EMPTY",
-                                                     "NF_PSF", "NF_WGHT",  "NF_RGAL", "NF_OVER"};
+    static const char *const flags[SHEAR_N_FLAGS] = {"NF_GAL",   "NF_NOISE", "NF_MASK", "NF_EMPTY",
+                                                     "NF_PSF",   "NF_WGHT",  "NF_RGAL", "NF_OVER",
+                                                     "NF_ARTEF", "NF_NARTE"};
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {
         int found = 0;
         int is = 0;

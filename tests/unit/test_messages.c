@@ -396,11 +396,12 @@ static void test_whole_settings(void **state) {
     assert_int_equal(shear_settings_apply(&s, "pedestal=0.25\ncore=7\nbeta=1.7", &err), SHEAR_OK);
     assert_int_equal(shear_settings_write(&s, text, sizeof text, &err), SHEAR_OK);
     assert_string_equal(
-        text, "preset=default\ninterpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=2\n"
-              "beta-floor=1.4\n"
-              "filter=auto\ncore=7\nwidth=auto\nbackground=auto\nzeros=skip\npedestal=0.25\n"
-              "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n"
-              "noise-level=field\nshot-noise=none\nestimator=mean\n");
+        text,
+        "preset=default\ninterpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=2\n"
+        "beta-floor=1.4\n"
+        "filter=auto\ncore=7\nwidth=auto\nbackground=auto\nzeros=skip\npedestal=0.25\n"
+        "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n"
+        "noise-level=field\nshot-noise=none\nestimator=mean\nartefacts=flag\nbad-value=none\n");
     shear_settings_init(&t);
     assert_int_equal(shear_settings_apply(&t, text, &err), SHEAR_OK);
     assert_int_equal(shear_settings_write(&t, again, sizeof again, &err), SHEAR_OK);
@@ -467,13 +468,18 @@ static void assert_number_setting(const shear_setting_def *def) {
     assert_setting(def->name, text, true);
     snprintf(text, sizeof text, "%.17g", def->max);
     assert_setting(def->name, text, true);
-    snprintf(text, sizeof text, "%.17g", def->min > 0 ? def->min / 2 : -1.0);
+    snprintf(text, sizeof text, "%.17g",
+             def->min > 0   ? def->min / 2
+             : def->min < 0 ? def->min * 2
+                            : -1.0);
     assert_setting(def->name, text, false);
     if (def->max < DBL_MAX) {
         snprintf(text, sizeof text, "%.17g", def->max * 2);
         assert_setting(def->name, text, false);
     }
-    assert_setting(def->name, "\"auto\"", def->has_auto);
+    const bool automatic = def->has_auto && strcmp(shear_setting_auto(def), "auto") == 0;
+    assert_setting(def->name, "\"auto\"", automatic);
+    assert_setting(def->name, "\"none\"", def->has_auto && !automatic);
     assert_setting(def->name, "\"1\"", false);
     assert_setting(def->name, "true", false);
 }

@@ -25,7 +25,7 @@ static void test_table(void **state) {
     (void)state;
     size_t n;
     const shear_setting_def *table = shear_settings_table(&n);
-    assert_true(n == 18);
+    assert_true(n == 20);
     for (size_t i = 0; i < n; i++) {
         assert_ptr_equal(shear_settings_find(table[i].name), &table[i]);
         assert_in_range(strlen(table[i].keyword), 1, 8);
@@ -62,6 +62,8 @@ static void test_defaults(void **state) {
     assert_true(s.pedestal == 0.0 && s.psf_threshold == 1e-8 && s.power_tolerance == 1e-3 &&
                 s.noise_correction && s.shot_noise == SHEAR_SHOT_NONE &&
                 s.estimator == SHEAR_ESTIMATOR_MEAN);
+    assert_true(s.background == SHEAR_BACKGROUND_AUTO && s.artefacts == SHEAR_ARTEFACTS_FLAG &&
+                isnan(s.bad_value));
 }
 
 /* Format, set into something else, compare bits; and formatting again gives the same text. */
@@ -140,7 +142,10 @@ static void test_refusals(void **state) {
     for (size_t i = 0; i < n; i++) {
         char text[64];
         for (size_t k = 0; k < sizeof nonsense / sizeof nonsense[0]; k++) {
-            check_refused(table[i].name, nonsense[k]);
+            const bool negative = table[i].type == SHEAR_T_DOUBLE && table[i].min < 0.0;
+            if (!negative || strcmp(nonsense[k], "-1") != 0) {
+                check_refused(table[i].name, nonsense[k]);
+            }
         }
         if (!table[i].has_auto && table[i].type != SHEAR_T_CHOICE) {
             check_refused(table[i].name, "auto");
@@ -160,6 +165,8 @@ static void test_refusals(void **state) {
             check_refused(table[i].name, text);
         }
     }
+    check_refused("bad-value", "auto");
+    check_refused("beta", "none");
     check_refused("no-such-setting", "1");
     check_refused("filter", "2");
 }
@@ -310,7 +317,7 @@ static void test_ranges(void **state) {
             continue;
         }
         if (table[i].type == SHEAR_T_DOUBLE) {
-            *(double *)value = -1.0;
+            *(double *)value = table[i].min < 0.0 ? 2.0 * table[i].min : -1.0;
         } else {
             *(int *)value = -1;
         }

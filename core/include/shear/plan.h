@@ -127,6 +127,12 @@ int shear_plan_memory_of(shear_memory *memory, const shear_settings *settings,
 int shear_measure(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_row *row, shear_error *err);
 
+/* Look at pair number i without measuring it: *row has the flags that this needs no transform for
+ * (all but SHEAR_FLAG_OVERFLOW, and SHEAR_FLAG_PSF_UNUSABLE only where the stamp names no PSF) and
+ * the artefact's place; its numbers are NaN. Errors: SHEAR_E_INTERNAL as above. */
+int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
+                  shear_row *row, shear_error *err);
+
 /* Measure pairs [from, to) of `stamps` into rows[0 .. to-from), on the calling thread. A PSF that
  * serves neighbouring stamps (equal psf_index) is transformed once. Stops at the first error. */
 int shear_measure_range(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,

@@ -52,6 +52,12 @@ enum shear_zeros {
                        */
 };
 
+/* What becomes of a stamp with a pixel that no sky has made: a cosmic ray, a sentinel. */
+enum shear_artefacts {
+    SHEAR_ARTEFACTS_FLAG = 0, /* it is left out: SHEAR_FLAG_ARTEFACT, SHEAR_FLAG_NOISE_ARTEFACT */
+    SHEAR_ARTEFACTS_KEEP      /* it is not looked for */
+};
+
 enum shear_shot_noise {
     SHEAR_SHOT_NONE = 0, /* left as it is */
     SHEAR_SHOT_PLATEAU   /* galaxy and noise power lose each their plateau, before T */
@@ -90,6 +96,8 @@ typedef struct shear_settings {
     int noise_level;        /* enum shear_noise_level: of the galaxy stamps */
     int shot_noise;         /* enum shear_shot_noise */
     int estimator;          /* enum shear_estimator */
+    int artefacts;          /* enum shear_artefacts */
+    double bad_value;       /* pixels that are this count as not finite; NaN = none are */
 } shear_settings;
 
 enum shear_setting_type { SHEAR_T_CHOICE, SHEAR_T_INT, SHEAR_T_DOUBLE, SHEAR_T_BOOL };
@@ -106,6 +114,9 @@ typedef struct shear_setting_def {
     const char *metavar;        /* in usage texts: "PX" */
     const char *help;           /* one line */
 } shear_setting_def;
+
+/* The word for what has_auto is about: "auto", or, where it chooses nothing, "none" (bad-value). */
+const char *shear_setting_auto(const shear_setting_def *def);
 
 /* The table, in the order of documentation; *n becomes its length. Static, never freed. */
 const shear_setting_def *shear_settings_table(size_t *n);

@@ -25,9 +25,13 @@ enum shear_flag {
     SHEAR_FLAG_BAD_R_GAL =
         1u << 6, /* the filter needs CATALOG.R_GAL, which is not positive and finite */
     SHEAR_FLAG_OVERFLOW =
-        1u << 7 /* the pixels are finite, but the moments, or the sums made of them, are not */
+        1u << 7, /* the pixels are finite, but the moments, or the sums made of them, are not */
+    /* A pixel of the galaxy stamp that no sky has made: sharper than the PSF, or below the sky
+     * (docs/method.md, section 8) */
+    SHEAR_FLAG_ARTEFACT = 1u << 8,
+    SHEAR_FLAG_NOISE_ARTEFACT = 1u << 9 /* the same in the noise stamp */
 };
-enum { SHEAR_N_FLAGS = 8 };
+enum { SHEAR_N_FLAGS = 10 };
 
 /* The stable name of flag bit number `bit` (0..SHEAR_N_FLAGS-1): "galaxy_not_finite", ... NULL
  * beyond. */
@@ -86,8 +90,9 @@ typedef struct shear_row {
     double border_var;       /* variance of that border, galaxy minus noise */
     double border_var_noise; /* variance of the noise stamp's border */
     double weight;
-    int64_t stamp;  /* its number in its file */
-    uint32_t flags; /* or of enum shear_flag; 0 = in the sums */
+    int64_t stamp;              /* its number in its file */
+    int artefact_x, artefact_y; /* the worst such pixel, from 0; -1: there is none */
+    uint32_t flags;             /* or of enum shear_flag; 0 = in the sums */
 } shear_row;
 
 #endif

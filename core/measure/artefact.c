@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* First what is quick: the extremes of the pixels, which the photometry has anyway, and where a
+ * strip of columns has a bright one, a look at its pixels with the smallest threshold there may be.
+ * Only a stamp that this leaves under suspicion is looked at pixel by pixel. */
+#include "measure/artefact.h"
+
+#include "base/simd.h"
+#include "shear/stamp.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double bright_sigma = 6.5;   /* of p - r m: 3e-7 in 64 x 64 px of white noise */
+static const double dark_sigma = 6.6;     /* 2e-7 */
+static const double part_of_pixel = 0.03; /* by which a PSF image may be wrong */
+static const double part_of_peak = 1e-3;  /* what rounding and periods leave in faint places */
+static const double dark_part = 0.01;     /* of the peak: negative wings, interpolated or folded */
+static const double sky_electrons = 5.0;  /* the least that a pixel's noise is taken for */
+static const double sigma_of_mad = 1.4826;
+
+static double white_gain(double ratio) {
+    return sqrt(1.0 + 0.5 * ratio * ratio);
+}
+
+static int by_value(const void *a, const void *b) {
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *values, size_t n) {
+    qsort(values, n, sizeof *values, by_value);
+    return values[n / 2];
+}
+
+/* Median of the one-pixel border, and the noise that the median deviation from it stands for. */
+static void look_at_border(const double *pixels, int nx, int ny, double *middle, double *sigma) {
+    double values[4 * SHEAR_MAX_SIDE];
+    size_t n = 0;
+    for (int x = 0; x < nx; x++) {
+        values[n++] = pixels[x];
+        values[n++] = pixels[(size_t)(ny - 1) * (size_t)nx + (size_t)x];
+    }
+    for (int y = 1; y < ny - 1; y++) {
+        values[n++] = pixels[(size_t)y * (size_t)nx];
+        values[n++] = pixels[(size_t)(y + 1) * (size_t)nx - 1];
+    }
+    *middle = median(values, n);
+    for (size_t i = 0; i < n; i++) {
+        values[i] = fabs(values[i] - *middle);
+    }
+    *sigma = sigma_of_mad * median(values, n);
+}
+
+/* The noise of a pixel, the one that is farthest from the mean left out: it may be an artefact.
+ * Where it leaves nothing of the others but rounding, the border tells. */
+static double sigma_of(const artefact_pair *pair) {
+    static const double rounding = 1e-9;
+    const photometry *ph = pair->ph;
+    const double n = (double)pair->nx * pair->ny;
+    const double far = fmax(ph->noise_most - ph->noise_mean, ph->noise_mean - ph->noise_least);
+    const double squares = n * ph->noise_var - far * far * n / (n - 1.0);
+    if (squares > rounding * far * far || far == 0.0) {
+        return sqrt(fmax(0.0, squares) / (n - 1.0));
+    }
+    double middle;
+    double sigma;
+    look_at_border(pair->noise, pair->nx, pair->ny, &middle, &sigma);
+    return sigma;
+}
+
+static SHEAR_INLINE double largest(const double *lanes) {
+    const double a = lanes[0] > lanes[1] ? lanes[0] : lanes[1];
+    const double b = lanes[2] > lanes[3] ? lanes[2] : lanes[3];
+    const double c = lanes[4] > lanes[5] ? lanes[4] : lanes[5];
+    const double d = lanes[6] > lanes[7] ? lanes[6] : lanes[7];
+    const double ab = a > b ? a : b;
+    const double cd = c > d ? c : d;
+    return ab > cd ? ab : cd;
+}
+
+/* The brightest pixel of n rows of a strip. */
+static SHEAR_INLINE double brightest(const double *rows, size_t nx, size_t n) {
+    double best[FFT_LANES];
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        best[l] = rows[l];
+    }
+    for (size_t y = 1; y < n; y++) {
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            best[l] = rows[y * nx + l] > best[l] ? rows[y * nx + l] : best[l];
+        }
+    }
+    return largest(best);
+}
+
+/* The largest (1 - part_of_pixel) p - r max(m, sky) of n rows of a strip, none of them the stamp's
+ * first or last. Beyond its left and right border the pixel of another row is taken for a
+ * neighbour: where that is wrong, m comes out too small. */
+static SHEAR_INLINE double most_over_mean(const double *rows, size_t nx, size_t n, double r,
+                                          double sky) {
+    const double own = 1.0 - part_of_pixel;
+    double best[FFT_LANES];
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        best[l] = -INFINITY;
+    }
+    for (size_t y = 0; y < n; y++) {
+        const double *row = rows + y * nx;
+        const double *below = row - nx;
+        const double *above = row + nx;
+        const double *left = row - 1;
+        const double *right = row + 1;
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            const double along = left[l] + right[l];
+            const double across = below[l] + above[l];
+            const double mean = 0.5 * (along < across ? along : across);
+            const double p = own * row[l] - r * (mean > sky ? mean : sky);
+            best[l] = p > best[l] ? p : best[l];
+        }
+    }
+    return largest(best);
+}
+
+/* The largest (1 - part_of_pixel) p - r m of a strip, p and m above the sky; only rows near a pixel
+ * brighter than `bright` are looked at. */
+SHEAR_SIMD static double stand_out(const double *strip, size_t nx, size_t ny, double r, double sky,
+                                   double bright) {
+    enum { ROWS = 8 };
+    double most = -INFINITY;
+    for (size_t y = 1; y + 1 < ny; y += ROWS) {
+        const double *rows = strip + y * nx;
+        const size_t n = ny - 1 - y < ROWS ? ny - 1 - y : ROWS;
+        if (brightest(rows, nx, n) > bright) {
+            const double found = most_over_mean(rows, nx, n, r, sky);
+            most = found > most ? found : most;
+        }
+    }
+    return most + (r - (1.0 - part_of_pixel)) * sky;
+}
+
+/* The same of columns [x0, x0 + FFT_LANES) of the first and the last row, along them. */
+static double stand_out_at_ends(const artefact_pair *pair, int x0, double r) {
+    const double sky = pair->ph->noise_mean;
+    double most = -INFINITY;
+    for (int y = 0; y < pair->ny; y += pair->ny - 1) {
+        const double *row = pair->galaxy + (size_t)y * (size_t)pair->nx;
+        for (int x = x0 > 0 ? x0 : 1; x < x0 + FFT_LANES && x < pair->nx - 1; x++) {
+            const double m = fmax(0.0, 0.5 * (row[x - 1] + row[x + 1]) - sky);
+            most = fmax(most, (1.0 - part_of_pixel) * (row[x] - sky) - r * m);
+        }
+    }
+    return most;
+}
+
+/* Strip number i, as the photometry has it. */
+static int strip_start(const artefact_pair *pair, int i) {
+    const int last = pair->nx - FFT_LANES;
+    return i * FFT_LANES < last ? i * FFT_LANES : last;
+}
+
+bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
+    const photometry *ph = pair->ph;
+    const double sigma = sigma_of(pair);
+    if (!(sigma > 0.0)) {
+        return false;
+    }
+    const double sky = ph->noise_mean;
+    const double bright = bright_sigma * white_gain(s->ratio) * sigma;
+    const double dark = sky - dark_sigma * sigma;
+    bool suspected =
+        ph->galaxy_least < dark || ph->noise_least < dark || ph->noise_most > sky + bright;
+    for (int i = 0; i * FFT_LANES < pair->nx && !suspected; i++) {
+        if (pair->strip_most[i] > sky + bright) {
+            const int x0 = strip_start(pair, i);
+            suspected = stand_out(pair->galaxy + x0, (size_t)pair->nx, (size_t)pair->ny, s->ratio,
+                                  sky, sky + bright) > bright ||
+                        stand_out_at_ends(pair, x0, s->ratio) > bright;
+        }
+    }
+    return suspected;
+}
+
+/* ---- pixel by pixel ---- */
+
+/* An image, and what its pixels are held against. */
+typedef struct judge {
+    const double *pixels;
+    int nx, ny;
+    double ratio;
+    double sky, low_sky; /* of the noise stamp; where the image's border has less, that */
+    double sigma, gain;  /* gain: of p - r m over that of a pixel */
+    double allowance;    /* beside all that scales with noise or pixel */
+    double dark;         /* the lowest that a pixel may be */
+} judge;
+
+static double pixel(const judge *j, int x, int y) {
+    return j->pixels[(size_t)y * (size_t)j->nx + (size_t)x];
+}
+
+/* The smaller of the two means; INFINITY in a corner. */
+static double around(const judge *j, int x, int y) {
+    const bool inside_x = x > 0 && x < j->nx - 1;
+    const bool inside_y = y > 0 && y < j->ny - 1;
+    const double row = inside_x ? 0.5 * (pixel(j, x - 1, y) + pixel(j, x + 1, y)) : INFINITY;
+    const double column = inside_y ? 0.5 * (pixel(j, x, y - 1) + pixel(j, x, y + 1)) : INFINITY;
+    return fmin(row, column);
+}
+
+/* By how much pixel (x, y) is too bright or too dark; <= 0: it is not. */
+static double excess(const judge *j, int x, int y) {
+    const double p = pixel(j, x, y);
+    const double m = j->ratio * fmax(0.0, around(j, x, y) - j->low_sky);
+    const double photons = sqrt(1.0 + m / (sky_electrons * j->sigma));
+    const double bright = (1.0 - part_of_pixel) * (p - j->sky) - m -
+                          bright_sigma * j->gain * j->sigma * photons - j->allowance;
+    return fmax(isnan(bright) ? -INFINITY : bright, j->dark - p);
+}
+
+/* Variances over the inside of an image: of its pixels, and of p - r m along rows and columns. */
+static double measured_gain(const double *pixels, int nx, int ny, double sky, double r) {
+    double own = 0.0;
+    double rows = 0.0;
+    double columns = 0.0;
+    for (int y = 1; y < ny - 1; y++) {
+        for (int x = 1; x < nx - 1; x++) {
+            const double *p = pixels + (size_t)y * (size_t)nx + (size_t)x;
+            const double here = *p - sky;
+            const double row = here - r * (0.5 * (p[-1] + p[1]) - sky);
+            const double column = here - r * (0.5 * (p[-nx] + p[nx]) - sky);
+            own += here * here;
+            rows += row * row;
+            columns += column * column;
+        }
+    }
+    return sqrt(fmax(rows, columns) / own);
+}
+
+/* Noise that is sharper than white lets p - r m scatter more; what is softer is taken for white. */
+static double gain_of(const artefact_pair *pair, double ratio) {
+    const double gain = measured_gain(pair->noise, pair->nx, pair->ny, pair->ph->noise_mean, ratio);
+    return fmax(white_gain(ratio), isfinite(gain) ? gain : 0.0);
+}
+
+static judge judge_of(const artefact_pair *pair, const double *pixels, const sharpness *s,
+                      double most, double flux) {
+    const double sky = pair->ph->noise_mean;
+    const double peak = fmax(0.0, most - sky);
+    double middle;
+    double scatter;
+    judge j = {.pixels = pixels, .nx = pair->nx, .ny = pair->ny, .ratio = s->ratio, .sky = sky};
+    look_at_border(pixels, pair->nx, pair->ny, &middle, &scatter);
+    j.low_sky = fmin(sky, middle);
+    j.sigma = fmax(sigma_of(pair), scatter);
+    j.gain = gain_of(pair, s->ratio);
+    j.allowance = s->leak * fmax(0.0, flux) + part_of_peak * peak;
+    j.dark = j.low_sky - dark_sigma * j.sigma - dark_part * peak;
+    return j;
+}
+
+static artefact worst_of(const judge *j) {
+    artefact worst = {.x = -1, .y = -1};
+    double most = 0.0;
+    for (int y = 0; y < j->ny; y++) {
+        for (int x = 0; x < j->nx; x++) {
+            const double e = excess(j, x, y);
+            if (e > most) {
+                most = e;
+                worst = (artefact){.x = x, .y = y};
+            }
+        }
+    }
+    return worst;
+}
+
+artefact artefact_find(const artefact_pair *pair, const sharpness *s) {
+    const photometry *ph = pair->ph;
+    const judge galaxy = judge_of(pair, pair->galaxy, s, ph->galaxy_most, ph->flux);
+    artefact worst = worst_of(&galaxy);
+    if (worst.x < 0) {
+        const judge noise = judge_of(pair, pair->noise, s, ph->noise_most, 0.0);
+        worst = worst_of(&noise);
+        worst.in_noise = worst.x >= 0;
+    }
+    return worst;
+}

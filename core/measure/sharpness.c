@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/sharpness.h"
+
+#include "measure/psf.h"
+
+#include <math.h>
+
+/* Places between the pixels are tried a quarter of a pixel apart at most. */
+enum { PLACES = 4 };
+
+/* Below this part of the peak an image of a PSF is noise, or cut off. */
+static const double faint = 0.02;
+
+typedef struct view {
+    const double *psf;
+    int nx, ny, q;
+    int fine; /* places a sample, along each axis */
+} view;
+
+typedef struct cell {
+    double at[PLACES * PLACES];
+} cell;
+
+static double sample(const view *v, int x, int y) {
+    const int cx = x < 0 ? 0 : x >= v->nx ? v->nx - 1 : x;
+    const int cy = y < 0 ? 0 : y >= v->ny ? v->ny - 1 : y;
+    return v->psf[(long)cy * v->nx + cx];
+}
+
+static cell cell_of(const view *v, int x, int y) {
+    cell c = {{0}};
+    if (v->fine == 1) {
+        c.at[0] = sample(v, x, y);
+    } else {
+        psf_refine(v->psf, v->nx, v->ny, x, y, v->fine, c.at);
+    }
+    return c;
+}
+
+/* The largest ratio so far, and where. */
+typedef struct summit {
+    double ratio, x, y; /* samples */
+} summit;
+
+static double ratio_of(double here, double left, double right, double below, double above) {
+    const double around = 0.5 * fmin(left + right, below + above);
+    return around > 0.0 ? here / around : INFINITY;
+}
+
+/* The places of one sample. */
+static void try_places(const view *v, int x, int y, double least, summit *best) {
+    const cell here = cell_of(v, x, y);
+    const cell left = cell_of(v, x - v->q, y);
+    const cell right = cell_of(v, x + v->q, y);
+    const cell below = cell_of(v, x, y - v->q);
+    const cell above = cell_of(v, x, y + v->q);
+    for (int i = 0; i < v->fine * v->fine; i++) {
+        const double ratio =
+            ratio_of(here.at[i], left.at[i], right.at[i], below.at[i], above.at[i]);
+        if (here.at[i] > least && ratio > best->ratio) {
+            *best = (summit){.ratio = ratio,
+                             .x = x + (double)(i % v->fine) / v->fine,
+                             .y = y + (double)(i / v->fine) / v->fine};
+        }
+    }
+}
+
+static double at(const view *v, double x, double y) {
+    return psf_at(v->psf, v->nx, v->ny, x, y);
+}
+
+static void try_at(const view *v, double x, double y, double least, summit *best) {
+    const double here = at(v, x, y);
+    const double ratio = ratio_of(here, at(v, x - v->q, y), at(v, x + v->q, y), at(v, x, y - v->q),
+                                  at(v, x, y + v->q));
+    if (here > least && ratio > best->ratio) {
+        *best = (summit){.ratio = ratio, .x = x, .y = y};
+    }
+}
+
+/* From the best place on, with halved steps: of a narrow PSF the ratio is a sharp peak, too. */
+static void climb(const view *v, double least, summit *best) {
+    static const double smallest_px = 1.0 / 256.0;
+    for (double step = 0.5 / v->fine; step > smallest_px * v->q && isfinite(best->ratio);) {
+        const summit before = *best;
+        try_at(v, before.x - step, before.y, least, best);
+        try_at(v, before.x + step, before.y, least, best);
+        try_at(v, best->x, before.y - step, least, best);
+        try_at(v, best->x, before.y + step, least, best);
+        step *= best->ratio > before.ratio ? 1.0 : 0.5;
+    }
+}
+
+static double excess_at(const view *v, int x, int y, double ratio) {
+    const double rows = sample(v, x - v->q, y) + sample(v, x + v->q, y);
+    const double columns = sample(v, x, y - v->q) + sample(v, x, y + v->q);
+    return sample(v, x, y) - ratio * 0.5 * fmax(0.0, fmin(rows, columns));
+}
+
+static double largest_ratio(const view *v, double least) {
+    summit best = {.ratio = 1.0};
+    for (int y = -1; y < v->ny; y++) { /* places before the first sample, too */
+        for (int x = -1; x < v->nx; x++) {
+            const double near = fmax(fmax(sample(v, x, y), sample(v, x + 1, y)),
+                                     fmax(sample(v, x, y + 1), sample(v, x + 1, y + 1)));
+            if (near > least) {
+                try_places(v, x, y, least, &best);
+            }
+        }
+    }
+    if (best.ratio > 1.0) {
+        climb(v, least, &best);
+    }
+    return best.ratio;
+}
+
+sharpness sharpness_of(const double *psf, int nx, int ny, int q) {
+    const view v = {
+        .psf = psf, .nx = nx, .ny = ny, .q = q, .fine = q < PLACES ? (PLACES + q - 1) / q : 1};
+    double peak = 0.0;
+    double sum = 0.0;
+    for (long i = 0; i < (long)nx * ny; i++) {
+        peak = fmax(peak, psf[i]);
+        sum += psf[i];
+    }
+    sharpness s = {.ratio = largest_ratio(&v, faint * peak), .leak = 0.0};
+    if (!(peak > 0.0) || !(sum > 0.0) || !isfinite(s.ratio)) {
+        return (sharpness){.ratio = INFINITY};
+    }
+    for (int y = 0; y < ny; y++) {
+        for (int x = 0; x < nx; x++) {
+            s.leak = fmax(s.leak, excess_at(&v, x, y, s.ratio));
+        }
+    }
+    s.leak *= (double)q * q / sum; /* the sum of its pixels is sum / q^2 */
+    return s;
+}
