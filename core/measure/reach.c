@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/reach.h"
 
+#include "base/simd.h"
 #include "measure/radial.h"
 
 #include <math.h>
@@ -64,29 +65,31 @@ void reach_deinit(reach *r) {
     *r = (reach){0};
 }
 
+/* The mean; not finite where a pixel is not. */
+SHEAR_SIMD static double mean_of(const double *pixel, int n) {
+    double sum = 0.0;
+#pragma omp simd reduction(+ : sum)
+    for (int i = 0; i < n; i++) {
+        sum += pixel[i];
+    }
+    return sum / n;
+}
+
 void reach_add(reach *r, const double *galaxy, const double *noise) {
     const int pixels = r->nx * r->ny;
     double *mean = r->mean + (size_t)r->count * (size_t)r->n_rings;
-    double level = 0.0;
-    double sum = 0.0;
-    if (r->count == r->capacity) {
-        return;
-    }
-    for (int i = 0; i < pixels; i++) {
-        level += noise[i] / pixels;
-        sum += galaxy[i] / pixels;
-    }
-    if (!isfinite(level) || !isfinite(sum)) {
+    const double level = mean_of(noise, pixels);
+    if (r->count == r->capacity || !isfinite(level) || !isfinite(mean_of(galaxy, pixels))) {
         return;
     }
     memset(mean, 0, (size_t)r->n_rings * sizeof *mean);
     for (int i = 0; i < pixels; i++) {
         if (r->ring[i] >= 0) {
-            mean[r->ring[i]] += galaxy[i] - level;
+            mean[r->ring[i]] += galaxy[i];
         }
     }
     for (int i = 0; i < r->n_rings; i++) {
-        mean[i] /= fmax(1.0, r->pixels[i]);
+        mean[i] = r->pixels[i] > 0.0 ? mean[i] / r->pixels[i] - level : 0.0;
     }
     r->count++;
 }

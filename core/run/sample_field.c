@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-enum { MAX_SAMPLED_BLOCKS = 64 };
+enum { MAX_SAMPLED_BLOCKS = 32 };
 
 static bool counts(const shear_stamps *s, int i) {
     const bool weighs =

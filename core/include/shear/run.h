@@ -24,7 +24,7 @@ int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
                           shear_psf_source psfs, shear_error *err);
 void shear_plan_basis_deinit(shear_plan_basis *basis);
 
-/* Where the settings want it (shear_plan_wants_core), find basis->core_px: from up to 1,024 stamps
+/* Where the settings want it (shear_plan_wants_core), find basis->core_px: from up to 512 stamps
  * in blocks that are evenly spaced in the file, read from slot 0 of the source, at most `capacity`
  * at a time; masked ones, those of weight 0 or a bad one, and those that are not finite do not
  * count. Depends on the field, the settings and the PSF only. METHOD section 2. */
