@@ -151,6 +151,8 @@ static int fill_values(const struct harvest *h, const struct trial *t, struct tr
     combine(t->g, &r[0], &r[1], v);
     out->m = v[0];
     out->quoted = 0.0;
+    out->level = r[0].noise_level;
+    out->level_err = r[0].noise_level_err;
     for (int i = 0; i < 2; i++) {
         out->m_of[i] = v[1 + i];
         out->c[i] = v[3 + i];
@@ -165,6 +167,7 @@ int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_o
                   shear_error *err) {
     int code = SHEAR_OK;
     out->m = out->m_err = out->error = out->error_err = out->quoted = NAN;
+    out->level = out->level_err = NAN;
     for (int i = 0; i < 2; i++) {
         out->m_of[i] = out->m_of_err[i] = out->c[i] = out->c_err[i] = NAN;
     }

@@ -58,6 +58,9 @@ static void add_columns(struct table *t) {
         snprintf(name, sizeof name, "c%d_err", c);
         table_column(t, name, TABLE_NUMBER, 5, "", "its 1-sigma error");
     }
+    table_column(t, "level", TABLE_NUMBER, 4, "",
+                 "noise under the galaxies over the noise stamps'");
+    table_column(t, "level_err", TABLE_NUMBER, 4, "", "its 1-sigma error");
     table_column(t, "stamps", TABLE_INTEGER, 0, "", "that were measured, of both signs");
     table_column(t, "flagged", TABLE_INTEGER, 0, "", "that were left out");
     table_column(t, "spoilt", TABLE_INTEGER, 0, "", "that should be");
@@ -80,6 +83,8 @@ static void add_row(struct table *t, const struct flaw *f, double snr, int way,
         table_number(t, o->c[c]);
         table_number(t, o->c_err[c]);
     }
+    table_number(t, o->level);
+    table_number(t, o->level_err);
     table_number(t, o->used);
     table_number(t, o->flagged);
     table_number(t, o->spoilt);

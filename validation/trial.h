@@ -44,6 +44,7 @@ struct trial_outcome {
     double m_of[2], m_of_err[2], c[2], c_err[2]; /* by component */
     double error, error_err; /* of one galaxy and component: jackknife's, times sqrt(stamps) */
     double quoted;           /* the same as the library has it */
+    double level, level_err; /* of the noise under the galaxies, at +g; NaN: not known */
     double used, flagged;    /* stamps, of both signs */
     double spoilt;           /* of them with an artefact */
     double told;             /* enum trial_told */
