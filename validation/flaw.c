@@ -8,7 +8,7 @@
 enum { MAX_SIDE = 128, KERNEL = 1 };
 
 static const double photon_sky = 100.0; /* photons a pixel */
-static const double psf_border = 0.01, psf_star_snr = 100.0;
+static const double psf_border = 0.01, psf_star_snr = 100.0, flat_noise = 0.3;
 static const double psf_cut_px = 11.0;
 
 /* ---- the table ---- */
@@ -89,7 +89,7 @@ const struct flaw flaws[] = {
      WORDS,
      .stamps = 64},
     {.name = "flat-psf",
-     .label = "one flat PSF among 64",
+     .label = "one flat and noisy PSF among 64",
      GROUND,
      .psf_flaw = FLAW_PSF_FLAT_ONE,
      WORDS,
@@ -352,6 +352,11 @@ static void add_star_noise(uint64_t seed, int n, double *psf) {
 void flaw_spoil_psf(const struct flaw *f, uint64_t seed, int64_t index, int side, double *psf) {
     const int n = side * side;
     const double peak = peak_of(psf, n);
+    double noise[MAX_SIDE * MAX_SIDE] = {0.0};
+    if (f->psf_flaw == FLAW_PSF_FLAT_ONE) {
+        struct dice d = dice_begin(seed, DICE_NOISE, -2);
+        dice_normal(&d, n, noise);
+    }
     if (f->psf_flaw == FLAW_PSF_CORNERS) {
         order_corners(side, psf);
     } else if (f->psf_flaw == FLAW_PSF_STAR) {
@@ -366,7 +371,7 @@ void flaw_spoil_psf(const struct flaw *f, uint64_t seed, int64_t index, int side
         } else if (f->psf_flaw == FLAW_PSF_CUT && far) {
             psf[i] = 0.0;
         } else if (f->psf_flaw == FLAW_PSF_FLAT_ONE && index == f->stamps / 2) {
-            psf[i] = peak;
+            psf[i] = peak * (1.0 + flat_noise * noise[i]);
         }
     }
 }

@@ -18,7 +18,7 @@ enum flaw_noise { FLAW_WHITE, FLAW_CORRELATED, FLAW_MISMATCHED, FLAW_PHOTONS };
 enum flaw_artefact { FLAW_CLEAN, FLAW_COSMICS, FLAW_HOT_PIXEL, FLAW_SENTINEL, FLAW_STAR, FLAW_GAP };
 enum flaw_psf {
     FLAW_PSF_GOOD,
-    FLAW_PSF_FLAT_ONE, /* of 64 that are told apart by PSF_ID, one is flat */
+    FLAW_PSF_FLAT_ONE, /* of 64 that are told apart by PSF_ID, one is flat but for noise */
     FLAW_PSF_BORDER,
     FLAW_PSF_CORNERS,
     FLAW_PSF_CUT,

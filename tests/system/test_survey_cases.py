@@ -149,12 +149,23 @@ class OneStampDecides(Case):
                 field.galaxy[17][i] = -1000.0
         self.flagged_or_named(field, 17)
 
-    def test_a_flat_psf(self):
+    def with_psf(self, psf):
         field = bright()
         field.columns = [("PSF_ID", "J", list(range(field.n)))]
         field.psf_cube = [field.psf] * field.n
-        field.psf_cube[17] = [1.0] * len(field.psf)
-        self.flags(field, "psf_unusable", [17])
+        field.psf_cube[17] = psf
+        return field
+
+    def test_a_flat_psf(self):
+        rng = random.Random(1)
+        for noise in (0.0, 0.01):
+            with self.subTest(noise=noise):
+                self.flags(self.with_psf([1.0 + rng.gauss(0, noise) for _ in range(48 * 48)]), "psf_unusable", [17])
+
+    @awaited
+    def test_a_psf_of_noise(self):
+        rng = random.Random(1)
+        self.flagged_or_named(self.with_psf([1.0 + rng.gauss(0, 0.1) for _ in range(48 * 48)]), 17)
 
 
 class PsfImages(Case):
