@@ -57,6 +57,7 @@ class Case(ToolTest):
 class GoodData(Case):
     def test_nothing_is_said(self):
         self.assertEqual(self.told(bright()), "")
+        self.assertIs(self.verdict["good"], True)
         self.assertEqual(self.told(bright(sigma=5.0)), "")
         self.assertEqual(self.result["n_flagged"], 0)
 
@@ -162,7 +163,6 @@ class OneStampDecides(Case):
             with self.subTest(noise=noise):
                 self.flags(self.with_psf([1.0 + rng.gauss(0, noise) for _ in range(48 * 48)]), "psf_unusable", [17])
 
-    @awaited
     def test_a_psf_of_noise(self):
         rng = random.Random(1)
         self.flagged_or_named(self.with_psf([1.0 + rng.gauss(0, 0.1) for _ in range(48 * 48)]), 17)
