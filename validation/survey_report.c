@@ -36,7 +36,7 @@ static char *aim_text(const struct flaw *f, char *buf, size_t size) {
     static const char *const wishes[] = {"", "told", "flagged", "no advice for edge", "quiet"};
     char bias[32] = "";
     if (f->aim_m > 0.0) {
-        snprintf(bias, sizeof bias, "|m| < %g%s", f->aim_m, f->wish ? ", " : "");
+        snprintf(bias, sizeof bias, "m within %g%s", f->aim_m, f->wish ? ", " : "");
     }
     snprintf(buf, size, "%s%s", bias, wishes[f->wish]);
     return buf;
