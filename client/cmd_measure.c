@@ -113,6 +113,8 @@ static int print_json(const struct measure_group *g, const struct measure_option
         .estimators = &g->estimators,
         .seconds = g->seconds,
     };
+    const struct measure_input *top = measure_group_top(g);
+    report.top_file = top ? top->path : NULL;
     report.has_truth = measure_group_truth(g, &report.true_g1, &report.true_g2);
     for (size_t i = 0; i < g->n; i++) {
         const struct measure_input *input = g->inputs[i];

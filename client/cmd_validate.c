@@ -9,6 +9,7 @@
 #include "settings_parse.h"
 #include "shear/run.h"
 #include "sheard/advice.h"
+#include "sheard/no_shear.h"
 #include "sheard/report.h"
 #include "verdict_text.h"
 
@@ -73,11 +74,14 @@ static bool has_background(const shear_verdict *v) {
            fabs(v->noise_mean) > part * v->noise_rms;
 }
 
+static const char subtract_background[] =
+    "the noise stamps have a mean, a background that the filter would cut an edge into: give "
+    "--background noise-mean";
+
 /* What to do about a file that would measure. */
 static const char *advice_for(const shear_verdict *v) {
     if (has_background(v)) {
-        return "the noise stamps have a mean, a background that the filter would cut an edge into: "
-               "give --background noise-mean";
+        return subtract_background;
     }
     return v->weight_is_suspect
                ? "weights made of the stamps' own flux bias the shear by several per cent: take "
@@ -102,6 +106,13 @@ static void judge(shear_verdict *v, shear_error *words) {
     } else if (v->n_measurable < 2) {
         shear_fail(words, SHEAR_E_FORMAT, "a field's shear needs two usable stamps at least",
                    "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
+    } else if (v->measured && !v->result.valid) {
+        char text[400];
+        char advice[400];
+        shear_no_shear_advice(&v->result, advice, sizeof advice);
+        shear_fail(words, SHEAR_E_FORMAT, has_background(v) ? subtract_background : advice,
+                   "%s: no shear could be measured",
+                   shear_no_shear_text(&v->result, text, sizeof text));
     } else {
         v->good = true;
         shear_fail(words, SHEAR_OK, advice_for(v),
@@ -160,7 +171,9 @@ static int validate(const char *path, const struct validate_options *o, bool *go
     if (!code) {
         judge(&v, &words);
     }
-    if (v.plan) {
+    if (v.measured) {
+        shear_advice_all(&doubts, &v.result, v.plan, NULL);
+    } else if (v.plan) {
         shear_advice_psf(&doubts, v.plan);
     }
     v.warnings = doubts.lines;

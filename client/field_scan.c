@@ -24,6 +24,8 @@ struct scan {
     shear_row *rows; /* [block->capacity] */
     struct levels levels;
     weight_check weights;
+    shear_block_sums under_way;
+    shear_field_sums *sums;
     shear_verdict *v;
 };
 
@@ -128,6 +130,15 @@ static void count_flags(shear_verdict *v, unsigned flags, int64_t index) {
     v->n_measurable += flags == 0;
 }
 
+/* In the blocks that shearctl measure makes: then the result is the same to the last bit. */
+static void add_row(struct scan *s, const shear_row *row, int64_t index) {
+    shear_block_sums_add(&s->under_way, row);
+    if ((index + 1) % SHEAR_BLOCK == 0) {
+        shear_field_sums_add(s->sums, &s->under_way);
+        shear_block_sums_init(&s->under_way);
+    }
+}
+
 static int scan_block(struct scan *s, shear_error *err) {
     const shear_stamps *t = &s->block->stamps;
     unsigned flags[MAX_BLOCK];
@@ -139,13 +150,14 @@ static int scan_block(struct scan *s, shear_error *err) {
     }
     /* Stamps that a log method cannot take would be an error here: they are reported as such
      * instead. */
-    if (t->psf && s->v->negative.count == 0) {
+    if (s->v->negative.count == 0) {
         int code = shear_measure_batch(s->plan, t, 0, NULL, s->rows, err);
         if (code) {
             return code;
         }
         for (int i = 0; i < t->count; i++) {
             flags[i] |= s->rows[i].flags;
+            add_row(s, &s->rows[i], t->first + i);
         }
     }
     for (int i = 0; i < t->count; i++) {
@@ -186,6 +198,28 @@ static int scan_all(struct scan *s, shear_field *field, struct progress *progres
     return SHEAR_OK;
 }
 
+static int scan_init(struct scan *s, const shear_field_info *info, shear_error *err) {
+    shear_block_sums_init(&s->under_way);
+    int code = shear_field_sums_new(&s->sums, err);
+    if (!code) {
+        code = shear_block_new(&s->block, info, block_capacity(info), err);
+    }
+    if (!code) {
+        s->rows = calloc((size_t)s->block->capacity, sizeof *s->rows);
+        code = s->rows ? shear_workspace_new(&s->ws, s->plan, err)
+                       : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    }
+    return code;
+}
+
+static void scan_deinit(struct scan *s) {
+    weight_check_deinit(&s->weights);
+    free(s->rows);
+    shear_workspace_free(s->ws);
+    shear_block_free(s->block);
+    shear_field_sums_free(s->sums);
+}
+
 int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
                shear_verdict *v, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
@@ -194,24 +228,20 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
     s.is_log = shear_interpolation_is_log(resolved->interpolation);
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;
-    int code = shear_block_new(&s.block, info, block_capacity(info), err);
-    if (code) {
-        return code;
-    }
-    s.rows = calloc((size_t)s.block->capacity, sizeof *s.rows);
-    code = s.rows ? shear_workspace_new(&s.ws, plan, err)
-                  : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    int code = scan_init(&s, info, err);
     if (!code) {
         code = scan_all(&s, field, progress, err);
     }
     v->scanned = !code;
+    v->measured = v->scanned && v->negative.count == 0;
     levels_tell(&s.levels, v);
     const rank_relation relation = weight_check_relation(&s.weights);
     v->weight_follows_flux = relation.correlation;
     v->weight_is_suspect = rank_is_strong(&relation);
-    weight_check_deinit(&s.weights);
-    free(s.rows);
-    shear_workspace_free(s.ws);
-    shear_block_free(s.block);
+    if (v->measured) {
+        shear_field_sums_add(s.sums, &s.under_way);
+        shear_field_result(s.sums, &v->result);
+    }
+    scan_deinit(&s);
     return code;
 }

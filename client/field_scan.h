@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* field_scan.h: look at every stamp of a field file without measuring it: which would be flagged,
- * and why. */
+/* field_scan.h: look at every stamp of a field file: which is flagged, and why; and what they are
+ * measured to, all together. */
 #ifndef CLIENT_FIELD_SCAN_H
 #define CLIENT_FIELD_SCAN_H
 
 #include "progress.h"
 #include "sheard/report.h"
 
-/* Fill in scanned, n_measurable, flags, negative, lowest_pixel and the noise's members of *v for
- * the file that `plan` was made for. Where stamps bring their own PSFs, only measuring tells
- * whether these serve: then the stamps are measured. Memory is bounded by a block of stamps. */
+/* Fill in scanned, n_measurable, flags, negative, lowest_pixel, the noise's members, measured and
+ * result of *v for the file that `plan` was made for. Nothing is measured where a log method meets
+ * negative pixels. Memory is bounded by a block of stamps. */
 int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
                shear_verdict *v, shear_error *err);
 

@@ -5,6 +5,7 @@
 #include "message.h"
 #include "progress.h"
 #include "sheard/advice.h"
+#include "sheard/no_shear.h"
 #include "weight_check.h"
 
 #include <math.h>
@@ -189,19 +190,11 @@ static int run_all(struct measure_group *g, const struct measure_options *o,
 }
 
 static int fail_invalid(const struct measure_group *g, shear_error *err) {
-    const shear_result *r = &g->result;
-    if (r->n_used < 2) {
-        return shear_fail(err, SHEAR_E_FORMAT,
-                          "\"shearctl validate\" tells why stamps are left out",
-                          "field %s: %lld of %lld stamps are usable: no shear could be measured",
-                          g->field, (long long)r->n_used, (long long)r->n_stamps);
-    }
-    return shear_fail(err, SHEAR_E_FORMAT,
-                      "see that the PSF is right, and that no stamp has absurd pixels: one file "
-                      "can spoil all the others",
-                      "field %s: the sum of w D of its %lld usable stamps is %.3g, and gives no "
-                      "shear",
-                      g->field, (long long)r->n_used, r->sum_d);
+    char text[400];
+    char advice[400];
+    return shear_fail(err, SHEAR_E_FORMAT, shear_no_shear_advice(&g->result, advice, sizeof advice),
+                      "field %s: %s: no shear could be measured", g->field,
+                      shear_no_shear_text(&g->result, text, sizeof text));
 }
 
 /* The advice is on the first file's PSF; others may have others. */
@@ -231,7 +224,9 @@ static void warn_of_other_psfs(struct measure_group *g) {
  * worth showing. */
 static void judge(struct measure_group *g, size_t done) {
     shear_advice_list advice;
-    shear_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan);
+    const struct measure_input *top = done > 1 ? measure_group_top(g) : NULL;
+    shear_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
+                     top ? top->path : NULL);
     for (size_t i = 0; i < advice.n; i++) {
         warnings_add(&g->warnings, "%s", advice.lines[i]);
     }
@@ -300,6 +295,20 @@ const struct measure_input *measure_group_first(const struct measure_group *g) {
         }
     }
     return NULL;
+}
+
+const struct measure_input *measure_group_top(const struct measure_group *g) {
+    const struct measure_input *top = NULL;
+    double largest = 0.0;
+    for (size_t i = 0; i < g->n; i++) {
+        const shear_result *r = &g->inputs[i]->report.result;
+        const double size = r->top_share * fabs(r->sum_d);
+        if (g->inputs[i]->measured && r->top_stamp == g->result.top_stamp && size > largest) {
+            top = g->inputs[i];
+            largest = size;
+        }
+    }
+    return top;
 }
 
 bool measure_group_truth(const struct measure_group *g, double *g1, double *g2) {

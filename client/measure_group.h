@@ -48,6 +48,8 @@ bool measure_group_run(struct measure_group *group, const struct measure_options
 
 /* The first file that was measured, or NULL. */
 const struct measure_input *measure_group_first(const struct measure_group *group);
+/* The file of the stamp that counts most, or NULL where that is not known. */
+const struct measure_input *measure_group_top(const struct measure_group *group);
 /* Do all measured files name the same truth? */
 bool measure_group_truth(const struct measure_group *group, double *g1, double *g2);
 

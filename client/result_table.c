@@ -2,7 +2,9 @@
 #include "result_table.h"
 
 #include "message.h"
+#include "quality_text.h"
 #include "shear_text.h"
+#include "sheard/no_shear.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -137,6 +139,20 @@ static void print_estimators(const shear_report_estimators *e, FILE *out) {
     }
 }
 
+static void print_quality(const shear_result *r, FILE *out) {
+    const struct quality q = {.noise_level = r->noise_level,
+                              .noise_level_err = r->noise_level_err,
+                              .noise_effect = r->noise_effect,
+                              .noise_share = r->noise_share,
+                              .n_eff = r->n_eff,
+                              .top_share = r->top_share,
+                              .n_used = r->n_used,
+                              .top_stamp = r->top_stamp};
+    if (r->valid) {
+        quality_text_print(&q, out);
+    }
+}
+
 static size_t count_measured(const struct measure_group *g) {
     size_t n = 0;
     for (size_t i = 0; i < g->n; i++) {
@@ -162,12 +178,14 @@ void result_table_print(const struct measure_group *g, FILE *out) {
     result_table_method(&first->report.plan,
                         range(g, offsetof(shear_plan_info, r_psf_px), r_psf, sizeof r_psf),
                         range(g, offsetof(shear_plan_info, beta_px), beta, sizeof beta), out);
+    print_quality(&g->result, out);
     if (g->result.valid) {
         print_shear(g, out);
         print_estimators(&g->estimators, out);
     } else {
         row(out, "g1", "not measured");
         row(out, "g2", "not measured");
+        row(out, "reason", shear_no_shear_brief(&g->result));
     }
     snprintf(line, sizeof line, "%.0f stamps/s (%.2f s)", (double)g->result.n_stamps / g->seconds,
              g->seconds);

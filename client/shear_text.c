@@ -2,7 +2,9 @@
 #include "shear_text.h"
 
 #include "message.h"
+#include "quality_text.h"
 #include "result_table.h"
+#include "sheard/no_shear.h"
 #include "sheard/report_summary.h"
 #include "style.h"
 
@@ -78,11 +80,30 @@ const char *shear_text_method(const char *error_method) {
                                                  : "delta method";
 }
 
+static void print_quality(const shear_report_summary *s, FILE *out) {
+    const struct quality q = {.noise_level = s->noise_level,
+                              .noise_level_err = s->noise_level_err,
+                              .noise_effect = s->noise_effect,
+                              .noise_share = s->noise_share,
+                              .n_eff = s->n_eff,
+                              .top_share = s->top_share,
+                              .n_used = s->n_used,
+                              .top_stamp = s->top_stamp};
+    if (isfinite(s->g1)) {
+        quality_text_print(&q, out);
+    }
+}
+
 static void print_summary(const shear_report_summary *s, FILE *out) {
     print_stamps(s, out);
     print_method(s, out);
+    print_quality(s, out);
     print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, out);
     print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, out);
+    if (s->no_shear[0]) {
+        const char *words = shear_no_shear_words(shear_no_shear_of(s->no_shear));
+        shear_text_line(out, "reason", "%s", words ? words : s->no_shear);
+    }
     if (isfinite(s->cov12)) {
         shear_text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
                         s->cov12 / (s->g1_err * s->g2_err));

@@ -2,6 +2,7 @@
 #include "verdict_text.h"
 
 #include "message.h"
+#include "quality_text.h"
 #include "result_table.h"
 
 #include <inttypes.h>
@@ -117,6 +118,21 @@ static void print_weights(const shear_verdict *v, FILE *out) {
     }
 }
 
+static void print_quality(const shear_verdict *v, FILE *out) {
+    const shear_result *r = &v->result;
+    const struct quality q = {.noise_level = r->noise_level,
+                              .noise_level_err = r->noise_level_err,
+                              .noise_effect = r->noise_effect,
+                              .noise_share = r->noise_share,
+                              .n_eff = r->n_eff,
+                              .top_share = r->top_share,
+                              .n_used = r->n_used,
+                              .top_stamp = r->top_stamp};
+    if (v->measured && r->valid) {
+        quality_text_print(&q, out);
+    }
+}
+
 void verdict_text_print(const shear_verdict *v, FILE *out) {
     char clean[1024];
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
@@ -135,6 +151,7 @@ void verdict_text_print(const shear_verdict *v, FILE *out) {
         print_fault("negative", "pixels below zero, of which there is no logarithm", &v->negative,
                     out);
     }
+    print_quality(v, out);
     fprintf(out, "  %-10s %s\n", v->good ? "good" : "bad",
             message_clean(v->verdict, clean, sizeof clean));
     for (size_t i = 0; i < v->n_warnings; i++) {

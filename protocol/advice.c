@@ -53,11 +53,18 @@ const char *shear_advice_bright_border(const shear_result *r, const shear_plan_i
     return buf;
 }
 
+/* What the borders vary beyond the noise under the galaxies, where its level is known. */
+static double beyond_noise(const shear_result *r) {
+    const bool known = r->noise_level > 0.0;
+    return r->border_rough - (known ? (r->noise_level - 1.0) * r->border_noise_var : 0.0);
+}
+
 const char *shear_advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
                                       size_t size) {
-    bool rough = r->border_rough > BORDER_SIGMA * r->border_rough_err &&
-                 r->border_rough > ROUGH_MAX * r->border_noise_var &&
-                 sqrt(r->border_rough) * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
+    const double extra = beyond_noise(r);
+    bool rough = extra > BORDER_SIGMA * r->border_rough_err &&
+                 extra > ROUGH_MAX * r->border_noise_var &&
+                 sqrt(extra) * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
     if (plan->filter != SHEAR_FILTER_NONE || !rough) {
         return NULL;
     }
@@ -65,17 +72,24 @@ const char *shear_advice_rough_border(const shear_result *r, const shear_plan_in
              "the stamps' borders are rougher than the noise stamps' (extra variance %.2g +- %.1g, "
              "noise %.2g): neighbours, or wings that are cut off? leave out stamps with neighbours "
              "(column FLAGS), or cut larger stamps",
-             r->border_rough, r->border_rough_err, r->border_noise_var);
+             extra, r->border_rough_err, r->border_noise_var);
     return buf;
 }
 
-void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan) {
+void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan,
+                      const char *top_file) {
     static const char *(*const all[SHEAR_RESULT_ADVICES])(
-        const shear_result *, const shear_plan_info *, char *,
-        size_t) = {shear_advice_filter, shear_advice_bright_border, shear_advice_rough_border};
+        const shear_result *, const shear_plan_info *, char *, size_t) = {
+        shear_advice_noise_scatter, shear_advice_noise_level, shear_advice_noise_unchecked,
+        shear_advice_noise_shape,   shear_advice_errors,      shear_advice_filter,
+        shear_advice_bright_border, shear_advice_rough_border};
     list->n = 0;
+    const char *line = shear_advice_influence(r, top_file, list->text[0], SHEAR_ADVICE_SIZE);
+    if (line) {
+        list->lines[list->n++] = line;
+    }
     for (size_t i = 0; plan && i < SHEAR_RESULT_ADVICES; i++) {
-        const char *line = all[i](r, plan, list->text[list->n], SHEAR_ADVICE_SIZE);
+        line = all[i](r, plan, list->text[list->n], SHEAR_ADVICE_SIZE);
         if (line) {
             list->lines[list->n++] = line;
         }

@@ -3,6 +3,7 @@
 
 #include "json_text.h"
 #include "report_file.h"
+#include "report_quality.h"
 #include "shear/version.h"
 
 /* {"galaxy_not_finite": 0, ...}: every flag, also those that no stamp carries. */
@@ -97,6 +98,14 @@ static json_t *estimates(const shear_report_estimators *e) {
     return json_text_whole(o, failed);
 }
 
+static void set_quality(json_t *o, const shear_report *report, bool *failed) {
+    const shear_result *r = report->result;
+    json_text_set(o, "delta_err", report_delta_err(r), failed);
+    json_text_set(o, "no_shear", report_no_shear(r), failed);
+    json_text_set(o, "noise_level", report_noise_level(r), failed);
+    json_text_set(o, "influence", report_influence(r, report->top_file), failed);
+}
+
 int shear_report_json(char **text, const shear_report *report, shear_error *err) {
     json_t *o = json_object();
     bool failed = !o;
@@ -106,6 +115,7 @@ int shear_report_json(char **text, const shear_report *report, shear_error *err)
     json_text_set(o, "resolved", json_text_plan(report->plan), &failed);
     json_text_set(o, "files", file_list(report), &failed);
     set_errors_and_truth(o, report, &failed);
+    set_quality(o, report, &failed);
     if (report->estimators) {
         json_text_set(o, "estimators", estimates(report->estimators), &failed);
     }

@@ -44,6 +44,21 @@ static void read_shear(shear_report_summary *s, const json_t *o) {
     s->seconds = number(o, "seconds");
 }
 
+static void read_quality(shear_report_summary *s, const json_t *o) {
+    const json_t *level = json_object_get(o, "noise_level");
+    const json_t *influence = json_object_get(o, "influence");
+    text_of(o, "no_shear", s->no_shear, sizeof s->no_shear);
+    s->noise_level = number(level, "alpha");
+    s->noise_level_err = number(level, "alpha_err");
+    s->noise_effect = number(level, "effect");
+    s->noise_share = number(level, "share");
+    s->n_eff = number(influence, "n_eff");
+    s->top_share = number(influence, "top_share");
+    s->top_stamp = json_is_integer(json_object_get(influence, "top_stamp"))
+                       ? count(influence, "top_stamp")
+                       : -1;
+}
+
 static void read_plan(shear_report_summary *s, const json_t *plan) {
     text_of(plan, "interpolation", s->interpolation, sizeof s->interpolation);
     text_of(plan, "filter", s->filter, sizeof s->filter);
@@ -92,6 +107,7 @@ int shear_report_summary_parse(shear_report_summary *s, const char *text, shear_
                              : shear_fail(err, SHEAR_E_FORMAT, NULL, "a result is no JSON object");
     }
     read_shear(s, o);
+    read_quality(s, o);
     read_plan(s, json_object_get(o, "resolved"));
     const bool good = read_warnings(s, json_object_get(o, "warnings"));
     json_decref(o);

@@ -2,6 +2,7 @@
 #include "sheard/report.h"
 
 #include "json_text.h"
+#include "report_quality.h"
 #include "shear/version.h"
 
 static json_t *fault(const shear_fault *f) {
@@ -72,6 +73,7 @@ static json_t *noise_object(const shear_verdict *v) {
 }
 
 int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
+    const shear_result *result = v->measured ? &v->result : NULL;
     json_t *o = json_object();
     bool failed = !o;
     json_text_set(o, "path", json_text_string(v->path), &failed);
@@ -92,6 +94,9 @@ int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
     json_text_set(o, "noise", v->scanned ? noise_object(v) : json_null(), &failed);
     json_text_set(o, "weight_follows_flux",
                   v->scanned ? json_text_number(v->weight_follows_flux) : json_null(), &failed);
+    json_text_set(o, "no_shear", report_no_shear(result), &failed);
+    json_text_set(o, "noise_level", report_noise_level(result), &failed);
+    json_text_set(o, "influence", report_influence(result, NULL), &failed);
     json_text_set(o, "version", json_text_string(shear_version()), &failed);
     return json_text_finish(text, o, failed, err);
 }

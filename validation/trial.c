@@ -85,7 +85,7 @@ static void tell(struct trial_outcome *out, int told) {
 static void tell_advice(struct trial_outcome *out, const shear_result *r,
                         const shear_plan_info *plan) {
     shear_advice_list list;
-    shear_advice_all(&list, r, plan);
+    shear_advice_all(&list, r, plan, NULL);
     for (size_t i = 0; i < list.n; i++) {
         tell(out, TOLD_WARNED);
         out->edge = strstr(list.lines[i], "filter edge") ? 1.0 : out->edge;

@@ -134,13 +134,14 @@ static char *result_text(const active_job *j, const engine_event *e, const shear
                          shear_error *err) {
     char *text = NULL;
     shear_advice_list advice;
-    shear_advice_all(&advice, &e->result, &j->plan);
+    shear_advice_all(&advice, &e->result, &j->plan, NULL);
     const shear_report report = {.field = j->field,
                                  .result = &e->result,
                                  .settings = &j->settings,
                                  .plan = &j->plan,
                                  .files = file,
                                  .n_files = 1,
+                                 .top_file = e->result.top_stamp >= 0 ? file->path : NULL,
                                  .has_truth = j->info.has_truth,
                                  .true_g1 = j->info.sim_g1,
                                  .true_g2 = j->info.sim_g2,

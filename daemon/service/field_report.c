@@ -75,18 +75,46 @@ static int shared_truth(service *s, const store_field *f, store_truth *truth, sh
     return code;
 }
 
+/* The path of the file whose stamp counts most: of what was counted, or of the one that is being
+ * measured. NULL: not known. The caller's. */
+static char *find_top_file(service *s, const store_field *f, const shear_result *r) {
+    shear_influence top = {.stamp = -1};
+    char *account_text = NULL;
+    char *path = NULL;
+    shear_account account;
+    shear_error ignored;
+    if (f->jobs == 0) {
+        const active_job *j = s->active;
+        for (; j != NULL && !is_of(j, f); j = j->next) {
+        }
+        return j != NULL && r->top_stamp >= 0 ? strdup(j->path) : NULL;
+    }
+    const int code =
+        store_field_top(s->store, f->name, f->settings_digest, &top, &account_text, &ignored);
+    const bool is_it = code == SHEAR_OK && top.stamp == r->top_stamp &&
+                       top.size / fabs(r->sum_d) == r->top_share; /* not of a job that runs */
+    if (is_it && account_text != NULL &&
+        shear_account_parse(&account, account_text, &ignored) == SHEAR_OK) {
+        path = account.file.path != NULL ? strdup(account.file.path) : NULL;
+        shear_account_deinit(&account);
+    }
+    free(account_text);
+    return path;
+}
+
 static int write_report(const store_field *f, const shear_settings *settings,
                         const shear_result *result, const shear_account *first,
-                        const store_truth *truth, const shear_report_file *files, size_t n,
-                        char **text, shear_error *err) {
+                        const store_truth *truth, const char *top_file,
+                        const shear_report_file *files, size_t n, char **text, shear_error *err) {
     shear_advice_list advice;
-    shear_advice_all(&advice, result, first->file.plan);
+    shear_advice_all(&advice, result, first->file.plan, f->jobs > 1 ? top_file : NULL);
     const shear_report report = {.field = f->name,
                                  .result = result,
                                  .settings = settings,
                                  .plan = first->file.plan,
                                  .files = files,
                                  .n_files = n,
+                                 .top_file = top_file,
                                  .has_truth = truth->known,
                                  .true_g1 = truth->g1,
                                  .true_g2 = truth->g2,
@@ -137,8 +165,10 @@ int field_report(service *s, const store_field *f, const shear_settings *setting
     if (code == SHEAR_OK) {
         code = first_plan(s, f, &first, err);
         if (code == SHEAR_OK) {
-            code =
-                write_report(f, settings, result, &first, &truth, files.files, files.n, text, err);
+            char *top_file = find_top_file(s, f, result);
+            code = write_report(f, settings, result, &first, &truth, top_file, files.files, files.n,
+                                text, err);
+            free(top_file);
         }
         shear_account_deinit(&first);
     }

@@ -3,6 +3,8 @@
  * and a sum of w D above 0: one file of absurd pixels can take that away from all the others. */
 #include "service/inner.h"
 
+#include "sheard/no_shear.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,14 +17,8 @@ const char *reason_brief(const store_field *f, const shear_result *r) {
     if (f->jobs == 0 && r->n_stamps == 0) {
         return "nothing is counted yet";
     }
-    if (r->n_used < 2) {
-        return "fewer than two usable stamps";
-    }
-    if (!(r->sum_d > 0.0 && isfinite(r->sum_d))) {
-        return "the sum of w D is not positive";
-    }
-    return shear_estimator_is_symmetric(r->estimator) ? "the stamps' symmetry has no solution"
-                                                      : "the sums have no finite solution";
+    const char *brief = shear_no_shear_brief(r);
+    return brief != NULL ? brief : "there is no result";
 }
 
 /* Smaller is worse, and what is no number at all the worst. */

@@ -6,6 +6,7 @@
 #include "sums_text.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 
 void store_contribution_page_deinit(store_contribution_page *page) {
@@ -118,6 +119,37 @@ int store_field_truth(store *s, const char *name, const char *settings_digest, s
         *truth = (store_truth){true, least[0], least[1]};
     }
     return code;
+}
+
+int field_top(store *s, int64_t field, shear_influence *top, char **account, shear_error *err) {
+    bool row = false;
+    bool null = false;
+    *top = (shear_influence){0};
+    query q = query_on(s, SQL_FIELD_TOP);
+    query_int(&q, field);
+    int code = query_step(&q, &row, err);
+    if (row) {
+        top->size = query_get_real(&q, &null);
+        top->stamp = query_get_int(&q);
+    }
+    if (row && account != NULL) {
+        *account = query_get_text(&q);
+        code = query_got(&q, err);
+    }
+    query_end(&q);
+    if (null) {
+        *top = (shear_influence){.size = NAN, .stamp = -1};
+    }
+    return code;
+}
+
+int store_field_top(store *s, const char *name, const char *settings_digest, shear_influence *top,
+                    char **account, shear_error *err) {
+    int64_t field = 0;
+    *top = (shear_influence){.size = NAN, .stamp = -1};
+    *account = NULL;
+    const int code = field_find(s, name, settings_digest, &field, err);
+    return code == SHEAR_OK ? field_top(s, field, top, account, err) : code;
 }
 
 int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err) {

@@ -18,4 +18,8 @@ int identity_find(store *s, const char *field, const char *settings_digest, cons
 int field_find(store *s, const char *name, const char *settings_digest, int64_t *id,
                shear_error *err);
 
+/* The stamp that counts most of what is counted in the field, as a join of all would tell it, and
+ * the account of its contribution (the caller's; NULL: not wanted). */
+int field_top(store *s, int64_t field, shear_influence *top, char **account, shear_error *err);
+
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How what was counted is taken back: exactly, for the sums are integers. */
+#include "identity.h"
 #include "operation.h"
 #include "query.h"
 #include "sums_text.h"
@@ -7,7 +8,6 @@
 #include "shear/sums.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -50,25 +50,6 @@ static int parse_packed(const char *packed, shear_field_sums **sums, shear_error
     return code;
 }
 
-/* The stamp that counts most of what is still counted in the field: as a join would tell it. */
-static int find_top(store *s, int64_t field, shear_influence *top, shear_error *err) {
-    bool row = false;
-    bool null = false;
-    *top = (shear_influence){0};
-    query q = query_on(s, SQL_FIELD_TOP);
-    query_int(&q, field);
-    const int code = query_step(&q, &row, err);
-    if (row) {
-        top->size = query_get_real(&q, &null);
-        top->stamp = query_get_int(&q);
-    }
-    query_end(&q);
-    if (null) {
-        *top = (shear_influence){.size = NAN, .stamp = -1};
-    }
-    return code;
-}
-
 /* The field's sums without the contribution's, which has gone. */
 static int subtract(store *s, const counted *c, char **packed, shear_error *err) {
     shear_influence top;
@@ -81,7 +62,7 @@ static int subtract(store *s, const counted *c, char **packed, shear_error *err)
         code = parse_packed(c->packed, &one, err);
     }
     if (code == SHEAR_OK) {
-        code = find_top(s, c->field, &top, err);
+        code = field_top(s, c->field, &top, NULL, err);
     }
     if (code == SHEAR_OK) {
         shear_field_sums_leave(field, one);

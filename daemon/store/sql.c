@@ -143,10 +143,11 @@ const char *const sql_texts[SQL_N] = {
     [SQL_FORGOTTEN_DROP] = "DELETE FROM forgotten WHERE id = ?1",
 
     /* A null, not known, hides all others. */
-    [SQL_FIELD_TOP] = "SELECT iif(EXISTS (SELECT 1 FROM contributions INDEXED BY contributions_top"
-                      "   WHERE field = ?1 AND top_size IS NULL), NULL, top_size), top_stamp"
-                      " FROM contributions INDEXED BY contributions_top"
-                      " WHERE field = ?1 ORDER BY top_size DESC, top_stamp LIMIT 1",
+    [SQL_FIELD_TOP] =
+        "SELECT iif(EXISTS (SELECT 1 FROM contributions INDEXED BY contributions_top"
+        "   WHERE field = ?1 AND top_size IS NULL), NULL, top_size), top_stamp, account"
+        " FROM contributions INDEXED BY contributions_top"
+        " WHERE field = ?1 ORDER BY top_size DESC, top_stamp LIMIT 1",
 
     [SQL_TERMS_ADD] = "INSERT INTO contribution_terms(contribution, part, bytes, stamp_bytes)"
                       " VALUES (?1, ?2, ?3, ?4)",

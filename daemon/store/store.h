@@ -501,6 +501,11 @@ typedef struct store_truth {
 int store_field_truth(store *s, const char *name, const char *settings_digest, store_truth *truth,
                       shear_error *err);
 
+/* The stamp that counts most in a field (its size NaN: not known), and the account of the file that
+ * it is in: the caller's; NULL where there is none. STORE_NOT_FOUND as above. */
+int store_field_top(store *s, const char *name, const char *settings_digest, shear_influence *top,
+                    char **account, shear_error *err);
+
 /* The exact sums of one contribution; malloc'd, the caller frees it. STORE_NOT_FOUND. */
 int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err);
 

@@ -14,6 +14,10 @@ REPORT = {"field": "deep", "g1": 0.0285, "g1_err": 0.0008, "g2": -0.0301, "g2_er
           "resolved": {"interpolation": "none", "oversample": 1, "beta_px": 2.4, "r_psf_px": 1.6, "filter": "paper",
                        "core_px": 15.5, "width_px": 2.4, "k_cut": 2.0},
           "files": [], "estimator": "mean", "error_method": "delta", "jackknife": None, "truth": None, "pull": None,
+          "delta_err": None, "no_shear": None,
+          "noise_level": {"alpha": 1.002, "alpha_err": 0.003, "effect": 0.0004, "shape": 0.01, "shape_err": 0.02,
+                          "share": 0.2},
+          "influence": {"n_eff": 512.5, "top_share": 0.031, "top_stamp": 17, "top_file": "/data/1.fits"},
           "filter_removed": 0.001, "warnings": ["the borders are bright"], "version": "0.1.0", "seconds": 1.5}
 
 

@@ -4,6 +4,7 @@ for many settings and kinds of files.
 
 What differs by nature:
   seconds        how long it took, in all and of each file
+  estimators     both of them: measure's alone
   the row's own  digest, jobs, unfinished, partial, running, updated, contributions, more,
                  files_left_out, reason, culprit: measure has no jobs"""
 import json
@@ -17,6 +18,7 @@ from daemon import SHEARCTL, DaemonTest, mock, until
 from fitsfile import Field
 
 TIMED = ("seconds",)
+MEASURE_ONLY = ("estimators",)
 ROW_ONLY = {"digest", "jobs", "unfinished", "partial", "running", "updated", "contributions", "more",
             "files_left_out", "reason", "culprit"}
 
@@ -38,7 +40,7 @@ CASES = [
     (("--galaxy", "irregular"), {}),
     (("--rotate", "4"), {}),
     (("--shear", "0,0"), {}),
-    (("--photons", "100"), {}),
+    (("--photons", "100"), {"background": "noise-mean"}),
     (("--photons", "100", "--subtract-background"), {}),
     ((), {"interpolation": "bilinear"}),
     ((), {"interpolation": "bicubic", "oversample": 2}),
@@ -79,7 +81,7 @@ def measure(paths, settings, *more):
 
 
 def without_times(report):
-    report = {k: v for k, v in report.items() if k not in TIMED}
+    report = {k: v for k, v in report.items() if k not in TIMED + MEASURE_ONLY}
     report["files"] = [{k: v for k, v in f.items() if k not in TIMED} for f in report["files"]]
     return report
 
@@ -208,6 +210,28 @@ class ResultsTest(DaemonTest):
         until(lambda: d.jobs(field="dropped", states=["done"]), "it is measured")
         (file,) = self.row(d, "dropped")["files"]
         self.assertEqual(os.path.basename(file["path"]), "dropped.fits")
+
+    def test_no_shear(self):
+        """Galaxy and noise swapped: the job is counted, and job and field tell the reason as measure does."""
+        d = self.daemon()
+        path = mock(d.path("data", "swapped.fits"), 48, 32, 1, "--white", "0.3")
+        parts = {"galaxy": {"path": path, "hdu": 2}, "noise": {"path": path, "hdu": 1},
+                 "psf": {"path": path, "hdu": 3}}
+        names = [w for name, p in parts.items() for w in (f"--{name}", f"{path}:{p['hdu']}")]
+        run = subprocess.run([SHEARCTL, "measure", "--json", "--field", "s", *names], capture_output=True,
+                             encoding="utf-8")
+        self.assertEqual(run.returncode, 3)
+        self.assertIn("swapped?", run.stderr)
+        expected = json.loads(run.stdout)
+        self.assertEqual((expected["no_shear"], expected["g1"]), ("swapped", None))
+        job = d.wait_state(d.call("submit", field="s", **parts)["job"]["id"], *daemon.FINAL)
+        self.assertEqual((job["state"], job["outcome"]), ("done", "counted"))
+        self.assertSame(without_times(job["result"]), without_times(expected), "job")
+        row = self.row(d, "s")
+        self.assertSame(without_times(self.report_of(row)), without_times(expected), "row")
+        for reason in (row["reason"], d.call("fields")["fields"][0]["reason"], d.shearctl("show", str(job["id"])),
+                       d.shearctl("field", "s")):
+            self.assertIn("swapped?", reason)
 
     def test_separate_parts(self):
         d = self.daemon()

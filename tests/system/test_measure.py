@@ -12,7 +12,8 @@ from tool import DONE, INPUT, PARTLY, USAGE, ToolTest, shearctl
 
 KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", "n_flagged",
         "flags", "settings", "resolved", "files", "estimator", "error_method", "jackknife", "truth", "pull",
-        "estimators", "filter_removed", "warnings", "version", "seconds"]
+        "delta_err", "no_shear", "noise_level", "influence", "estimators", "filter_removed", "warnings", "version",
+        "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow", "artefact", "noise_artefact"]
 SETTINGS = {"preset": "default", "interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 2, "beta-floor": 1.4,
@@ -83,6 +84,18 @@ class Numbers(ToolTest):
             self.assertNotEqual(delta[error], jackknife[error])
             self.assertLess(abs(math.log(jackknife[error] / delta[error])), math.log(3))
         self.assertFails(shearctl("measure", path, "--jackknife", 5), USAGE, "4 blocks")
+
+    def test_errors_that_disagree(self):
+        """Two galaxies at right angles: blocks hold whole pairs, whose shapes cancel."""
+        field = Field(n=160, nx=24, ny=24, sigma=0.01, size=2.0, r_psf=1.2, g1=0.2)
+        for i in range(1, field.n, 2):
+            field.galaxy[i] = rotate(field.galaxy[i - 1], field.nx)
+        path = field.write(self.path("a.fits"))
+        self.assertIsNone(self.measure_one(path)["delta_err"])
+        jackknife = self.measure_one(path, "--jackknife", 10)
+        self.assertEqual(jackknife["delta_err"]["g1"], self.measure_one(path)["g1_err"])
+        self.assertLess(jackknife["g1_err"], jackknife["delta_err"]["g1"] / 4)
+        self.assertIn("rotated copies", jackknife["warnings"][0])
 
     def test_flags_are_counted_by_name(self):
         field = Field(n=8)

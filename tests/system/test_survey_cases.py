@@ -67,7 +67,6 @@ class GoodData(Case):
 
 
 class NoiseUnderTheGalaxies(Case):
-    @awaited
     def test_its_level(self):
         field = bright(sigma=3.0)
         rng = random.Random(5)
@@ -76,7 +75,6 @@ class NoiseUnderTheGalaxies(Case):
         words = [line for line in self.told(field).splitlines() if "border" not in line]
         self.assertRegex("\n".join(words), r"noise")
 
-    @awaited
     def test_its_shape(self):
         field = bright(sigma=0.0)
         rng = random.Random(5)
@@ -136,7 +134,6 @@ class OneStampDecides(Case):
         else:
             self.assertRegex(words, rf"stamp {stamp}\b")
 
-    @awaited
     def test_a_star(self):
         field = bright()
         star = gaussian(field.nx, field.ny, 3e6, (1.5 ** 2, 1.5 ** 2, 0.0), 7.0, -4.0)
@@ -198,25 +195,21 @@ class PsfImages(Case):
 
 
 class Mistakes(Case):
-    @awaited
     def test_galaxy_and_noise_swapped(self):
         field = bright()
         field.galaxy, field.noise = field.noise, field.galaxy
         self.tells(field, r"swapped|exchanged|the wrong way", bad=True)
 
-    @awaited
     def test_noise_is_galaxy(self):
         field = bright()
         field.noise = [list(stamp) for stamp in field.galaxy]
         self.tells(field, r"equal|the same|identical", bad=True)
 
-    @awaited
     def test_no_weight(self):
         field = bright()
         field.columns = [("WEIGHT", "D", [0.0] * field.n)]
         self.tells(field, r"weight", bad=True)
 
-    @awaited
     def test_oversamp_forgotten(self):
         field = bright(psf_oversample=3)
         field.oversample = 1

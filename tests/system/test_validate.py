@@ -10,7 +10,8 @@ from tool import DONE, INPUT, PARTLY, ToolTest, shearctl
 
 KEYS = ["path", "good", "verdict", "advice", "field", "settings", "resolved", "psf",
         "warnings", "n_measurable",
-        "flags", "negative", "lowest_pixel", "noise", "weight_follows_flux", "version"]
+        "flags", "negative", "lowest_pixel", "noise", "weight_follows_flux", "no_shear", "noise_level", "influence",
+        "version"]
 
 
 class Validate(ToolTest):
@@ -163,10 +164,10 @@ class Validate(ToolTest):
         self.assertLess(abs(noise["rms"] / 2 - 1), 0.05)
         self.assertEqual(verdict["advice"], "")
         for stamps in (field.galaxy, field.noise):
-            stamps[:] = [[p + 50.0 for p in stamp] for stamp in stamps]
+            stamps[:] = [[p + 5.0 for p in stamp] for stamp in stamps]
         path = field.write(self.path("b.fits"))
         bright = self.validate(path, "--core", 10, "--background", "keep")
-        self.assertLess(abs(bright["noise"]["mean"] - noise["mean"] - 50), 1e-3)
+        self.assertLess(abs(bright["noise"]["mean"] - noise["mean"] - 5), 1e-3)
         self.assertLess(abs(bright["noise"]["rms"] - noise["rms"]), 1e-3)
         self.assertTrue(bright["good"])
         self.assertIn("--background noise-mean", bright["advice"])
@@ -174,6 +175,107 @@ class Validate(ToolTest):
                          ("--filter", "none"),
                          ("--core", 10, "--estimator", "pdf-sym-cross")):
             self.assertEqual(self.validate(path, *harmless)["advice"], "")
+
+    def spoilt(self, field, *args):
+        """The verdict on a file that would give no shear, and what measure says of the same."""
+        path = field.write(self.path("spoilt.fits"))
+        answer = shearctl("validate", "--json", path, *args)
+        self.assertCode(answer, INPUT)
+        (verdict,) = answer.json()
+        measured = shearctl("measure", "--json", path, *args)
+        self.assertFails(measured, INPUT, "no shear could be measured")
+        (result,) = measured.json()
+        self.assertEqual((verdict["good"], verdict["no_shear"]), (False, result["no_shear"]))
+        self.assertIsNone(result["g1"])
+        self.assertIn(verdict["verdict"], measured.err)
+        self.assertIn(verdict["advice"], measured.err)
+        return verdict
+
+    def test_why_there_is_no_shear(self):
+        field = Field(n=16, sigma=1.0)
+        swapped = Field(n=16, sigma=1.0)
+        swapped.galaxy, swapped.noise = field.noise, field.galaxy
+        verdict = self.spoilt(swapped)
+        self.assertEqual(verdict["no_shear"], "swapped")
+        self.assertIn("swapped?", verdict["verdict"])
+        swapped.noise = swapped.galaxy
+        verdict = self.spoilt(swapped)
+        self.assertEqual(verdict["no_shear"], "same_stamps")
+        self.assertIn("the same", verdict["verdict"])
+        field.columns = [("WEIGHT", "D", [0.0] * 16)]
+        verdict = self.spoilt(field)
+        self.assertEqual(verdict["no_shear"], "no_weight")
+        self.assertIn("weights are 0", verdict["verdict"])
+        self.assertIn("WEIGHT", verdict["advice"])
+        faint = Field(n=16, sigma=300.0)
+        self.assertEqual(self.spoilt(faint)["no_shear"], "no_signal")
+
+    def test_oversamp_forgotten(self):
+        field = Field(n=16, sigma=0.5, psf_oversample=3)
+        self.assertIsNone(self.validate(field.write(self.path("a.fits")))["no_shear"])
+        field.oversample = 1
+        verdict = self.spoilt(field)
+        self.assertEqual(verdict["no_shear"], "too_narrow")
+        self.assertIn("OVERSAMP", verdict["verdict"])
+        self.assertIn("OVERSAMP", verdict["advice"])
+
+    def test_it_measures_what_measure_does(self):
+        """To the last bit, also where blocks of stamps end within what is read at once."""
+        field = Field(n=37, nx=32, ny=32, size=2.0, r_psf=1.5, sigma=2.0)
+        field.columns = [("WEIGHT", "D", [1.0 + 0.1 * i for i in range(37)])]
+        path = field.write(self.path("a.fits"))
+        verdict, result = self.validate(path), self.measure_one(path)
+        for key in ("noise_level", "no_shear", "warnings"):
+            self.assertEqual(verdict[key], result[key], key)
+        self.assertEqual({**verdict["influence"], "top_file": path}, result["influence"])
+
+    def noisy(self, under, beside, n=64):
+        """Galaxies in noise of `under` sigma a pixel with noise stamps of `beside`."""
+        field = Field(n=n, nx=32, ny=32, size=2.0)
+        rng = random.Random(11)
+        for stamps, sigma in ((field.galaxy, under), (field.noise, beside)):
+            stamps[:] = [[p + rng.gauss(0, sigma) for p in stamp] for stamp in stamps]
+        return field
+
+    def test_the_noise_level(self):
+        quiet = self.validate(self.noisy(6.0, 6.0).write(self.path("a.fits")))
+        level = quiet["noise_level"]
+        self.assertLess(abs(level["alpha"] - 1), 4 * level["alpha_err"])
+        self.assertLess(level["alpha_err"], 0.02)
+        self.assertEqual(quiet["warnings"], [])
+        for under, words in ((7.0, "stronger than in the noise stamps"), (5.0, "weaker than in the noise stamps"),
+                             (12.0, "not of the galaxies' noise")):
+            with self.subTest(under=under):
+                verdict = self.validate(self.noisy(under, 6.0).write(self.path("a.fits")))
+                level = verdict["noise_level"]
+                self.assertLess(abs(level["alpha"] - (under / 6) ** 2), 4 * level["alpha_err"])
+                self.assertAlmostEqual(level["effect"], (level["alpha"] - 1) * level["share"], delta=1e-12)
+                (warning,) = verdict["warnings"]
+                self.assertIn(words, warning)
+                self.assertEqual(self.measure_one(self.path("a.fits"))["warnings"], [warning])
+        self.assertIn("stronger", shearctl("validate", self.noisy(7.0, 6.0).write(self.path("a.fits"))).out)
+
+    def test_the_noise_s_spectrum(self):
+        field = self.noisy(6.0, 0.0)
+        rng = random.Random(12)
+        for stamp in field.noise:  # each pixel and its neighbour to the right, of the same variance
+            white = [rng.gauss(0, 6.0 / math.sqrt(2)) for _ in range(len(stamp) + 1)]
+            stamp[:] = [a + b for a, b in zip(white, white[1:])]
+        (warning,) = self.validate(field.write(self.path("a.fits")))["warnings"]
+        self.assertIn("another spectrum", warning)
+
+    def test_one_stamp_that_decides(self):
+        field = Field(n=60, nx=32, ny=32, size=2.0, sigma=1.0)
+        field.galaxy[23] = [200.0 * p for p in field.galaxy[23]]
+        verdict = self.validate(field.write(self.path("a.fits")))
+        self.assertEqual(verdict["influence"]["top_stamp"], 23)
+        self.assertGreater(verdict["influence"]["top_share"], 0.9)
+        self.assertLess(verdict["influence"]["n_eff"], 1.1)
+        self.assertIn("stamp 23 has", verdict["warnings"][0])
+        other = Field(n=20, nx=32, ny=32, size=2.0, sigma=1.0, seed=2).write(self.path("b.fits"))
+        result = self.measure_one(other, self.path("a.fits"), "--field", "both")
+        self.assertIn("stamp 23 of " + self.path("a.fits"), result["warnings"][0])
+        self.assertEqual(result["influence"]["top_file"], self.path("a.fits"))
 
     def test_good_and_bad_files(self):
         good = Field(n=4).write(self.path("a.fits"))

@@ -102,7 +102,7 @@ static void psf_warns(void **state) {
         plan.psf.flawed[i] = 200 + i;
     }
     shear_result r = {.n_used = 2};
-    shear_advice_all(&list, &r, &plan);
+    shear_advice_all(&list, &r, &plan, NULL);
     assert_true(list.n >= 6);
     assert_non_null(strstr(list.lines[list.n - 6], "3 of 256 PSFs looked at are unusable"));
     for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {

@@ -56,6 +56,38 @@ static void accounts_are_kept_when_jobs_are_gone(void **state) {
     store_field_page_deinit(&fields);
 }
 
+/* The largest of all, the first of equals by the stamp's number, with its file's account. */
+static void the_stamp_that_counts_most(void **state) {
+    fixture *f = *state;
+    shear_error err = {0};
+    shear_influence top;
+    char *account = NULL;
+    FX_CODE(STORE_NOT_FOUND, store_field_top(f->s, "a", "d0", &top, &account, &err));
+    assert_null(account);
+    shear_influence expected = {.size = 0.0};
+    for (unsigned seed = 0; seed < 9; seed++) {
+        store_finished end;
+        char content[8];
+        char *sums = fx_sums(seed);
+        snprintf(content, sizeof content, "c%u", seed);
+        const int64_t id = fx_running(f, "a", content);
+        const store_work work = {.sums = sums, .now_ms = fx_now(f), .account = content};
+        FX_OK(store_finish(f->s, id, &work, &end, &err));
+        free(sums);
+        const shear_influence one = fx_top(seed);
+        if (one.size > expected.size || (one.size == expected.size && one.stamp < expected.stamp)) {
+            expected = one;
+        }
+        FX_OK(store_field_top(f->s, "a", "d0", &top, &account, &err));
+        assert_true(top.size == expected.size);
+        assert_int_equal(top.stamp, expected.stamp);
+        const shear_influence its = fx_top((unsigned)(account[1] - '0'));
+        assert_true(its.size == expected.size && its.stamp == expected.stamp);
+        free(account);
+    }
+    assert_true(fx_top(1).size == fx_top(8).size && fx_top(1).stamp != fx_top(8).stamp);
+}
+
 static void truth_is_known_where_all_agree(void **state) {
     fixture *f = *state;
     shear_error err = {0};
@@ -179,6 +211,7 @@ static void a_set_clock_moves_what_waits(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         STORE_TEST(accounts_are_kept_when_jobs_are_gone),
+        STORE_TEST(the_stamp_that_counts_most),
         STORE_TEST(truth_is_known_where_all_agree),
         STORE_TEST(one_without_a_truth_is_enough),
         STORE_TEST(accounts_of_before_are_taken_from_results),

@@ -22,19 +22,52 @@ const char *shear_advice_filter(const shear_result *r, const shear_plan_info *pl
 const char *shear_advice_bright_border(const shear_result *r, const shear_plan_info *plan,
                                        char *buf, size_t size);
 
-/* Without a filter: the borders vary more than the noise stamps' by more than 4 errors, by more
- * than 5 % of the noise stamps' variance, and, were the whole stamp off by that much (root mean
- * square), by more than 2 % of the mean flux. The last condition is what is left where the noise is
- * negligible: a galaxy's own faint wings must not count. */
+/* Without a filter: the borders vary more than the noise under the galaxies (the noise stamps' at
+ * the noise level) by more than 4 errors, by more than 5 % of the noise stamps' variance, and, were
+ * the whole stamp off by that much (root mean square), by more than 2 % of the mean flux. The last
+ * condition is what is left where the noise is negligible: a galaxy's own faint wings must not
+ * count. */
 const char *shear_advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
                                       size_t size);
 
+/* The noise under the galaxies is not as strong as in the noise stamps: by more than 1 % and 4
+ * errors, and the shear would change by more than 0.2 % without the noise level. Said otherwise
+ * where it is more than twice or less than half; not where the spectra differ, for then it is no
+ * cure. */
+const char *shear_advice_noise_level(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                     size_t size);
+
+/* That cannot be checked (narrow PSF, or stamps are interpolated), and matters: the noise stamps
+ * take off more than half of sum w D. */
+const char *shear_advice_noise_unchecked(const shear_result *r, const shear_plan_info *plan,
+                                         char *buf, size_t size);
+
+/* The two noises' spectra differ: by more than 3 % and 5 errors between the two bands, and by 0.2 %
+ * of the shear. */
+const char *shear_advice_noise_shape(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                     size_t size);
+
+/* The noise level has an error of more than half of it, and that matters: one stamp decides it. */
+const char *shear_advice_noise_scatter(const shear_result *r, const shear_plan_info *plan,
+                                       char *buf, size_t size);
+
+/* With jackknife errors of 10 groups or more: they and the delta method's differ by a factor of
+ * more than 1.5, and by more than 3 of the jackknife's own errors. */
+const char *shear_advice_errors(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                size_t size);
+
+/* Of the ratio of means: one stamp has more than a tenth of sum w D and more than 5 times its part,
+ * or more than 50 stamps count as less than 10. `top_file`: the file it is in; NULL: not known, or
+ * clear without saying. */
+const char *shear_advice_influence(const shear_result *r, const char *top_file, char *buf,
+                                   size_t size);
+
 /* All that there is to say: the warnings of `shearctl measure` and of the service. */
 enum {
-    SHEAR_RESULT_ADVICES = 3,
+    SHEAR_RESULT_ADVICES = 8,
     SHEAR_PSF_ADVICES = SHEAR_N_PSF_FLAWS + 1,
-    SHEAR_ADVICES = SHEAR_RESULT_ADVICES + SHEAR_PSF_ADVICES,
-    SHEAR_ADVICE_SIZE = 400
+    SHEAR_ADVICES = 1 + SHEAR_RESULT_ADVICES + SHEAR_PSF_ADVICES,
+    SHEAR_ADVICE_SIZE = 640
 };
 typedef struct shear_advice_list {
     const char *lines[SHEAR_ADVICES]; /* [n], in text */
@@ -44,7 +77,9 @@ typedef struct shear_advice_list {
 /* Appends what is doubtful in the PSF or the PSFs that the plan is of (shear/psf.h), with numbers,
  * cause and cure: for `shearctl validate`, too. */
 void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan);
-/* `plan`: of the field's first file; NULL where it is not known: then there is nothing to say. */
-void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan);
+/* `plan`: of the field's first file; NULL where it is not known: then only influence is told.
+ * `top_file` as above. */
+void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan,
+                      const char *top_file);
 
 #endif

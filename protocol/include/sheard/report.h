@@ -43,7 +43,8 @@ typedef struct shear_report {
     const shear_plan_info *plan;    /* as resolved, of the first file */
     const shear_report_file *files; /* [n_files] */
     size_t n_files;
-    bool has_truth; /* all files name the same truth */
+    const char *top_file; /* the file of result->top_stamp; NULL: not known */
+    bool has_truth;       /* all files name the same truth */
     double true_g1, true_g2;
     const char *const *warnings; /* [n_warnings] */
     size_t n_warnings;
@@ -54,7 +55,10 @@ typedef struct shear_report {
 /* *text is malloc'd and the caller's to free; no newline at its end. Keys: field g1 g1_err g2
  * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] estimator
  * ("mean" or "pdf-sym") error_method ("delta", "jackknife" or "symmetry") jackknife (groups or
- * null) truth{g1,g2} pull{g1,g2} (null without truth; (measured - true)/error)
+ * null) truth{g1,g2} pull{g1,g2} (null without truth; (measured - true)/error) delta_err{g1,g2}
+ * (null where the errors are the delta method's) no_shear (sheard/no_shear.h; null)
+ * noise_level{alpha,alpha_err,effect,shape,shape_err,share}
+ * influence{n_eff,top_share,top_stamp,top_file} (shear/sums.h)
  * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (of `shearctl measure` only: where they
  * are not told, the key is not there; null where there are none) filter_removed
  * warnings[] version seconds. SHEAR_E_NOMEM. */
@@ -92,11 +96,14 @@ typedef struct shear_verdict {
      * and strong: then the weights bias the shear. NaN where all weights are equal. */
     double weight_follows_flux;
     bool weight_is_suspect;
+    bool measured;       /* the next one is known */
+    shear_result result; /* with these settings, by the ratio of means */
 } shear_verdict;
 
 /* Keys: path good verdict advice field{} settings{} resolved{} psf{} warnings[] n_measurable
  * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel noise{mean,mean_err,rms}
- * weight_follows_flux version; null for what is not known. SHEAR_E_NOMEM. */
+ * weight_follows_flux no_shear noise_level{} influence{} version; null for what is not known.
+ * SHEAR_E_NOMEM. */
 int shear_verdict_json(char **text, const shear_verdict *verdict, shear_error *err);
 
 #endif

@@ -18,6 +18,10 @@ typedef struct shear_report_summary {
     int64_t jackknife; /* groups; 0: another method */
     char estimator[16], error_method[16];
     double true_g1, true_g2, pull_g1, pull_g2;
+    char no_shear[24]; /* sheard/no_shear.h */
+    double noise_level, noise_level_err, noise_effect, noise_share;
+    double n_eff, top_share;
+    int64_t top_stamp; /* -1: none, or not known */
     int64_t n_files;
     char interpolation[24], filter[24]; /* as resolved */
     int64_t oversample;

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sheard/no_shear.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct reason {
+    const char *name, *words, *advice;
+} reason;
+
+static const reason reasons[] = {
+    [SHEAR_HAS_SHEAR] = {NULL, NULL, NULL},
+    [SHEAR_NO_STAMPS] = {"too_few_stamps", "fewer than two usable stamps",
+                         "two are needed; \"shearctl validate\" tells why stamps are left out"},
+    [SHEAR_NO_WEIGHT] = {"no_weight", "all weights are 0", "correct the column WEIGHT"},
+    [SHEAR_NO_DIFFERENCE] = {"same_stamps", "galaxy and noise stamps are the same",
+                             "see which images are given as galaxies, and which as noise"},
+    [SHEAR_NO_SIGNAL] = {"no_signal", "there is no signal",
+                         "are there galaxies in the galaxy stamps? then more of them are needed, "
+                         "or brighter ones"},
+    [SHEAR_SWAPPED] = {"swapped", "the noise stamps have more power than the galaxies': swapped?",
+                       "exchange galaxy and noise stamps, or correct what makes the noise stamps "
+                       "brighter than the galaxies"},
+    [SHEAR_TOO_NARROW] = {"too_narrow",
+                          "the galaxies are narrower than the PSF: OVERSAMP forgotten?",
+                          "give the keyword OVERSAMP where the PSF has several samples a galaxy "
+                          "pixel; else see that the PSF is that of these galaxies"},
+    [SHEAR_NO_SYMMETRY] = {"no_symmetry", "the stamps' symmetry has no solution",
+                           "16 stamps are needed at least; or use --estimator mean"},
+    [SHEAR_NOT_FINITE] = {"not_finite", "the sums are beyond the range of double",
+                          "scale the pixels, or the weights"},
+};
+enum { N_REASONS = sizeof reasons / sizeof reasons[0] };
+
+static const reason *reason_of(int why) {
+    return &reasons[why >= 0 && why < N_REASONS ? why : SHEAR_HAS_SHEAR];
+}
+
+const char *shear_no_shear_name(int why) {
+    return reason_of(why)->name;
+}
+
+int shear_no_shear_of(const char *name) {
+    for (int why = 0; name != NULL && why < N_REASONS; why++) {
+        if (reasons[why].name != NULL && strcmp(reasons[why].name, name) == 0) {
+            return why;
+        }
+    }
+    return SHEAR_HAS_SHEAR;
+}
+
+const char *shear_no_shear_words(int why) {
+    return reason_of(why)->words;
+}
+
+bool shear_one_outweighs(const shear_result *r) {
+    enum { FEW = 5 };
+    return r->n_used > FEW && r->top_stamp >= 0 && r->top_share * r->top_share * r->n_eff > 0.5;
+}
+
+enum { LEAST_FOR_SYMMETRY = 16 }; /* shear/symmetry.h */
+
+static bool is_spoilt(const shear_result *r) {
+    const bool by_sum = r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED ||
+                        r->why == SHEAR_TOO_NARROW || r->why == SHEAR_NOT_FINITE;
+    return by_sum && shear_one_outweighs(r);
+}
+
+const char *shear_no_shear_brief(const shear_result *r) {
+    return is_spoilt(r) ? "one stamp outweighs all others in the sum of w D"
+                        : shear_no_shear_words(r->why);
+}
+
+const char *shear_no_shear_text(const shear_result *r, char *buf, size_t size) {
+    const char *words = reason_of(r->why)->words;
+    if (is_spoilt(r)) {
+        snprintf(buf, size,
+                 "stamp %" PRId64 " outweighs all others together: the sum of w D is %.3g",
+                 r->top_stamp, r->sum_d);
+    } else if (r->why == SHEAR_NO_STAMPS) {
+        snprintf(buf, size, "%" PRId64 " of %" PRId64 " stamps are usable%s", r->n_used,
+                 r->n_stamps, r->n_used == 1 ? ", and one stamp has no error" : "");
+    } else if (r->why == SHEAR_NO_SYMMETRY && r->n_used < LEAST_FOR_SYMMETRY) {
+        snprintf(buf, size, "%" PRId64 " usable stamps are too few for their symmetry", r->n_used);
+    } else if (r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED || r->why == SHEAR_TOO_NARROW) {
+        snprintf(buf, size, "%s (the sum of w D is %.3g, %.3g sigma)", words, r->sum_d, r->signal);
+    } else {
+        snprintf(buf, size, "%s", words != NULL ? words : "");
+    }
+    return buf;
+}
+
+const char *shear_no_shear_advice(const shear_result *r, char *buf, size_t size) {
+    const char *advice = reason_of(r->why)->advice;
+    if (is_spoilt(r)) {
+        snprintf(buf, size,
+                 "look at it (shearctl plot --stamp %" PRId64 "), and mask it (column FLAGS) where "
+                 "it is no galaxy",
+                 r->top_stamp);
+    } else {
+        snprintf(buf, size, "%s", advice != NULL ? advice : "");
+    }
+    return buf;
+}
