@@ -241,6 +241,8 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
     if (v->measured) {
         shear_field_sums_add(s.sums, &s.under_way);
         shear_field_result(s.sums, &v->result);
+        v->result.estimator =
+            shear_plan_get_settings(plan)->estimator; /* what it is to be told for */
     }
     scan_deinit(&s);
     return code;

@@ -97,7 +97,7 @@ typedef struct shear_verdict {
     double weight_follows_flux;
     bool weight_is_suspect;
     bool measured;       /* the next one is known */
-    shear_result result; /* with these settings, by the ratio of means */
+    shear_result result; /* with these settings, by the ratio of means; its estimator is theirs */
 } shear_verdict;
 
 /* Keys: path good verdict advice field{} settings{} resolved{} psf{} warnings[] n_measurable
