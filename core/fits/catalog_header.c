@@ -202,7 +202,13 @@ static void get_result(reading *r, shear_result *out) {
                           .border_excess_err = NAN,
                           .border_rough = NAN,
                           .border_rough_err = NAN,
-                          .border_noise_var = NAN};
+                          .border_noise_var = NAN,
+                          .border_step_x = NAN,
+                          .border_step_x_err = NAN,
+                          .border_step_y = NAN,
+                          .border_step_y_err = NAN,
+                          .border_step2 = NAN,
+                          .border_step2_err = NAN};
     out->g1 = get_double(r, "G1");
     out->g2 = get_double(r, "G2");
     out->g1_err = get_double(r, "G1_ERR");

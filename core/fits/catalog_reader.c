@@ -65,6 +65,9 @@ static int read_rows(const sf_table *table, shear_catalog_table *t, shear_error 
         t->rows[i].border_mean = NAN;
         t->rows[i].border_var = NAN;
         t->rows[i].border_var_noise = NAN;
+        t->rows[i].border_step_x = NAN;
+        t->rows[i].border_step_y = NAN;
+        t->rows[i].border_step2 = NAN;
     }
     for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_MEMBERS; i++) {
         rc = read_member(table, &sf_catalog_members[i], values, t, err);

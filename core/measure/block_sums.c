@@ -56,6 +56,12 @@ bool block_terms(const shear_row *row, double *terms) {
     terms[SHEAR_S_BORDER_VAR] = row->border_var;
     terms[SHEAR_S_BORDER_VAR2] = row->border_var * row->border_var;
     terms[SHEAR_S_BORDER_NOISE] = row->border_var_noise;
+    terms[SHEAR_S_BORDER_STEP_X] = row->border_step_x;
+    terms[SHEAR_S_BORDER_STEP_X2] = row->border_step_x * row->border_step_x;
+    terms[SHEAR_S_BORDER_STEP_Y] = row->border_step_y;
+    terms[SHEAR_S_BORDER_STEP_Y2] = row->border_step_y * row->border_step_y;
+    terms[SHEAR_S_BORDER_STEP2] = row->border_step2;
+    terms[SHEAR_S_BORDER_STEP4] = row->border_step2 * row->border_step2;
     bool good = true;
     for (int term = 0; term < SHEAR_N_TERMS; term++) {
         good = good && fabs(terms[term]) < largest_term;

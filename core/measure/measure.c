@@ -23,11 +23,18 @@ static void row_init(shear_row *row, int64_t stamp, double weight, uint32_t flag
                        .border_mean = NAN,
                        .border_var = NAN,
                        .border_var_noise = NAN,
+                       .border_step_x = NAN,
+                       .border_step_y = NAN,
+                       .border_step2 = NAN,
                        .weight = weight,
                        .stamp = stamp,
                        .artefact_x = -1,
                        .artefact_y = -1,
                        .flags = flags};
+}
+
+static double step2(const border *b) {
+    return b->step_x * b->step_x + b->step_y * b->step_y;
 }
 
 /* Flux, signal to noise and the border's excess over the noise stamp. */
@@ -41,6 +48,9 @@ static void fill_photometry(shear_row *row, const shear_stamps *st, const double
     row->border_mean = of_galaxy.mean - of_noise.mean;
     row->border_var = of_galaxy.var - of_noise.var;
     row->border_var_noise = of_noise.var;
+    row->border_step_x = of_galaxy.step_x - of_noise.step_x;
+    row->border_step_y = of_galaxy.step_y - of_noise.step_y;
+    row->border_step2 = step2(&of_galaxy) - step2(&of_noise);
 }
 
 void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,

@@ -155,37 +155,48 @@ SHEAR_SIMD double photometry_level(const double *pixels, size_t n) {
     return first + total(sums) / (double)n;
 }
 
-/* Sums of the border about `origin`: its pixels, and their squares. */
-SHEAR_SIMD static void sum_border(const double *pixels, int nx, int ny, double origin, double *sum,
-                                  double *squares) {
+/* Sums of the border about `origin`: of each side's pixels (corners are of the rows), and of the
+ * squares of all. */
+typedef struct border_sums {
+    double bottom, top, left, right, squares;
+} border_sums;
+
+SHEAR_SIMD static void sum_border(const double *pixels, int nx, int ny, double origin,
+                                  border_sums *out) {
     const double *last = pixels + (size_t)(ny - 1) * (size_t)nx;
     double s1 = 0.0;
     double s2 = 0.0;
-#pragma omp simd reduction(+ : s1, s2)
+    double s3 = 0.0;
+    double s4 = 0.0;
+    double squares = 0.0;
+#pragma omp simd reduction(+ : s1, s2, squares)
     for (int x = 0; x < nx; x++) {
         const double bottom = pixels[x] - origin;
         const double top = last[x] - origin;
-        s1 += bottom + top;
-        s2 += bottom * bottom + top * top;
+        s1 += bottom;
+        s2 += top;
+        squares += bottom * bottom + top * top;
     }
-#pragma omp simd reduction(+ : s1, s2)
+#pragma omp simd reduction(+ : s3, s4, squares)
     for (int y = 1; y < ny - 1; y++) {
         const double left = pixels[(size_t)y * (size_t)nx] - origin;
         const double right = pixels[(size_t)(y + 1) * (size_t)nx - 1] - origin;
-        s1 += left + right;
-        s2 += left * left + right * right;
+        s3 += left;
+        s4 += right;
+        squares += left * left + right * right;
     }
-    *sum = s1;
-    *squares = s2;
+    *out = (border_sums){.bottom = s1, .top = s2, .left = s3, .right = s4, .squares = squares};
 }
 
 border border_of(const double *pixels, int nx, int ny) {
     const double n = 2.0 * (nx + ny) - 4.0;
-    double sum;
-    double squares;
-    sum_border(pixels, nx, ny, pixels[0], &sum, &squares); /* about a pixel: see photometry_pixel */
+    border_sums s;
+    sum_border(pixels, nx, ny, pixels[0], &s); /* about a pixel: see photometry_pixel */
+    const double sum = s.bottom + s.top + s.left + s.right;
     return (border){.mean = pixels[0] + sum / n,
-                    .var = fmax(0.0, squares - sum * sum / n) / (n - 1)};
+                    .var = fmax(0.0, s.squares - sum * sum / n) / (n - 1),
+                    .step_x = (s.right - s.left) / (ny - 2),
+                    .step_y = (s.top - s.bottom) / nx};
 }
 
 SHEAR_SIMD double photometry_removed(const double *filter, const double *galaxy,

@@ -67,9 +67,11 @@ bool photometry_holds(const double *pixels, size_t n, double value);
 /* The mean of an image's pixels: what there is of a background in a noise stamp. */
 double photometry_level(const double *pixels, size_t n);
 
-/* Mean and variance of the one-pixel border of an image [ny][nx]. */
+/* The one-pixel border of an image [ny][nx]: its mean and variance, and the means of its right and
+ * top side over those of the sides opposite. */
 typedef struct border {
     double mean, var;
+    double step_x, step_y;
 } border;
 border border_of(const double *pixels, int nx, int ny);
 

@@ -160,6 +160,12 @@ static void fill_diagnostics(shear_result *r, const double *t) {
             &r->border_excess_err);
     mean_of(t, SHEAR_S_BORDER_VAR, SHEAR_S_BORDER_VAR2, n, &r->border_rough, &r->border_rough_err);
     r->border_noise_var = t[SHEAR_S_BORDER_NOISE] / n;
+    mean_of(t, SHEAR_S_BORDER_STEP_X, SHEAR_S_BORDER_STEP_X2, n, &r->border_step_x,
+            &r->border_step_x_err);
+    mean_of(t, SHEAR_S_BORDER_STEP_Y, SHEAR_S_BORDER_STEP_Y2, n, &r->border_step_y,
+            &r->border_step_y_err);
+    mean_of(t, SHEAR_S_BORDER_STEP2, SHEAR_S_BORDER_STEP4, n, &r->border_step2,
+            &r->border_step2_err);
 }
 
 const char *shear_error_method(const shear_result *r) {
@@ -231,7 +237,13 @@ static shear_result without_numbers(const shear_field_sums *f) {
                                &r.border_excess_err,
                                &r.border_rough,
                                &r.border_rough_err,
-                               &r.border_noise_var};
+                               &r.border_noise_var,
+                               &r.border_step_x,
+                               &r.border_step_x_err,
+                               &r.border_step_y,
+                               &r.border_step_y_err,
+                               &r.border_step2,
+                               &r.border_step2_err};
     for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) {
         *unknown[i] = (double)NAN;
     }

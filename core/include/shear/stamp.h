@@ -89,6 +89,9 @@ typedef struct shear_row {
     double border_mean;      /* mean of the one-pixel border, galaxy minus noise */
     double border_var;       /* variance of that border, galaxy minus noise */
     double border_var_noise; /* variance of the noise stamp's border */
+    /* The border's right side over its left one and the top over the bottom, means of a pixel,
+     * galaxy minus noise; and the sum of the squares of both, likewise. */
+    double border_step_x, border_step_y, border_step2;
     double weight;
     int64_t stamp;              /* its number in its file */
     int artefact_x, artefact_y; /* the worst such pixel, from 0; -1: there is none */

@@ -63,7 +63,13 @@ enum shear_term {
     SHEAR_S_BORDER_MEAN2,
     SHEAR_S_BORDER_VAR, /* border_var and its square */
     SHEAR_S_BORDER_VAR2,
-    SHEAR_S_BORDER_NOISE, /* border_var_noise */
+    SHEAR_S_BORDER_NOISE,  /* border_var_noise */
+    SHEAR_S_BORDER_STEP_X, /* border_step_x and its square, and so on */
+    SHEAR_S_BORDER_STEP_X2,
+    SHEAR_S_BORDER_STEP_Y,
+    SHEAR_S_BORDER_STEP_Y2,
+    SHEAR_S_BORDER_STEP2,
+    SHEAR_S_BORDER_STEP4,
     SHEAR_N_TERMS
 };
 
@@ -162,7 +168,11 @@ typedef struct shear_result {
     double border_excess_err;
     double border_rough; /* mean border variance, galaxy minus noise ... */
     double border_rough_err;
-    double border_noise_var; /* mean border variance of the noise stamps */
+    double border_noise_var;                 /* mean border variance of the noise stamps */
+    double border_step_x, border_step_x_err; /* mean step across the border: of a gradient that all
+                                                have ... */
+    double border_step_y, border_step_y_err;
+    double border_step2, border_step2_err; /* ... and mean square: of any, or of neighbours */
 } shear_result;
 
 /* Where the errors are from: "delta", "jackknife" or "symmetry". */
