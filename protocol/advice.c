@@ -96,7 +96,8 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
         snprintf(buf, size,
                  "a gradient lies over the stamps, beyond the noise stamps': their borders' right "
                  "side is brighter than the left one by %.2g +- %.1g a pixel, the top than the "
-                 "bottom by %.2g +- %.1g (over a whole stamp %.0f %% of the mean flux): %s",
+                 "bottom by %.2g +- %.1g (over a whole stamp %.0f %% of the mean flux): %s, unless "
+                 "neighbours lie on that side",
                  r->border_step_x, r->border_step_x_err, r->border_step_y, r->border_step_y_err,
                  100.0 * common * stamp_area(plan) / r->mean_flux, cure);
         return buf;

@@ -9,8 +9,8 @@ typedef struct preset_value {
 
 /* Where a preset differs from the library's defaults; each list ends with a NULL. */
 static const preset_value zhang2010[] = {
-    {"interpolation", "paper"}, {"beta-ratio", "1.5"},   {"beta-floor", "0"}, {"filter", "r-gal"},
-    {"background", "keep"},     {"noise-level", "none"}, {NULL, NULL},
+    {"interpolation", "paper"}, {"beta-ratio", "1.5"},   {"beta-floor", "0"},   {"filter", "r-gal"},
+    {"background", "keep"},     {"noise-level", "none"}, {"artefacts", "keep"}, {NULL, NULL},
 };
 static const preset_value *const presets[] = {
     [SHEAR_PRESET_DEFAULT] = NULL,

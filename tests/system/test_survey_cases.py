@@ -102,6 +102,23 @@ class Sky(Case):
                 self.assertLess(math.dist(dark, sky), 1e-4)
 
 
+    def slope(self, field, x, y):
+        """A plane that rises by so much of the flux, over the whole stamp, from border to border."""
+        step = sum(field.galaxy[0]) / len(field.galaxy[0]) / (field.nx - 1)
+        for k, stamp in enumerate(field.galaxy):
+            sign = 1 if k % 2 == 0 or abs(x) + abs(y) < 1 else -1
+            stamp[:] = [p + sign * step * (x * (i % field.nx) + y * (i // field.nx)) for i, p in enumerate(stamp)]
+        return field
+
+    def test_a_gradient(self):
+        self.assertEqual(self.told(self.slope(bright(sigma=0.1), 0.1, 0.1)), "")
+        self.tells(self.slope(bright(sigma=0.1), 0.8, -0.5), r"a gradient lies over the stamps.*right.*brighter",
+                   "--filter", "none")
+
+    def test_gradients_of_many_directions(self):
+        self.tells(self.slope(bright(), 2.0, 1.0), r"gradients lie over the stamps.*changing directions")
+
+
 class Artefacts(Case):
     PIXEL = 10 * 48 + 12
 
