@@ -106,8 +106,9 @@ class Sky(Case):
         """A plane that rises by so much of the flux, over the whole stamp, from border to border."""
         step = sum(field.galaxy[0]) / len(field.galaxy[0]) / (field.nx - 1)
         for k, stamp in enumerate(field.galaxy):
-            sign = 1 if k % 2 == 0 or abs(x) + abs(y) < 1 else -1
-            stamp[:] = [p + sign * step * (x * (i % field.nx) + y * (i // field.nx)) for i, p in enumerate(stamp)]
+            sign = 1 if k % 2 == 0 or abs(x) + abs(y) < 2 else -1
+            stamp[:] = [p + sign * step * (x * (i % field.nx - field.nx / 2) + y * (i // field.nx - field.ny / 2))
+                        for i, p in enumerate(stamp)]
         return field
 
     def test_a_gradient(self):

@@ -108,7 +108,7 @@ static void change_all(sheard_config *config) {
             "/else, /where", "/elsewhere", "some, others", "some", "0600", "warning",
             "false",         "2",          "3s",           "2M",   "129M", "bilinear",
             "none",          "floor",      "plateau",      "0.5",  "7",    "pdf-sym",
-            "noise-mean",    "zhang2010",  "field",        "keep"};
+            "noise-mean",    "zhang2010",  "field",        "keep", "flag"};
         sheard_setting s = sheard_setting_at(i);
         char *before = sheard_config_format(config, i);
         bool differs = false;
