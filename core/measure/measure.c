@@ -1,57 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/artefact.h"
-#include "measure/block_sums.h"
-#include "measure/moments.h"
 #include "measure/photometry.h"
 #include "measure/plan_impl.h"
+#include "measure/row.h"
+#include "measure/spectra.h"
 
 #include <math.h>
-
-static void row_init(shear_row *row, int64_t stamp, double weight, uint32_t flags) {
-    *row = (shear_row){.n1 = NAN,
-                       .n2 = NAN,
-                       .d = NAN,
-                       .u = NAN,
-                       .v = NAN,
-                       .m20 = NAN,
-                       .m02 = NAN,
-                       .m11 = NAN,
-                       .m4 = NAN,
-                       .flux = NAN,
-                       .snr = NAN,
-                       .flux_removed = NAN,
-                       .border_mean = NAN,
-                       .border_var = NAN,
-                       .border_var_noise = NAN,
-                       .border_step_x = NAN,
-                       .border_step_y = NAN,
-                       .border_step2 = NAN,
-                       .weight = weight,
-                       .stamp = stamp,
-                       .artefact_x = -1,
-                       .artefact_y = -1,
-                       .flags = flags};
-}
-
-static double step2(const border *b) {
-    return b->step_x * b->step_x + b->step_y * b->step_y;
-}
-
-/* Flux, signal to noise and the border's excess over the noise stamp. */
-static void fill_photometry(shear_row *row, const shear_stamps *st, const double *galaxy,
-                            const double *noise, const photometry *ph) {
-    const double pixels = (double)st->nx * st->ny;
-    row->flux = ph->flux;
-    row->snr = ph->noise_var > 0.0 ? row->flux / sqrt(2.0 * pixels * ph->noise_var) : NAN;
-    const border of_galaxy = border_of(galaxy, st->nx, st->ny);
-    const border of_noise = border_of(noise, st->nx, st->ny);
-    row->border_mean = of_galaxy.mean - of_noise.mean;
-    row->border_var = of_galaxy.var - of_noise.var;
-    row->border_var_noise = of_noise.var;
-    row->border_step_x = of_galaxy.step_x - of_noise.step_x;
-    row->border_step_y = of_galaxy.step_y - of_noise.step_y;
-    row->border_step2 = step2(&of_galaxy) - step2(&of_noise);
-}
 
 void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                    const filter_map **fine, const filter_map **coarse, uint32_t *flags) {
@@ -118,95 +72,11 @@ static int negative_pixel(const shear_plan *plan, const shear_stamps *stamps, in
         where->y + 1, shear_interpolation_name(plan->info.interpolation));
 }
 
-/* What a stamp's own noise stamp adds to the terms of the symmetry (docs/method.md, section 6): `a`
- * parts of the cross spectrum's terms, with beta^2 lowered so that the noise leans neither way. A
- * small part costs little precision; a smaller one would cost more again, for `lower` grows. */
-static void fill_cross(shear_row *row, const moments *m, double beta, double r_psf) {
-    static const double a = 0.3;
-    const double beta2 = beta * beta;
-    const double lower = beta2 - r_psf * r_psf * (1.0 + a * a) / (2.0 * a * a);
-    row->cross_n1 = -0.5 * a * (m->m20 - m->m02);
-    row->cross_n2 = -a * m->m11;
-    row->cross_d = a * (m->m20 + m->m02 - 0.5 * lower * m->m4);
-    row->cross_u = a * lower / beta2 * m->u;
-    row->cross_v = a * lower / beta2 * m->v;
-}
-
-/* METHOD steps 5 and 6. */
-static void fill_moments(shear_row *row, const moments *m, double beta) {
-    row->m20 = m->m20;
-    row->m02 = m->m02;
-    row->m11 = m->m11;
-    row->m4 = m->m4;
-    row->u = m->u;
-    row->v = m->v;
-    row->n1 = -0.5 * (m->m20 - m->m02);
-    row->n2 = -m->m11;
-    row->d = m->m20 + m->m02 - 0.5 * beta * beta * m->m4;
-    double terms[SHEAR_N_TERMS];
-    const double cross = row->cross_n1 + row->cross_n2 + row->cross_d + row->cross_u + row->cross_v;
-    if (!block_terms(row, terms) || !isfinite(m->m4) || !isfinite(m->u + m->v + cross)) {
-        row_init(row, row->stamp, row->weight, SHEAR_FLAG_OVERFLOW);
-    }
-}
-
 static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double weight) {
     const bool masked = stamps->mask != NULL && stamps->mask[i] != 0;
     const bool bad_weight = !shear_weight_is_good(weight);
     return (masked ? (uint32_t)SHEAR_FLAG_MASKED : 0u) |
            (bad_weight ? (uint32_t)SHEAR_FLAG_BAD_WEIGHT : 0u);
-}
-
-int last_group(const shear_plan *plan, const transfer *t) {
-    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
-        return plan->plateau.last_group;
-    }
-    const int last = t->jy / FFT_LANES;
-    return high_band_is_set(&plan->high) && plan->high.last_group > last ? plan->high.last_group
-                                                                         : last;
-}
-
-/* All that the modes of a pair tell. */
-typedef struct spectra {
-    moments difference; /* galaxy minus noise */
-    moments noise, cross;
-    high_power high;
-    double shot; /* plateau of the difference */
-    double flux; /* of the filtered pair */
-} spectra;
-
-static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows *rows, spectra *s) {
-    const transfer_plan *p = &plan->transfer_plan;
-    if (rows->group * FFT_LANES <= t->jy) {
-        moments_add(&s->difference, plan->settings.noise_correction ? &s->noise : NULL, rows, p, t);
-        if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
-            moments_add_cross(&s->cross, rows, p, t);
-        }
-    }
-    if (high_band_is_set(&plan->high) && rows->group <= plan->high.last_group) {
-        high_power_add(&s->high, &plan->high, rows);
-    }
-    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
-        s->shot += plateau_part(&plan->plateau, rows);
-    }
-}
-
-/* METHOD step 4, of the packed pair: the rows of modes that the transfer lets through, and for the
- * noise's power the others, too. */
-static spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
-    spectra s = {0};
-    for (int group = 0; group <= last_group(plan, t); group++) {
-        const mode_rows rows = transform_rows(plan, ws, group);
-        if (group == 0) { /* Z(0) = sum of galaxy + i sum of noise */
-            s.flux = rows.up.re[0] - rows.up.im[0];
-        }
-        add_rows(plan, t, &rows, &s);
-    }
-    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
-        const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
-        moments_join(&s.difference, -s.shot, &flat);
-    }
-    return s;
 }
 
 /* What the filter takes of the pixels. Where they are the fine grid, that is what the transform
@@ -347,41 +217,12 @@ static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_
             return false;
         }
         const spectra pair = spectra_of(plan, ws, s->transfer);
-        moments_join(&all.noise, share, &pair.difference);
-        moments_join(&all.noise, 2.0 * share, &pair.noise);
-        all.high.edge_noise += share * (pair.high.edge_galaxy + pair.high.edge_noise);
-        all.high.corner_noise += share * (pair.high.corner_galaxy + pair.high.corner_noise);
+        spectra_add_noise(&all, &pair, share);
     }
     if (planes > 1) {
-        moments mean = {0};
-        moments_join(&mean, 1.0 / planes, &all.noise);
-        moments_join(&sp->difference, 1.0, &sp->noise);
-        moments_join(&sp->difference, -1.0, &mean);
-        sp->noise = mean;
-        sp->high.edge_noise = all.high.edge_noise / planes;
-        sp->high.corner_noise = all.high.corner_noise / planes;
+        spectra_set_noise(sp, &all, planes);
     }
     return true;
-}
-
-/* The noise's own moments, and the power that galaxy and noise stamp have at high k. */
-static void fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan) {
-    const moments *m = &sp->noise;
-    const double beta2 = plan->info.beta_px * plan->info.beta_px;
-    const shear_geometry *g = &plan->info.geometry;
-    row->noise_n1 = -0.5 * (m->m20 - m->m02);
-    row->noise_n2 = -m->m11;
-    row->noise_d = m->m20 + m->m02 - 0.5 * beta2 * m->m4;
-    row->noise_u = -0.5 * beta2 * m->u;
-    row->noise_v = -2.0 * beta2 * m->v;
-    if (high_band_is_set(&plan->high)) {
-        const double all =
-            (plan->high.n_edge + plan->high.n_corner) * (double)g->nx * (double)g->ny;
-        row->corner_galaxy = sp->high.corner_galaxy / all;
-        row->corner_noise = sp->high.corner_noise / all;
-        row->high_galaxy = sp->high.edge_galaxy / all + row->corner_galaxy;
-        row->high_noise = sp->high.edge_noise / all + row->corner_noise;
-    }
 }
 
 static subject subject_of(const shear_stamps *stamps, int i) {
@@ -410,18 +251,18 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
         return negative_pixel(plan, stamps, i, &s.failure, err);
     }
     spectra sp = spectra_of(plan, ws, s.transfer);
-    fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
+    row_fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
     row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - sp.flux);
     if (s.ph.noise_var > 0.0) {
         if (!more_noise(plan, ws, stamps, i, &s, &sp, row)) {
             return row->flags != 0 ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
         }
-        fill_noise(row, &sp, plan);
+        row_fill_noise(row, &sp, plan);
     }
     if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
-        fill_cross(row, &sp.cross, plan->info.beta_px, plan->info.r_psf_px);
+        row_fill_cross(row, &sp.cross, plan->info.beta_px, plan->info.r_psf_px);
     }
-    fill_moments(row, &sp.difference, plan->info.beta_px);
+    row_fill_moments(row, &sp.difference, plan->info.beta_px);
     return SHEAR_OK;
 }
 
