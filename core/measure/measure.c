@@ -99,6 +99,7 @@ typedef struct subject {
     const transfer *transfer; /* NULL where there is none, or the row is flagged already */
     photometry ph;
     bool packed;
+    bool noisy; /* one of its noise stamps is not constant */
     pack_failure failure;
 } subject;
 
@@ -130,8 +131,8 @@ static void take_up(const shear_plan *plan, shear_workspace *ws, const shear_sta
         s->transfer = choose_transfer(plan, ws, stamps, i, &psf_flag);
     }
     if (s->transfer != NULL) {
-        s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, last_group(plan, s->transfer),
-                              &s->ph, &s->failure);
+        s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, false,
+                              last_group(plan, s->transfer), &s->ph, &s->failure);
     } else {
         s->ph = photometry_of(s->galaxy, s->noise, stamps->nx, stamps->ny, ws->strip_most);
     }
@@ -196,28 +197,44 @@ static void judge_more_noise(const shear_plan *plan, shear_workspace *ws,
     }
 }
 
+/* Two further noise stamps, to the sum of all. False where they cannot be used: they give the row a
+ * flag, or are negative under a log method (`s->packed` false). */
+static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                      int i, const double *one, const double *two, subject *s, spectra *all,
+                      shear_row *row) {
+    photometry ph;
+    if (plan->settings.noise_correction) {
+        s->packed = pack_pair(plan, ws, s->fine, one, two, true, last_group(plan, s->transfer), &ph,
+                              &s->failure);
+        s->failure.in_noise = true;
+    } else {
+        ph = photometry_of(one, two, stamps->nx, stamps->ny, ws->strip_most);
+    }
+    judge_more_noise(plan, ws, stamps, i, one, two, &ph, row);
+    if (!s->packed || row->flags != 0) {
+        return false;
+    }
+    s->noisy = s->noisy || ph.noise_var > 0.0 || !ph.galaxy_flat;
+    if (plan->settings.noise_correction) {
+        const spectra pair = spectra_of(plan, ws, s->transfer);
+        spectra_add_noise(all, &pair, one == two ? 0.5 : 1.0);
+    }
+    return true;
+}
+
 /* The noise stamps after the first one, two a transform: the mean of all takes the place of the
- * first. False where one cannot be used: it gives the row a flag, or is negative under a log method
- * (`s->packed` false). */
+ * first. False where one cannot be used, as above. */
 static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, subject *s, spectra *sp, shear_row *row) {
     const int planes = noise_planes(stamps);
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
-    spectra all = {.noise = sp->noise, .high = sp->high};
+    spectra all = *sp;
     for (int k = 1; k < planes; k += 2) {
         const double *one = s->noise + (size_t)k * pixels;
         const double *two = k + 1 < planes ? one + pixels : one; /* twice the last one, halved */
-        const double share = two == one ? 0.5 : 1.0;
-        photometry ph;
-        s->packed =
-            pack_pair(plan, ws, s->fine, one, two, last_group(plan, s->transfer), &ph, &s->failure);
-        s->failure.in_noise = true;
-        judge_more_noise(plan, ws, stamps, i, one, two, &ph, row);
-        if (!s->packed || row->flags != 0) {
+        if (!add_noise(plan, ws, stamps, i, one, two, s, &all, row)) {
             return false;
         }
-        const spectra pair = spectra_of(plan, ws, s->transfer);
-        spectra_add_noise(&all, &pair, share);
     }
     if (planes > 1) {
         spectra_set_noise(sp, &all, planes);
@@ -251,14 +268,17 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
         return negative_pixel(plan, stamps, i, &s.failure, err);
     }
     spectra sp = spectra_of(plan, ws, s.transfer);
+    s.noisy = s.ph.noise_var > 0.0;
+    if (!more_noise(plan, ws, stamps, i, &s, &sp, row)) {
+        return row->flags != 0 ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
+    }
     row_fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
     row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - sp.flux);
-    if (s.ph.noise_var > 0.0) {
-        if (!more_noise(plan, ws, stamps, i, &s, &sp, row)) {
-            return row->flags != 0 ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
-        }
-        row_fill_noise(row, &sp, plan);
+    spectra_take_plateau(&sp, plan, s.transfer);
+    if (!s.noisy) {
+        spectra_forget_noise(&sp);
     }
+    row_fill_noise(row, &sp, plan);
     if (plan->settings.estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS) {
         row_fill_cross(row, &sp.cross, plan->info.beta_px, plan->info.r_psf_px);
     }

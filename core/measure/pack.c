@@ -14,7 +14,8 @@ enum { BLOCK = FFT_LANES * FFT_LANES };
  * filter, side by side. One loop for all of it: with a side that is a power of two the rows of a
  * strip share so few sets of the first cache that they are gone when they are asked for again. */
 static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter, bool filtered,
-                                   double level, size_t x0, size_t y0, size_t y1, fft_lanes out) {
+                                   double level, double noise_mean, size_t x0, size_t y0, size_t y1,
+                                   fft_lanes out) {
     const size_t step = (size_t)sums->nx;
     const double *galaxy = sums->galaxy + x0;
     const double *noise = sums->noise + x0;
@@ -27,31 +28,32 @@ static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter, 
             const double n = noise[y * step + l];
             photometry_pixel(&s, l, g, n);
             out.re[y * FFT_LANES + l] = filtered ? f * (g - level) : g;
-            out.im[y * FFT_LANES + l] = filtered ? f * (n - level) : n;
+            out.im[y * FFT_LANES + l] = filtered ? f * (n - noise_mean) : n;
         }
     }
     *sums = s;
 }
 
 SHEAR_SIMD static void pack_filtered(photometry_sums *sums, const double *filter, double level,
-                                     size_t x0, size_t y0, size_t y1, fft_lanes out) {
-    pack_rows(sums, filter, true, level, x0, y0, y1, out);
+                                     double noise_mean, size_t x0, size_t y0, size_t y1,
+                                     fft_lanes out) {
+    pack_rows(sums, filter, true, level, noise_mean, x0, y0, y1, out);
 }
 
 SHEAR_SIMD static void pack_plain(photometry_sums *sums, size_t x0, size_t y0, size_t y1,
                                   fft_lanes out) {
-    pack_rows(sums, NULL, false, 0.0, x0, y0, y1, out);
+    pack_rows(sums, NULL, false, 0.0, 0.0, x0, y0, y1, out);
 }
 
-SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level, size_t step,
-                                    int y0, int y1, fft_lanes strip) {
+SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level, double noise_mean,
+                                    size_t step, int y0, int y1, fft_lanes strip) {
     for (size_t y = (size_t)y0; y < (size_t)y1; y++) {
 #pragma omp simd
         for (size_t l = 0; l < FFT_LANES; l++) {
             const size_t at = y * FFT_LANES + l;
             const double f = filter[y * step + l];
             strip.re[at] = f * (strip.re[at] - level);
-            strip.im[at] = f * (strip.im[at] - level);
+            strip.im[at] = f * (strip.im[at] - noise_mean);
         }
     }
 }
@@ -81,7 +83,8 @@ static void pack_strip(shear_workspace *ws, photometry_sums *sums, const filter_
     photometry_sums unused = *sums; /* a strip that overlaps is summed up by itself */
     photometry_sums *s = st->skip > 0 ? &unused : sums;
     if (filter != NULL) {
-        pack_filtered(s, filter->value, ws->level, (size_t)st->x0, y0, y1, ws->strip);
+        pack_filtered(s, filter->value, ws->level, ws->noise_mean, (size_t)st->x0, y0, y1,
+                      ws->strip);
     } else {
         pack_plain(s, (size_t)st->x0, y0, y1, ws->strip);
     }
@@ -99,8 +102,8 @@ static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const
         image_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
     }
     if (filter != NULL) {
-        filter_lanes(filter->value + st->x0, ws->level, (size_t)g->fine_nx, st->y0, st->y1,
-                     ws->strip);
+        filter_lanes(filter->value + st->x0, ws->level, ws->noise_mean, (size_t)g->fine_nx, st->y0,
+                     st->y1, ws->strip);
     }
 }
 
@@ -174,17 +177,19 @@ static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double 
 }
 
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-               const double *galaxy, const double *noise, int last, photometry *ph,
+               const double *galaxy, const double *noise, bool own_means, int last, photometry *ph,
                pack_failure *failure) {
     const shear_geometry *g = &plan->info.geometry;
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
     const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
+    const size_t pixels = (size_t)g->nx * (size_t)g->ny;
     photometry_sums sums;
     photometry_begin(&sums, galaxy, noise, g->nx, g->ny, ws->strip_most);
     if (!as_pixels) {
         *ph = photometry_of(galaxy, noise, g->nx, g->ny, ws->strip_most);
     }
-    ws->level = levels ? photometry_level(noise, (size_t)g->nx * (size_t)g->ny) : 0.0;
+    ws->noise_mean = levels ? photometry_level(noise, pixels) : 0.0;
+    ws->level = levels && own_means ? photometry_level(galaxy, pixels) : ws->noise_mean;
     if (!load_pair(plan, ws, galaxy, noise, failure)) {
         return false;
     }

@@ -58,12 +58,36 @@ SHEAR_SIMD static void sum_rows(const mode_rows *r, const double *share, size_t 
     }
 }
 
-double plateau_part(const plateau *p, const mode_rows *r) {
-    double sums[FFT_LANES] = {0};
+SHEAR_SIMD static void sum_noise(const mode_rows *r, const double *share, size_t stride,
+                                 double *sums) {
+    for (size_t x = 0; x < (size_t)r->nx; x++) {
+        const size_t at = x * FFT_LANES;
+        const size_t mirrored = ((size_t)r->nx - x) * FFT_LANES;
+#pragma omp simd
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            const double re = 0.5 * (r->up.im[at + l] + r->down.im[mirrored + l]);
+            const double im = 0.5 * (r->up.re[at + l] - r->down.re[mirrored + l]);
+            sums[l] += share[x * stride + l] * (re * re + im * im);
+        }
+    }
+}
+
+static double sum_of(const double *lanes) {
     double sum = 0.0;
-    sum_rows(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
     for (int l = 0; l < FFT_LANES; l++) {
-        sum += sums[l];
+        sum += lanes[l];
     }
     return sum;
+}
+
+double plateau_part(const plateau *p, const mode_rows *r) {
+    double sums[FFT_LANES] = {0};
+    sum_rows(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
+    return sum_of(sums);
+}
+
+double plateau_of_noise(const plateau *p, const mode_rows *r) {
+    double sums[FFT_LANES] = {0};
+    sum_noise(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
+    return sum_of(sums);
 }

@@ -26,5 +26,7 @@ void plateau_deinit(plateau *p);
 
 /* What the rows of one group hold of it; the groups are 0 .. last_group. */
 double plateau_part(const plateau *p, const mode_rows *rows);
+/* The same of the noise stamp alone. */
+double plateau_of_noise(const plateau *p, const mode_rows *rows);
 
 #endif

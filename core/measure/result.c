@@ -101,13 +101,25 @@ static void fill_shear(shear_result *out, const rounded *r) {
     out->delta_g2_err = out->g2_err;
 }
 
-/* What noise alone would scatter sum w D by: two stamps' worth of what the noise stamps scatter,
- * and the noise level's error. */
-static double noise_of_d(const rounded *r, double n, double level_err) {
+/* What noise stamps scatter, squared and summed: their w d about what their own power lets expect,
+ * so that neither weights nor depths that differ count as noise; where that is not known, about the
+ * mean. */
+static double scatter_of_noise(const rounded *r, double n) {
     const double sum = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D];
-    const double squares = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D) - sum * sum / n;
-    const double by_level = isfinite(level_err) ? sum * level_err : 0.0;
-    return sqrt(2.0 * fmax(0.0, squares) + by_level * by_level);
+    const double power = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE];
+    combination c = {{0.0}};
+    c.c[SHEAR_C_NOISE_D] = 1.0;
+    c.c[SHEAR_C_HIGH_NOISE] = power > 0.0 ? -sum / power : 0.0;
+    return fmax(0.0, product_of(r, &c, &c) - (power > 0.0 ? 0.0 : sum * sum / n));
+}
+
+/* What noise alone would scatter sum w D by: two stamps' worth of what noise of the galaxies' level
+ * scatters, and the noise level's error. */
+static double noise_of_d(const rounded *r, double n, double level_err) {
+    const double level = r->at_level.level;
+    const double by_level =
+        isfinite(level_err) ? r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] * level_err : 0.0;
+    return sqrt(2.0 * level * level * scatter_of_noise(r, n) + by_level * by_level);
 }
 
 static void fill_influence(shear_result *out, const rounded *r, shear_influence top) {

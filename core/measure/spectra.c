@@ -23,6 +23,7 @@ static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows 
     }
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
         s->shot += plateau_part(&plan->plateau, rows);
+        s->noise_shot += plateau_of_noise(&plan->plateau, rows);
     }
 }
 
@@ -35,16 +36,13 @@ spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *
         }
         add_rows(plan, t, &rows, &s);
     }
-    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
-        const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
-        moments_join(&s.difference, -s.shot, &flat);
-    }
     return s;
 }
 
 void spectra_add_noise(spectra *all, const spectra *pair, double share) {
     moments_join(&all->noise, share, &pair->difference);
     moments_join(&all->noise, 2.0 * share, &pair->noise);
+    all->noise_shot += share * (pair->shot + 2.0 * pair->noise_shot);
     all->high.edge_noise += share * (pair->high.edge_galaxy + pair->high.edge_noise);
     all->high.corner_noise += share * (pair->high.corner_galaxy + pair->high.corner_noise);
 }
@@ -55,6 +53,19 @@ void spectra_set_noise(spectra *s, const spectra *all, int n) {
     moments_join(&s->difference, 1.0, &s->noise);
     moments_join(&s->difference, -1.0, &mean);
     s->noise = mean;
+    s->shot += s->noise_shot - all->noise_shot / n;
     s->high.edge_noise = all->high.edge_noise / n;
     s->high.corner_noise = all->high.corner_noise / n;
+}
+
+void spectra_forget_noise(spectra *s) {
+    s->noise = (moments){0};
+    s->high.edge_noise = s->high.corner_noise = 0.0;
+}
+
+void spectra_take_plateau(spectra *s, const shear_plan *plan, const transfer *t) {
+    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
+        const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
+        moments_join(&s->difference, -s->shot, &flat);
+    }
 }

@@ -9,8 +9,8 @@ typedef struct spectra {
     moments difference; /* galaxy minus noise */
     moments noise, cross;
     high_power high;
-    double shot; /* plateau of the difference */
-    double flux; /* of the filtered pair */
+    double shot, noise_shot; /* plateaus of difference and noise: not yet taken off */
+    double flux;             /* of the filtered pair */
 } spectra;
 
 /* METHOD step 4, of the pair that pack_pair has left in ws: the rows of modes that the transfer
@@ -22,5 +22,9 @@ spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *
 void spectra_add_noise(spectra *all, const spectra *pair, double share);
 /* The mean of the n noise stamps whose sum is in `all` takes the place of that in *s. */
 void spectra_set_noise(spectra *s, const spectra *all, int n);
+/* Of noise stamps without noise: what they have is their mean's, and what transforms round. */
+void spectra_forget_noise(spectra *s);
+/* Shot noise off the difference, where the plan asks for it. */
+void spectra_take_plateau(spectra *s, const shear_plan *plan, const transfer *t);
 
 #endif

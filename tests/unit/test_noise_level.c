@@ -37,8 +37,9 @@ static void test_noise_has_its_own_moments(void **state) {
         const shear_row both = pair_measure(&p);
         memcpy(p.galaxy, p.noise, pixels_of(&p) * sizeof *p.galaxy);
         memset(p.noise, 0, pixels_of(&p) * sizeof *p.noise);
-        const shear_row quiet = pair_measure(&p); /* no noise, no level */
-        assert_true(quiet.noise_d == 0.0 && quiet.high_noise == 0.0 && quiet.high_galaxy == 0.0);
+        const shear_row quiet = pair_measure(&p); /* no noise; the galaxy's counts all the same */
+        assert_true(quiet.noise_d == 0.0 && quiet.high_noise == 0.0);
+        assert_near(quiet.high_galaxy, both.high_noise, 1e-12, both.high_noise, "galaxy");
         p.noise[0] = 1e-9;
         const shear_row alone = pair_measure(&p);
         assert_near(both.noise_n1, alone.n1, 1e-12, alone.d, "n1");
@@ -138,62 +139,111 @@ static shear_row measure_pair(const shear_plan *plan, const double *galaxy, cons
     return row;
 }
 
-/* Several noise stamps count as the mean of what each of them gives, wherever they lie. */
+/* Of pair i, measured with each of `planes` noise stamps alone: the means; and with the first. */
+static shear_row mean_of_planes(const shear_plan *plan, const scene *s, int i, int planes,
+                                shear_row *first) {
+    shear_row mean = {0};
+    for (int k = planes - 1; k >= 0; k--) {
+        *first = measure_pair(plan, s->galaxy[i], s->noise[i * planes + k], 1);
+        mean.d += first->d / planes;
+        mean.n1 += first->n1 / planes;
+        mean.noise_d += first->noise_d / planes;
+        mean.noise_n1 += first->noise_n1 / planes;
+        mean.noise_v += first->noise_v / planes;
+        mean.high_noise += first->high_noise / planes;
+        mean.corner_noise += first->corner_noise / planes;
+    }
+    return mean;
+}
+
+static void check_planes(const shear_plan *plan, const scene *s, int planes, bool background) {
+    shear_row rows[PAIRS];
+    const shear_stamps stamps = {.count = PAIRS,
+                                 .nx = NX,
+                                 .ny = NY,
+                                 .galaxy = s->galaxy[0],
+                                 .noise = s->noise[0],
+                                 .noise_planes = planes};
+    assert_int_equal(shear_measure_batch(plan, &stamps, 1, NULL, rows, NULL), SHEAR_OK);
+    for (int i = 0; i < PAIRS; i++) {
+        shear_row one;
+        const shear_row mean = mean_of_planes(plan, s, i, planes, &one);
+        const double d = fabs(one.d) + one.noise_d;
+        /* the galaxy stamp loses the first noise stamp's mean only */
+        const double wanted_d = background ? one.d + one.noise_d - mean.noise_d : mean.d;
+        const double wanted_n1 = background ? one.n1 + one.noise_n1 - mean.noise_n1 : mean.n1;
+        assert_int_equal(rows[i].flags, 0);
+        assert_near(rows[i].noise_d, mean.noise_d, 1e-12, d, "noise d");
+        assert_near(rows[i].noise_v, mean.noise_v, 1e-12, d, "noise v");
+        assert_near(rows[i].d, wanted_d, 1e-12, d, "d");
+        assert_near(rows[i].n1, wanted_n1, 1e-12, d, "n1");
+        assert_near(rows[i].high_noise, mean.high_noise, 1e-12, mean.high_noise, "high");
+        assert_near(rows[i].corner_noise, mean.corner_noise, 1e-12, mean.high_noise, "corner");
+        assert_true(rows[i].high_galaxy == one.high_galaxy);
+    }
+}
+
+/* Several noise stamps count as the mean of what each of them gives, wherever they lie: with any
+ * settings, above any background, and where the first of them has no noise. */
 static void test_planes_are_averaged(void **state) {
     (void)state;
     static const int side[2] = {NX, NY};
+    static const char *const settings[][2] = {{"filter", "none"},
+                                              {"core", "5"},
+                                              {"shot-noise", "plateau"},
+                                              {"noise-correction", "no"},
+                                              {"interpolation", "bicubic"}};
     static scene s;
-    shear_plan *plan = NULL;
-    pair p;
-    draw(&p, side, "none");
-    scene_draw(&s, &p);
-    assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, 0.0, false, NULL), 0);
-    for (int planes = 1; planes <= MOST; planes++) {
-        shear_row rows[PAIRS];
-        shear_workspace *ws = NULL;
-        const shear_stamps stamps = {.count = PAIRS,
+    for (int k = 0; k < 10; k++) {
+        shear_plan *plan = NULL;
+        pair p;
+        draw(&p, side, "none");
+        pair_set(&p, "artefacts", "keep");
+        pair_set(&p, settings[k / 2][0], settings[k / 2][1]);
+        scene_draw(&s, &p);
+        for (int pixel = 0; pixel < PIXELS; pixel++) {
+            s.noise[1][pixel] += 3.0; /* a brighter sky there */
+            s.noise[0][pixel] = k % 2 == 0 ? s.noise[0][pixel] : 0.0;
+        }
+        assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, 0.0, false, NULL),
+                         0);
+        for (int planes = 1; planes <= MOST; planes++) {
+            check_planes(plan, &s, planes, k / 2 == 1);
+        }
+        shear_plan_free(plan);
+        pair_deinit(&p);
+    }
+}
+
+/* The second plane of the second pair cannot be used: also where no other has any noise. */
+static void test_every_plane_is_looked_at(void **state) {
+    (void)state;
+    static const int side[2] = {NX, NY};
+    static scene s;
+    for (int quiet = 0; quiet < 2; quiet++) {
+        shear_plan *plan = NULL;
+        shear_row rows[2];
+        pair p;
+        draw(&p, side, "none");
+        scene_draw(&s, &p);
+        if (quiet) {
+            memset(s.noise, 0, sizeof s.noise);
+        }
+        s.noise[3][7] = NAN;
+        const shear_stamps stamps = {.count = 2,
                                      .nx = NX,
                                      .ny = NY,
                                      .galaxy = s.galaxy[0],
                                      .noise = s.noise[0],
-                                     .noise_planes = planes};
-        assert_int_equal(shear_workspace_new(&ws, plan, NULL), SHEAR_OK);
-        assert_int_equal(shear_measure_range(plan, ws, &stamps, 0, PAIRS, rows, NULL), SHEAR_OK);
-        shear_workspace_free(ws);
-        for (int i = 0; i < PAIRS; i++) {
-            shear_row mean = {0};
-            shear_row one = {0};
-            for (int k = planes - 1; k >= 0; k--) {
-                one = measure_pair(plan, s.galaxy[i], s.noise[i * planes + k], 1);
-                mean.noise_d += one.noise_d / planes;
-                mean.noise_n1 += one.noise_n1 / planes;
-                mean.noise_v += one.noise_v / planes;
-                mean.high_noise += one.high_noise / planes;
-                mean.corner_noise += one.corner_noise / planes;
-            }
-            const double d = one.d + one.noise_d;
-            assert_near(rows[i].noise_d, mean.noise_d, 1e-12, d, "noise d");
-            assert_near(rows[i].noise_v, mean.noise_v, 1e-12, d, "noise v");
-            assert_near(rows[i].d, d - mean.noise_d, 1e-12, d, "d");
-            assert_near(rows[i].n1, one.n1 + one.noise_n1 - mean.noise_n1, 1e-12, d, "n1");
-            assert_near(rows[i].high_noise, mean.high_noise, 1e-12, mean.high_noise, "high");
-            assert_near(rows[i].corner_noise, mean.corner_noise, 1e-12, mean.high_noise, "corner");
-            assert_true(rows[i].high_galaxy == one.high_galaxy);
-        }
+                                     .noise_planes = 2};
+        assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, 0.0, false, NULL),
+                         0);
+        assert_int_equal(shear_measure_batch(plan, &stamps, 1, NULL, rows, NULL), SHEAR_OK);
+        assert_int_equal(rows[0].flags, 0);
+        assert_int_equal(rows[1].flags, SHEAR_FLAG_NOISE_NOT_FINITE);
+        shear_plan_free(plan);
+        pair_deinit(&p);
     }
-    s.noise[2][7] = NAN; /* the second plane of the second pair */
-    const shear_stamps stamps = {.count = 2,
-                                 .nx = NX,
-                                 .ny = NY,
-                                 .galaxy = s.galaxy[0],
-                                 .noise = s.noise[0],
-                                 .noise_planes = 2};
-    shear_row rows[2];
-    assert_int_equal(shear_measure_batch(plan, &stamps, 1, NULL, rows, NULL), SHEAR_OK);
-    assert_int_equal(rows[0].flags, 0);
-    assert_int_equal(rows[1].flags, SHEAR_FLAG_NOISE_NOT_FINITE);
-    shear_plan_free(plan);
-    pair_deinit(&p);
 }
 
 /* ---- fields ---- */
@@ -321,6 +371,53 @@ static void test_unknown_level(void **state) {
     }
     assert_near(r.g1, (double)(n1 / d), 1e-14, 1.0, "g1");
     assert_true(isnan(r.noise_level) && isnan(r.noise_level_err) && isnan(r.noise_effect));
+}
+
+/* Whether there is a signal does not depend on how strong the noise stamps' noise is beside the
+ * galaxies': the level tells what that is. */
+static void test_signal_at_the_level(void **state) {
+    (void)state;
+    static const double factors[] = {1.0, 1e-12, 1e3};
+    double signal[3];
+    for (int k = 0; k < 3; k++) {
+        shear_row rows[N];
+        draw_rows(rows, N, 1.0, 4);
+        for (int i = 0; i < N; i++) {
+            shear_row *r = &rows[i];
+            r->d += (1.0 - factors[k]) * r->noise_d;
+            r->n1 += (1.0 - factors[k]) * r->noise_n1;
+            r->n2 += (1.0 - factors[k]) * r->noise_n2;
+            r->noise_d *= factors[k];
+            r->noise_n1 *= factors[k];
+            r->noise_n2 *= factors[k];
+            r->high_noise *= factors[k];
+            r->corner_noise *= factors[k];
+        }
+        const shear_result r = result_of(rows, N);
+        assert_true(r.valid);
+        signal[k] = r.signal;
+    }
+    assert_near(signal[1], signal[0], 1e-9, signal[0], "weak noise stamps");
+    assert_near(signal[2], signal[0], 1e-9, signal[0], "strong noise stamps");
+}
+
+/* Stamps of no weight change nothing, and weights are no noise. */
+static void test_signal_and_weights(void **state) {
+    (void)state;
+    shear_row rows[N];
+    draw_rows(rows, N, 1.0, 4);
+    const shear_result few = result_of(rows, N / 10);
+    for (int i = N / 10; i < N; i++) {
+        rows[i].weight = 0.0;
+    }
+    const shear_result all = result_of(rows, N);
+    assert_near(all.signal, few.signal, 1e-9, few.signal, "no weight");
+    draw_rows(rows, N, 1.0, 4);
+    const shear_result uneven = result_of(rows, N);
+    for (int i = 0; i < N; i++) {
+        rows[i].weight = 1.0;
+    }
+    assert_near(uneven.signal, result_of(rows, N).signal, 0.1, uneven.signal, "weights");
 }
 
 /* Corners that have another level than the rest are told, with an error. */
@@ -484,8 +581,11 @@ int main(void) {
         cmocka_unit_test(test_noise_has_its_own_moments),
         cmocka_unit_test(test_bands),
         cmocka_unit_test(test_planes_are_averaged),
+        cmocka_unit_test(test_every_plane_is_looked_at),
         cmocka_unit_test(test_errors_contain_the_level),
         cmocka_unit_test(test_unknown_level),
+        cmocka_unit_test(test_signal_at_the_level),
+        cmocka_unit_test(test_signal_and_weights),
         cmocka_unit_test(test_shape),
         cmocka_unit_test(test_why_there_is_no_shear),
         cmocka_unit_test(test_influence),
