@@ -62,8 +62,8 @@ static void do_along_y(scene *s) {
 static void do_pack(scene *s) {
     photometry ph;
     pack_failure failure;
-    pack_pair(s->plan, s->ws, filter_of(s), s->galaxy, s->noise, last_group(s->plan, s->transfer),
-              &ph, &failure);
+    pack_pair(s->plan, s->ws, filter_of(s), s->galaxy, s->noise, false,
+              last_group(s->plan, s->transfer), &ph, &failure);
 }
 
 static void do_along_x(scene *s) {
