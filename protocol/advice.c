@@ -79,6 +79,14 @@ const char *shear_advice_rough_border(const shear_result *r, const shear_plan_in
     return buf;
 }
 
+/* The mean square of the borders' steps, without that of white noise beyond the noise stamps'. */
+static double steps_beyond_noise(const shear_result *r, const shear_plan_info *plan) {
+    const bool known = r->noise_level > 0.0;
+    const double sides = 1.0 / plan->geometry.nx + 1.0 / plan->geometry.ny;
+    return r->border_step2 -
+           (known ? (r->noise_level - 1.0) * 2.0 * sides * r->border_noise_var : 0.0);
+}
+
 /* Told where it changes the shear by about 10^-4. */
 static bool is_steep(double step, const shear_result *r, const shear_plan_info *plan) {
     const double part = step * stamp_area(plan) / r->mean_flux;
@@ -89,7 +97,8 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
                                   size_t size) {
     static const char cure[] = "subtract the sky with a plane or a finer mesh";
     const double common = hypot(r->border_step_x, r->border_step_y);
-    const double rms = sqrt(fmax(0.0, r->border_step2));
+    const double steps = steps_beyond_noise(r, plan);
+    const double rms = sqrt(fmax(0.0, steps));
     const bool sure = fabs(r->border_step_x) > BORDER_SIGMA * r->border_step_x_err ||
                       fabs(r->border_step_y) > BORDER_SIGMA * r->border_step_y_err;
     if (sure && is_steep(common, r, plan)) {
@@ -102,7 +111,7 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
                  100.0 * common * stamp_area(plan) / r->mean_flux, cure);
         return buf;
     }
-    if (r->border_step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
+    if (steps > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
         snprintf(buf, size,
                  "gradients lie over the stamps, beyond the noise stamps', in changing directions: "
                  "opposite sides of their borders differ by %.2g a pixel (root mean square; over a "

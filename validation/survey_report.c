@@ -52,7 +52,7 @@ static void add_columns(struct table *t) {
     table_column(t, "m", TABLE_NUMBER, 4, "", "multiplicative bias along the shear");
     table_column(t, "m_err", TABLE_NUMBER, 4, "", "its 1-sigma error");
     for (int c = 1; c <= 2; c++) {
-        char name[16];
+        char name[24];
         snprintf(name, sizeof name, "c%d", c);
         table_column(t, name, TABLE_NUMBER, 5, "", "additive bias");
         snprintf(name, sizeof name, "c%d_err", c);

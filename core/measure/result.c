@@ -127,7 +127,8 @@ static void fill_influence(shear_result *out, const rounded *r, shear_influence 
     d.c[SHEAR_C_D] = 1.0;
     d.c[SHEAR_C_NOISE_D] = 1.0 - r->at_level.level;
     out->n_eff = out->sum_d * out->sum_d / product_of(r, &d, &d);
-    out->top_share = top.size / fabs(out->sum_d);
+    /* `top` is what a stamp has of D as it is: of noise of another level, most is the noise's */
+    out->top_share = top.size / fmax(fabs(out->sum_d), fabs(r->t[SHEAR_S_COMPONENT + SHEAR_C_D]));
     out->top_stamp = top.size > 0.0 ? top.stamp : -1;
 }
 
@@ -218,7 +219,8 @@ static int no_shear(const shear_result *out, const rounded *r) {
     if (out->signal <= -least_signal) {
         return r->t[SHEAR_S_POWER] < 0.0 ? SHEAR_SWAPPED : SHEAR_TOO_NARROW;
     }
-    return out->signal >= least_signal ? SHEAR_HAS_SHEAR : SHEAR_NO_SIGNAL;
+    const bool only_one = fabs(out->n_eff - 1.0) < rounding; /* has a weight: what error? */
+    return out->signal >= least_signal && !only_one ? SHEAR_HAS_SHEAR : SHEAR_NO_SIGNAL;
 }
 
 static shear_result without_numbers(const shear_field_sums *f) {

@@ -373,10 +373,12 @@ static int solve(solver *v, shear_result *out, shear_error *err) {
     return code;
 }
 
-/* Does the mean say that there are no galaxies to be symmetric? Too little signal for the mean may
- * be enough here. */
-static bool hopeless(int why) {
-    return why != SHEAR_HAS_SHEAR && why != SHEAR_NO_SIGNAL;
+/* Does the mean say that there are no galaxies to be symmetric? Somewhat too little signal for the
+ * mean may be enough here; but noise alone has a symmetry, too. */
+static bool hopeless(const shear_result *mean) {
+    static const double least_signal = 3.0;
+    return mean->why != SHEAR_HAS_SHEAR &&
+           !(mean->why == SHEAR_NO_SIGNAL && mean->signal >= least_signal);
 }
 
 int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, shear_result *out,
@@ -389,7 +391,7 @@ int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, 
     out->valid = false;
     out->jackknife = 0;
     out->g1 = out->g2 = out->g1_err = out->g2_err = out->cov12 = NAN;
-    if (hopeless(out->why)) {
+    if (hopeless(out)) {
         return SHEAR_OK;
     }
     out->why = SHEAR_NO_SYMMETRY;

@@ -201,6 +201,26 @@ static void all_of_a_sound_result(void **state) {
     assert_int_equal(list.n, 0);
 }
 
+/* Stronger noise under the galaxies makes the sides of their borders differ by more: no gradient.
+ */
+static void noise_is_no_gradient(void **state) {
+    (void)state;
+    shear_plan_info small = plan;
+    shear_result r = sound();
+    small.geometry.nx = 32;
+    small.geometry.ny = 16;
+    r.mean_flux = 10.0;
+    r.border_noise_var = 1.0;
+    r.border_step2 = 3.0 * 2.0 * (1.0 / 32 + 1.0 / 16);
+    r.border_step2_err = 0.001;
+    r.noise_level = 4.0;
+    assert_null(shear_advice_gradient(&r, &small, text, sizeof text));
+    r.noise_level = 1.0;
+    assert_non_null(strstr(shear_advice_gradient(&r, &small, text, sizeof text), "gradients lie"));
+    r.noise_level = NAN;
+    assert_non_null(shear_advice_gradient(&r, &small, text, sizeof text));
+}
+
 static void reasons_have_names(void **state) {
     static const char *const names[] = {NULL,          "too_few_stamps", "no_weight",
                                         "same_stamps", "no_signal",      "swapped",
@@ -261,6 +281,7 @@ int main(void) {
         cmocka_unit_test(one_stamp_decides_the_level),
         cmocka_unit_test(errors_that_disagree),
         cmocka_unit_test(all_of_a_sound_result),
+        cmocka_unit_test(noise_is_no_gradient),
         cmocka_unit_test(reasons_have_names),
         cmocka_unit_test(reasons_in_words),
     };

@@ -420,6 +420,49 @@ static void test_signal_and_weights(void **state) {
     assert_near(uneven.signal, result_of(rows, N).signal, 0.1, uneven.signal, "weights");
 }
 
+/* One stamp alone has no error. */
+static void test_one_stamp_is_no_field(void **state) {
+    (void)state;
+    shear_row rows[N];
+    draw_rows(rows, N, 1.0, 4);
+    for (int i = 0; i < N; i++) {
+        rows[i].weight = i == 7 ? 2.0 : 0.0;
+        rows[i].noise_d = 0.01 * rows[i].d;
+    }
+    const shear_result r = result_of(rows, N);
+    assert_int_equal(r.why, SHEAR_NO_SIGNAL);
+    assert_false(r.valid);
+    assert_int_equal(r.top_stamp, 7);
+    rows[8].weight = 1e-3;
+    assert_int_equal(result_of(rows, N).why, SHEAR_HAS_SHEAR);
+}
+
+/* The stamp that counts most is a part of what the stamps have, also where most of that is noise of
+ * another level. */
+static void test_influence_of_equal_stamps(void **state) {
+    (void)state;
+    static const double factors[] = {1e-6, 1.0, 1e4};
+    for (int k = 0; k < 3; k++) {
+        shear_row rows[N];
+        for (int i = 0; i < N; i++) {
+            rows[i] = (shear_row){.d = 4.0 - 3.0 * factors[k],
+                                  .n1 = i % 2 == 0 ? 0.1 : -0.1,
+                                  .n2 = i % 2 == 0 ? 0.1 : -0.1,
+                                  .m20 = 1.0,
+                                  .m02 = 1.0,
+                                  .noise_d = 3.0 * factors[k],
+                                  .high_galaxy = 3.0,
+                                  .high_noise = 3.0 * factors[k],
+                                  .weight = 1.0,
+                                  .stamp = i};
+        }
+        const shear_result r = result_of(rows, N);
+        assert_near(r.sum_d, N, 1e-9, N, "sum");
+        assert_near(r.n_eff, N, 1e-6, N, "n_eff");
+        assert_near(r.top_share, 1.0 / N, 1e-6, 1.0, "share");
+    }
+}
+
 /* Corners that have another level than the rest are told, with an error. */
 static void test_shape(void **state) {
     (void)state;
@@ -576,6 +619,35 @@ static void test_symmetry_loses_the_excess(void **state) {
     assert_near(r[1].g2, r[0].g2, 1e-3, r[0].g2_err, "g2");
 }
 
+/* Noise alone has a symmetry, too, about any g: it is no shear. */
+static void test_noise_has_no_symmetry(void **state) {
+    (void)state;
+    static const double beta = 2.0;
+    for (uint64_t seed = 1; seed <= 20; seed++) {
+        shear_row rows[N];
+        shear_result r;
+        shear_symmetry *terms = NULL;
+        uint64_t noise = 100 + seed;
+        draw_rows(rows, N, 1.0, seed);
+        assert_int_equal(shear_symmetry_new(&terms, NULL), SHEAR_OK);
+        for (int i = 0; i < N; i++) {
+            rows[i].noise_d = 3.0 + uniform(&noise);
+            rows[i].high_noise = 3.0;
+            rows[i].d = uniform(&noise) - uniform(&noise);
+            rows[i].n1 = uniform(&noise) - uniform(&noise);
+            rows[i].n2 = uniform(&noise) - uniform(&noise);
+            rows[i].high_galaxy = rows[i].high_noise;
+            assert_int_equal(shear_symmetry_add(terms, &rows[i], beta, NULL), SHEAR_OK);
+        }
+        shear_field_sums *f = sums_of(rows, N);
+        assert_int_equal(shear_estimate(SHEAR_ESTIMATOR_PDF_SYM, f, terms, &r, NULL), SHEAR_OK);
+        assert_false(r.valid);
+        assert_int_equal(r.why, SHEAR_NO_SIGNAL);
+        shear_field_sums_free(f);
+        shear_symmetry_free(terms);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_noise_has_its_own_moments),
@@ -586,11 +658,14 @@ int main(void) {
         cmocka_unit_test(test_unknown_level),
         cmocka_unit_test(test_signal_at_the_level),
         cmocka_unit_test(test_signal_and_weights),
+        cmocka_unit_test(test_one_stamp_is_no_field),
+        cmocka_unit_test(test_influence_of_equal_stamps),
         cmocka_unit_test(test_shape),
         cmocka_unit_test(test_why_there_is_no_shear),
         cmocka_unit_test(test_influence),
         cmocka_unit_test(test_old_text),
         cmocka_unit_test(test_symmetry_loses_the_excess),
+        cmocka_unit_test(test_noise_has_no_symmetry),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
