@@ -94,8 +94,8 @@ static int print_row(const struct field *f, const shear_msg_field_result *result
     printf("field %s%s\n", message_clean(result->field, name, sizeof name),
            row->partial ? "  (partial: more is to come)" : "");
     print_jobs(row);
-    shear_text_print(row->report, stdout);
-    if (row->reason) {
+    shear_text_print(row->report, row->reason, stdout);
+    if (!row->report && row->reason) {
         shear_text_line(stdout, "reason", "%s", row->reason);
     }
     if (row->culprit.job) {
@@ -135,8 +135,8 @@ static int run(int argc, char **argv) {
         return code;
     }
     f.params.field.field = argv[optind];
-    if (!f.jobs) {
-        f.params.field.limit = 0;
+    if (!f.jobs && f.service.json) {
+        f.params.field.limit = 0; /* else its files tell in which range PSF radii and cores are */
     }
     code = service_answer(&f.service, SHEAR_METHOD_FIELD, &f.params, &reply);
     if (!code && !f.service.json) {

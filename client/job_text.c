@@ -260,7 +260,7 @@ static void print_outcome(const shear_msg_job *job, FILE *out) {
     if (job->catalogue) {
         shear_text_line(out, "catalogue", "%s", job->catalogue);
     }
-    shear_text_print(job->result, out);
+    shear_text_print(job->result, NULL, out);
 }
 
 static void print_history(const shear_msg_shown *shown, bool utc, FILE *out) {

@@ -2,25 +2,65 @@
 #include "quality_text.h"
 
 #include "shear_text.h"
+#include "sheard/advice.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
+
+static const double EFFECT_MIN = 1e-4;
+
+static const char *place_of(const char *band) {
+    return strcmp(band, "high") == 0      ? ", read off beyond 3/4 of Nyquist"
+           : strcmp(band, "corners") == 0 ? ", read off beyond Nyquist"
+                                          : "";
+}
+
+/* Why nothing was read off. */
+static void print_unchecked(const struct quality *q, FILE *out) {
+    if (q->r_psf_px < 1.0) {
+        shear_text_line(out, "level",
+                        "noise taken as that of the noise stamps: cannot be checked where R_PSF is "
+                        "below 1 px");
+    } else if (strcmp(q->interpolation, "none") != 0) {
+        shear_text_line(out, "level",
+                        "noise taken as that of the noise stamps: cannot be checked where stamps "
+                        "are interpolated");
+    } else {
+        shear_text_line(out, "level", "noise taken as that of the noise stamps, as asked for");
+    }
+}
 
 static void print_level(const struct quality *q, FILE *out) {
-    const double percent = -100.0 * q->noise_effect;
-    char effect[48] = "";
+    char effect[64];
+    char words[96] = "";
     if (!isfinite(q->noise_level)) {
-        if (q->noise_share == 0.0) {
-            return; /* there is none, or it is not taken off */
+        if (q->noise_share != 0.0) { /* there is some, and it is taken off */
+            print_unchecked(q, out);
         }
-        shear_text_line(out, "level", "noise as strong as in the noise stamps (not checked)");
         return;
     }
-    if (fabs(percent) >= 0.01) {
-        snprintf(effect, sizeof effect, ", the sum of w D %+.3g %%", percent);
+    if (!q->symmetric && fabs(q->noise_effect) >= EFFECT_MIN) {
+        snprintf(words, sizeof words, "; without it %s",
+                 shear_advice_without_level(q->noise_effect, effect, sizeof effect));
     }
-    shear_text_line(out, "level", "noise %.5g +- %.2g times the noise stamps'%s", q->noise_level,
-                    q->noise_level_err, effect);
+    shear_text_line(out, "level", "noise %.4f +- %.2g times the noise stamps' variance%s%s",
+                    q->noise_level, q->noise_level_err, place_of(q->noise_band), words);
+}
+
+struct quality quality_text_of(const shear_result *r, const shear_plan_info *plan) {
+    return (struct quality){.noise_band = shear_noise_band_name(plan->noise_band),
+                            .interpolation = shear_interpolation_name(plan->interpolation),
+                            .r_psf_px = plan->r_psf_px,
+                            .symmetric = shear_estimator_is_symmetric(r->estimator),
+                            .noise_level = r->noise_level,
+                            .noise_level_err = r->noise_level_err,
+                            .noise_effect = r->noise_effect,
+                            .noise_share = r->noise_share,
+                            .n_eff = r->n_eff,
+                            .top_share = r->top_share,
+                            .n_used = r->n_used,
+                            .top_stamp = r->top_stamp};
 }
 
 void quality_text_print(const struct quality *q, FILE *out) {
@@ -30,9 +70,10 @@ void quality_text_print(const struct quality *q, FILE *out) {
     print_level(q, out);
     if (q->top_stamp >= 0 && isfinite(q->top_share)) {
         shear_text_line(out, "influence",
-                        "%" PRId64 " stamps count as %.1f equal ones, most of all stamp %" PRId64
-                        " with %.3g %%",
-                        q->n_used, q->n_eff, q->top_stamp, 100.0 * q->top_share);
+                        "%" PRId64 " stamps count as %.1f equal ones; stamp %" PRId64
+                        "%s%s counts most, with %.3g %% of the sum of w D",
+                        q->n_used, q->n_eff, q->top_stamp, q->top_file ? " of " : "",
+                        q->top_file ? q->top_file : "", 100.0 * q->top_share);
     } else {
         shear_text_line(out, "influence", "%" PRId64 " stamps count as %.1f equal ones", q->n_used,
                         q->n_eff);

@@ -2,6 +2,7 @@
 #include "result_table.h"
 
 #include "message.h"
+#include "method_text.h"
 #include "quality_text.h"
 #include "shear_text.h"
 #include "sheard/no_shear.h"
@@ -68,25 +69,6 @@ static char *range(const struct measure_group *g, size_t member, char *buf, size
     return buf;
 }
 
-void result_table_method(const shear_plan_info *plan, const char *r_psf, const char *beta,
-                         FILE *out) {
-    fprintf(out, "  %-10s interpolation %s", "method",
-            shear_interpolation_name(plan->interpolation));
-    if (plan->interpolation != SHEAR_INTERP_NONE) {
-        fprintf(out, " to %d x", plan->oversample);
-    }
-    fprintf(out, ", R_PSF %s, beta %s, filter %s", r_psf, beta, shear_filter_name(plan->filter));
-    if (plan->filter != SHEAR_FILTER_NONE) {
-        if (plan->filter_per_stamp) {
-            fputs(" (core by R_GAL", out);
-        } else {
-            fprintf(out, " (core %.4g px", plan->core_px);
-        }
-        fprintf(out, ", width %.4g px)", plan->width_px);
-    }
-    fputc('\n', out);
-}
-
 static void print_component(const char *name, double g, double error, bool has_truth, double truth,
                             FILE *out) {
     char value[96];
@@ -139,20 +121,6 @@ static void print_estimators(const shear_report_estimators *e, FILE *out) {
     }
 }
 
-static void print_quality(const shear_result *r, FILE *out) {
-    const struct quality q = {.noise_level = r->noise_level,
-                              .noise_level_err = r->noise_level_err,
-                              .noise_effect = r->noise_effect,
-                              .noise_share = r->noise_share,
-                              .n_eff = r->n_eff,
-                              .top_share = r->top_share,
-                              .n_used = r->n_used,
-                              .top_stamp = r->top_stamp};
-    if (r->valid) {
-        quality_text_print(&q, out);
-    }
-}
-
 static size_t count_measured(const struct measure_group *g) {
     size_t n = 0;
     for (size_t i = 0; i < g->n; i++) {
@@ -161,12 +129,24 @@ static size_t count_measured(const struct measure_group *g) {
     return n;
 }
 
-void result_table_print(const struct measure_group *g, FILE *out) {
-    const struct measure_input *first = measure_group_first(g);
-    char name[256];
-    char line[128];
+static void print_method(const struct measure_group *g, const shear_settings *settings, FILE *out) {
     char r_psf[64];
     char beta[64];
+    char core[64];
+    struct method m =
+        method_text_of(&measure_group_first(g)->report.plan, settings,
+                       range(g, offsetof(shear_plan_info, r_psf_px), r_psf, sizeof r_psf),
+                       range(g, offsetof(shear_plan_info, beta_px), beta, sizeof beta),
+                       range(g, offsetof(shear_plan_info, core_px), core, sizeof core));
+    m.artefacts = method_text_artefacts(g->result.flagged);
+    method_text_print(&m, out);
+}
+
+void result_table_print(const struct measure_group *g, const shear_settings *settings, FILE *out) {
+    const struct measure_input *first = measure_group_first(g);
+    const struct measure_input *top = measure_group_top(g);
+    char name[256];
+    char line[128];
     fprintf(out, "field %s\n", message_clean(g->field, name, sizeof name));
     if (count_measured(g) > 1) {
         snprintf(line, sizeof line, "%zu", count_measured(g));
@@ -175,11 +155,11 @@ void result_table_print(const struct measure_group *g, FILE *out) {
         row(out, "file", message_clean(first->path, name, sizeof name));
     }
     print_stamps(&g->result, out);
-    result_table_method(&first->report.plan,
-                        range(g, offsetof(shear_plan_info, r_psf_px), r_psf, sizeof r_psf),
-                        range(g, offsetof(shear_plan_info, beta_px), beta, sizeof beta), out);
-    print_quality(&g->result, out);
+    print_method(g, settings, out);
     if (g->result.valid) {
+        struct quality q = quality_text_of(&g->result, &first->report.plan);
+        q.top_file = count_measured(g) > 1 && top ? top->path : NULL;
+        quality_text_print(&q, out);
         print_shear(g, out);
         print_estimators(&g->estimators, out);
     } else {

@@ -7,14 +7,11 @@
 
 #include <stdio.h>
 
-void result_table_print(const struct measure_group *group, FILE *out);
+void result_table_print(const struct measure_group *group, const shear_settings *settings,
+                        FILE *out);
 
 /* "0.02852 +- 0.00080": the error with two digits, the value with as many decimals. In buf;
  * returned. */
 char *result_table_value(double value, double error, char *buf, size_t size);
-
-/* The line "method": what the settings were resolved to. The radii are given as text ("1.6 px"). */
-void result_table_method(const shear_plan_info *plan, const char *r_psf, const char *beta,
-                         FILE *out);
 
 #endif

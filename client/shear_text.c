@@ -2,6 +2,7 @@
 #include "shear_text.h"
 
 #include "message.h"
+#include "method_text.h"
 #include "quality_text.h"
 #include "result_table.h"
 #include "sheard/no_shear.h"
@@ -46,20 +47,39 @@ static void print_stamps(const shear_report_summary *s, FILE *out) {
                     used ? " (" : "", flags, used ? ")" : "");
 }
 
+/* "2.4 px", or "2.4 to 2.6 px" where files differ. */
+static const char *length(double from, double to, char *buf, size_t size) {
+    if (to > from) {
+        snprintf(buf, size, "%.4g to %.4g px", from, to);
+    } else {
+        snprintf(buf, size, "%.4g px", from);
+    }
+    return buf;
+}
+
 static void print_method(const shear_report_summary *s, FILE *out) {
-    char fine[40] = "";
-    char filter[80] = "";
-    if (!s->interpolation[0]) {
-        return;
+    char r_psf[64];
+    char beta[64];
+    char core[64];
+    const bool crossed = strcmp(s->estimator, "pdf-sym-cross") == 0;
+    const struct method m = {
+        .interpolation = s->interpolation,
+        .filter = s->filter,
+        .oversample = (int)s->oversample,
+        .r_psf = length(s->r_psf_px, s->r_psf_to, r_psf, sizeof r_psf),
+        .beta = length(s->beta_px, s->beta_to, beta, sizeof beta),
+        .core = length(s->core_px, s->core_to, core, sizeof core),
+        .width_px = s->width_px,
+        .core_per_stamp = !isfinite(s->core_px),
+        .core_found = s->core_found,
+        .asked_filter = s->asked_filter,
+        .background_kept = strcmp(s->background, "keep") == 0 && !crossed,
+        .artefacts_kept = strcmp(s->artefacts, "keep") == 0,
+        .artefacts = method_text_artefacts(s->flagged),
+    };
+    if (s->interpolation[0]) {
+        method_text_print(&m, out);
     }
-    if (s->oversample > 1) {
-        snprintf(fine, sizeof fine, " to %" PRId64 " x", s->oversample);
-    }
-    if (isfinite(s->core_px)) {
-        snprintf(filter, sizeof filter, " (core %.4g px, width %.4g px)", s->core_px, s->width_px);
-    }
-    shear_text_line(out, "method", "interpolation %s%s, R_PSF %.4g px, beta %.4g px, filter %s%s",
-                    s->interpolation, fine, s->r_psf_px, s->beta_px, s->filter, filter);
 }
 
 static void print_component(const char *name, double g, double error, double truth, double pull,
@@ -81,26 +101,33 @@ const char *shear_text_method(const char *error_method) {
 }
 
 static void print_quality(const shear_report_summary *s, FILE *out) {
-    const struct quality q = {.noise_level = s->noise_level,
+    const struct quality q = {.noise_band = s->noise_band,
+                              .interpolation = s->interpolation,
+                              .r_psf_px = s->r_psf_px,
+                              .symmetric = strncmp(s->estimator, "pdf-sym", 7) == 0,
+                              .noise_level = s->noise_level,
                               .noise_level_err = s->noise_level_err,
                               .noise_effect = s->noise_effect,
                               .noise_share = s->noise_share,
                               .n_eff = s->n_eff,
                               .top_share = s->top_share,
                               .n_used = s->n_used,
-                              .top_stamp = s->top_stamp};
+                              .top_stamp = s->top_stamp,
+                              .top_file = s->top_file[0] && s->n_files != 1 ? s->top_file : NULL};
     if (isfinite(s->g1)) {
         quality_text_print(&q, out);
     }
 }
 
-static void print_summary(const shear_report_summary *s, FILE *out) {
+static void print_summary(const shear_report_summary *s, const char *reason, FILE *out) {
     print_stamps(s, out);
     print_method(s, out);
     print_quality(s, out);
     print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, out);
     print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, out);
-    if (s->no_shear[0]) {
+    if (reason) {
+        shear_text_line(out, "reason", "%s", reason);
+    } else if (s->no_shear[0]) {
         const char *words = shear_no_shear_words(shear_no_shear_of(s->no_shear));
         shear_text_line(out, "reason", "%s", words ? words : s->no_shear);
     }
@@ -121,7 +148,7 @@ static void print_summary(const shear_report_summary *s, FILE *out) {
     }
 }
 
-void shear_text_print(const char *report, FILE *out) {
+void shear_text_print(const char *report, const char *reason, FILE *out) {
     shear_report_summary summary;
     shear_error err = {0};
     if (!report) {
@@ -131,6 +158,6 @@ void shear_text_print(const char *report, FILE *out) {
         shear_text_line(out, "result", "cannot be shown: %s", err.message);
         return;
     }
-    print_summary(&summary, out);
+    print_summary(&summary, reason, out);
     shear_report_summary_deinit(&summary);
 }

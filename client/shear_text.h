@@ -7,8 +7,9 @@
 #include <stdio.h>
 
 /* The lines "  stamps ...", "  method ...", "  g1 ...", as shearctl measure prints them, of a
- * report. NULL prints nothing. */
-void shear_text_print(const char *report, FILE *out);
+ * report. NULL prints nothing. `reason`: why there is no shear, where more is known of that than
+ * the report tells; or NULL. */
+void shear_text_print(const char *report, const char *reason, FILE *out);
 
 /* "+0.02852 +- 0.00080"; "-" where it was not measured. Returns buf. */
 char *shear_text_value(double value, double error, char *buf, size_t size);

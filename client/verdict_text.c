@@ -2,8 +2,8 @@
 #include "verdict_text.h"
 
 #include "message.h"
+#include "method_text.h"
 #include "quality_text.h"
-#include "result_table.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -80,12 +80,15 @@ static void print_field(const shear_field_info *f, FILE *out) {
     }
 }
 
-static void print_plan(const shear_plan_info *plan, FILE *out) {
+static void print_plan(const shear_plan_info *plan, const shear_settings *settings, FILE *out) {
+    char core[32];
     char r_psf[32];
     char beta[32];
     snprintf(r_psf, sizeof r_psf, "%.4g px", plan->r_psf_px);
     snprintf(beta, sizeof beta, "%.4g px", plan->beta_px);
-    result_table_method(plan, r_psf, beta, out);
+    snprintf(core, sizeof core, "%.4g px", plan->core_px);
+    const struct method m = method_text_of(plan, settings, r_psf, beta, core);
+    method_text_print(&m, out);
     fprintf(out, "  %-10s %d x %d grid, modes below %.4g radians a pixel\n", "spectrum",
             plan->fine_nx, plan->fine_ny, plan->k_cut);
 }
@@ -118,21 +121,6 @@ static void print_weights(const shear_verdict *v, FILE *out) {
     }
 }
 
-static void print_quality(const shear_verdict *v, FILE *out) {
-    const shear_result *r = &v->result;
-    const struct quality q = {.noise_level = r->noise_level,
-                              .noise_level_err = r->noise_level_err,
-                              .noise_effect = r->noise_effect,
-                              .noise_share = r->noise_share,
-                              .n_eff = r->n_eff,
-                              .top_share = r->top_share,
-                              .n_used = r->n_used,
-                              .top_stamp = r->top_stamp};
-    if (v->measured && r->valid) {
-        quality_text_print(&q, out);
-    }
-}
-
 void verdict_text_print(const shear_verdict *v, FILE *out) {
     char clean[1024];
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
@@ -140,7 +128,7 @@ void verdict_text_print(const shear_verdict *v, FILE *out) {
         print_field(v->field, out);
     }
     if (v->plan) {
-        print_plan(v->plan, out);
+        print_plan(v->plan, v->settings, out);
     }
     for (int bit = 0; v->scanned && bit < SHEAR_N_FLAGS; bit++) {
         print_fault(shear_flag_name(bit), shear_flag_help(bit), &v->flags[bit], out);
@@ -151,7 +139,10 @@ void verdict_text_print(const shear_verdict *v, FILE *out) {
         print_fault("negative", "pixels below zero, of which there is no logarithm", &v->negative,
                     out);
     }
-    print_quality(v, out);
+    if (v->measured && v->result.valid && v->plan) {
+        const struct quality q = quality_text_of(&v->result, v->plan);
+        quality_text_print(&q, out);
+    }
     fprintf(out, "  %-10s %s\n", v->good ? "good" : "bad",
             message_clean(v->verdict, clean, sizeof clean));
     for (size_t i = 0; i < v->n_warnings; i++) {

@@ -76,7 +76,9 @@ static void read_plan(shear_plan_info *plan, const json_t *entry, const json_t *
         .r_psf_px = number(o, "r_psf_px"),
         .filter = choice(o, "filter", shear_filter_name, CHOICES),
         .core_px = number(o, "core_px"),
+        .core_found = json_is_true(json_object_get(o, "core_found")),
         .width_px = number(o, "width_px"),
+        .noise_band = choice(o, "noise_band", shear_noise_band_name, CHOICES),
         .k_cut = number(o, "k_cut"),
         .psf = read_psf(json_object_get(entry, "psf")),
     };

@@ -14,7 +14,7 @@ const char *shear_advice_filter(const shear_result *r, const shear_plan_info *pl
                                 size_t size) {
     bool much = r->filter_removed > REMOVED_MAX &&
                 r->filter_removed > REMOVED_SIGMA * r->filter_removed_err;
-    if (plan->filter == SHEAR_FILTER_NONE || !much) {
+    if (plan->filter == SHEAR_FILTER_NONE || plan->core_found || !much) {
         return NULL;
     }
     if (plan->filter_per_stamp) {
@@ -79,12 +79,12 @@ const char *shear_advice_rough_border(const shear_result *r, const shear_plan_in
     return buf;
 }
 
-/* The mean square of the borders' steps, without that of white noise beyond the noise stamps'. */
-static double steps_beyond_noise(const shear_result *r, const shear_plan_info *plan) {
+/* The mean square of the steps beyond that of white noise of the level under the galaxies. */
+static double step2_beyond_noise(const shear_result *r, const shear_plan_info *plan) {
     const bool known = r->noise_level > 0.0;
-    const double sides = 1.0 / plan->geometry.nx + 1.0 / plan->geometry.ny;
-    return r->border_step2 -
-           (known ? (r->noise_level - 1.0) * 2.0 * sides * r->border_noise_var : 0.0);
+    const double of_noise =
+        2.0 * r->border_noise_var * (1.0 / (plan->geometry.nx - 2) + 1.0 / (plan->geometry.ny - 2));
+    return r->border_step2 - (known ? (r->noise_level - 1.0) * of_noise : 0.0);
 }
 
 /* Told where it changes the shear by about 10^-4. */
@@ -97,21 +97,22 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
                                   size_t size) {
     static const char cure[] = "subtract the sky with a plane or a finer mesh";
     const double common = hypot(r->border_step_x, r->border_step_y);
-    const double steps = steps_beyond_noise(r, plan);
-    const double rms = sqrt(fmax(0.0, steps));
+    const double step2 = step2_beyond_noise(r, plan);
+    const double rms = sqrt(fmax(0.0, step2));
     const bool sure = fabs(r->border_step_x) > BORDER_SIGMA * r->border_step_x_err ||
                       fabs(r->border_step_y) > BORDER_SIGMA * r->border_step_y_err;
     if (sure && is_steep(common, r, plan)) {
-        snprintf(buf, size,
-                 "a gradient lies over the stamps, beyond the noise stamps': their borders' right "
-                 "side is brighter than the left one by %.2g +- %.1g a pixel, the top than the "
-                 "bottom by %.2g +- %.1g (over a whole stamp %.0f %% of the mean flux): %s, unless "
-                 "neighbours lie on that side",
-                 r->border_step_x, r->border_step_x_err, r->border_step_y, r->border_step_y_err,
-                 100.0 * common * stamp_area(plan) / r->mean_flux, cure);
+        snprintf(
+            buf, size,
+            "a gradient lies over the stamps, beyond the noise stamps': their borders' right "
+            "side is brighter than the left one by %.2g +- %.1g a pixel, the top than the "
+            "bottom by %.2g +- %.1g (over a whole stamp %.0f %% of the mean flux), which biases "
+            "the shear: %s, unless neighbours lie on that side",
+            r->border_step_x, r->border_step_x_err, r->border_step_y, r->border_step_y_err,
+            100.0 * common * stamp_area(plan) / r->mean_flux, cure);
         return buf;
     }
-    if (steps > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
+    if (step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
         snprintf(buf, size,
                  "gradients lie over the stamps, beyond the noise stamps', in changing directions: "
                  "opposite sides of their borders differ by %.2g a pixel (root mean square; over a "

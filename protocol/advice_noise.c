@@ -14,8 +14,7 @@ static const double SHARE_MIN = 0.5;
 static const double NARROW_PX = 1.0; /* R_PSF: galaxies have power at all wave numbers below */
 static const double NO_DIGITS = 0.1; /* of D that would be left */
 
-/* What a shear would be that is measured with a D which is too large by `effect`. */
-static const char *without(double effect, char *buf, size_t size) {
+const char *shear_advice_without_level(double effect, char *buf, size_t size) {
     if (1.0 + effect < NO_DIGITS) {
         snprintf(buf, size, "there would be no shear");
     } else {
@@ -47,7 +46,7 @@ const char *shear_advice_noise_level(const shear_result *r, const shear_plan_inf
         !(fabs(r->noise_effect) > EFFECT_MIN) || has_other_shape(r)) {
         return NULL;
     }
-    without(r->noise_effect, effect, sizeof effect);
+    shear_advice_without_level(r->noise_effect, effect, sizeof effect);
     if (is_far(r->noise_level)) {
         snprintf(buf, size,
                  "the noise stamps are not of the galaxies' noise: under the galaxies it has %.3g "
@@ -86,7 +85,7 @@ const char *shear_advice_noise_unchecked(const shear_result *r, const shear_plan
     snprintf(buf, size,
              "the level of the noise cannot be checked (%s): were it 1 %% higher under the "
              "galaxies than in the noise stamps, %s",
-             cause, without(0.01 * r->noise_share, effect, sizeof effect));
+             cause, shear_advice_without_level(0.01 * r->noise_share, effect, sizeof effect));
     return buf;
 }
 

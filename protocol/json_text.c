@@ -112,7 +112,10 @@ json_t *json_text_plan(const shear_plan_info *plan) {
     json_text_set(o, "r_psf_px", json_text_number(plan->r_psf_px), &failed);
     json_text_set(o, "filter", json_text_string(shear_filter_name(plan->filter)), &failed);
     json_text_set(o, "core_px", json_text_number(plan->core_px), &failed);
+    json_text_set(o, "core_found", json_boolean(plan->core_found), &failed);
     json_text_set(o, "width_px", json_text_number(plan->width_px), &failed);
+    json_text_set(o, "noise_band", json_text_string(shear_noise_band_name(plan->noise_band)),
+                  &failed);
     json_text_set(o, "k_cut", json_text_number(plan->k_cut), &failed);
     return json_text_whole(o, failed);
 }

@@ -54,6 +54,7 @@ static void read_quality(shear_report_summary *s, const json_t *o) {
     s->noise_share = number(level, "share");
     s->n_eff = number(influence, "n_eff");
     s->top_share = number(influence, "top_share");
+    text_of(influence, "top_file", s->top_file, sizeof s->top_file);
     s->top_stamp = json_is_integer(json_object_get(influence, "top_stamp"))
                        ? count(influence, "top_stamp")
                        : -1;
@@ -67,6 +68,30 @@ static void read_plan(shear_report_summary *s, const json_t *plan) {
     s->r_psf_px = number(plan, "r_psf_px");
     s->core_px = number(plan, "core_px");
     s->width_px = number(plan, "width_px");
+    s->core_found = json_is_true(json_object_get(plan, "core_found"));
+    text_of(plan, "noise_band", s->noise_band, sizeof s->noise_band);
+}
+
+/* The files of a field may differ in what their PSFs and galaxies decide. */
+static void read_range(const json_t *files, const char *key, double *from, double *to) {
+    *to = *from;
+    for (size_t i = 0; i < json_array_size(files); i++) {
+        const double x = number(json_object_get(json_array_get(files, i), "resolved"), key);
+        *from = fmin(*from, x);
+        *to = fmax(*to, x);
+    }
+}
+
+static void read_ranges(shear_report_summary *s, const json_t *files) {
+    read_range(files, "beta_px", &s->beta_px, &s->beta_to);
+    read_range(files, "r_psf_px", &s->r_psf_px, &s->r_psf_to);
+    read_range(files, "core_px", &s->core_px, &s->core_to);
+}
+
+static void read_settings(shear_report_summary *s, const json_t *settings) {
+    text_of(settings, "filter", s->asked_filter, sizeof s->asked_filter);
+    text_of(settings, "background", s->background, sizeof s->background);
+    text_of(settings, "artefacts", s->artefacts, sizeof s->artefacts);
 }
 
 static bool read_warnings(shear_report_summary *s, const json_t *list) {
@@ -109,6 +134,8 @@ int shear_report_summary_parse(shear_report_summary *s, const char *text, shear_
     read_shear(s, o);
     read_quality(s, o);
     read_plan(s, json_object_get(o, "resolved"));
+    read_ranges(s, json_object_get(o, "files"));
+    read_settings(s, json_object_get(o, "settings"));
     const bool good = read_warnings(s, json_object_get(o, "warnings"));
     json_decref(o);
     if (!good) {

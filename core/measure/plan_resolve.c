@@ -138,6 +138,7 @@ static int resolve_filter(const shear_settings *set, shear_plan_info *info,
     const bool edge = info->filter == SHEAR_FILTER_EDGE;
     info->width_px = width_of(set, info->filter, info->beta_px);
     info->core_px = core;
+    info->core_found = found;
     if (edge) {
         info->core_px = filter_edge_core(info->geometry.nx, info->geometry.ny, info->width_px);
         if (!(info->core_px > 0.0)) {

@@ -93,9 +93,9 @@ static char *text_of(const field_reason *r) {
     if (r->n_used < 2) {
         n = asprintf(&text, "%s: %" PRId64 " of %" PRId64, r->brief, r->n_used, r->n_stamps);
     } else if (r->contribution != 0) {
-        n = asprintf(&text, "%s (%.3g): job %" PRId64 "%s%s alone brings %.3g", r->brief, r->sum_d,
-                     r->job, r->file != NULL ? ", " : "", r->file != NULL ? r->file : "",
-                     r->worst_d);
+        n = asprintf(&text, "%s (the sum of w D is %.3g): job %" PRId64 "%s%s alone brings %.3g",
+                     r->brief, r->sum_d, r->job, r->file != NULL ? ", " : "",
+                     r->file != NULL ? r->file : "", r->worst_d);
     } else {
         n = asprintf(&text, "%s", r->brief);
     }

@@ -577,7 +577,7 @@ class One(ServiceTest):
         self.assertIn("kept apart", answer.err)
         self.assertRegex(self.ctl("field", "deep", "--jobs").out, r"(?m)^ +5 +4 +99 +100 +2026-01-31 14:03:06 +c4$")
         self.ctl("field", "deep", "--digest", "d2", "--after", "5", "--limit", "3")
-        self.assertEqual(service.named("field"), [{"field": "deep", "limit": 0}, {"field": "deep"},
+        self.assertEqual(service.named("field"), [{"field": "deep"}, {"field": "deep"},
                                                   {"field": "deep", "digest": "d2", "after": 5, "limit": 3}])
 
     def test_no_such_field(self):

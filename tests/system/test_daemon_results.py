@@ -233,6 +233,26 @@ class ResultsTest(DaemonTest):
                        d.shearctl("field", "s")):
             self.assertIn("swapped?", reason)
 
+    def test_in_the_same_words(self):
+        """show and field say what was done in the lines of measure; a field's as ranges over its files."""
+        d = self.daemon()
+        paths = [mock(d.path("data", f"{r}.fits"), 64, 48, int(r), "--no-r-gal", "--white", "0.3", "--r-gal", r)
+                 for r in ("4", "5")]
+        names = "method", "filter", "background", "artefacts", "level", "influence"
+
+        def lines(text):
+            return [line for line in text.splitlines() if line.strip().split(" ")[0] in names]
+
+        def told(*files):
+            return lines(subprocess.run([SHEARCTL, "measure", "--field", "w", *files], capture_output=True,
+                                        encoding="utf-8", check=True).stdout)
+
+        for k, path in enumerate(paths):
+            job = d.wait_state(d.submit(path, field="w")["id"], "done")
+            self.assertEqual(lines(d.shearctl("show", str(job["id"]))), told(path))
+            self.assertEqual(lines(d.shearctl("field", "w")), told(*paths[:k + 1]))
+        self.assertEqual(len(told(*paths)), len(names))
+
     def test_separate_parts(self):
         d = self.daemon()
         path = mock(d.path("data", "parts.fits"), 48, 32)

@@ -20,8 +20,8 @@ SETTINGS = {"preset": "default", "interpolation": "auto", "oversample": "auto", 
             "filter": "auto", "core": "auto", "width": "auto", "background": "auto", "zeros": "skip", "pedestal": 0.0,
             "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
             "noise-level": "field", "shot-noise": "none", "estimator": "mean", "artefacts": "flag", "bad-value": "none"}
-RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "width_px",
-            "k_cut"]
+RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "core_found", "width_px",
+            "noise_band", "k_cut"]
 
 
 def content_of(path):
@@ -167,6 +167,33 @@ class Report(ToolTest):
         self.assertIn("6 of 6 used", answer.out)
         self.assertIn("interpolation none, R_PSF 1.5", answer.out)
         self.assertIn("stamps/s", answer.out)
+
+    def test_what_was_done(self):
+        """A line each: filter, background, artefacts, noise level, influence; the noise level's with the number of the
+        warning."""
+        def lines(field, *options):
+            out = shearctl("measure", field.write(self.path("a.fits")), *options).out
+            return dict(re.findall(r"(?m)^  (\S+) +(.*)$", out))
+        field = Field(n=128, nx=64, ny=64, sigma=2.0)
+        told = lines(field)
+        self.assertRegex(told["filter"], r"^core [\d.]+ px \(found: it leaves the galaxies whole\), width 3\S* px$")
+        self.assertEqual(told["background"], "the noise stamps' mean is taken off both stamps")
+        self.assertEqual(told["artefacts"], "none found")
+        self.assertRegex(told["level"], r"^noise [01]\.\d+ \+- 0\.0\d+ times the noise stamps' variance, read off beyond 3/4")
+        self.assertRegex(told["influence"], r"^128 stamps count as 1[12]\d\.\d equal ones; stamp \d+ counts most, with ")
+        field.galaxy[3][64 * 20 + 20] = -9999.0
+        told = lines(field, "--core", 20, "--background", "keep", "--noise-level", "none")
+        self.assertEqual(told["filter"].split(",")[0], "core 20 px (given)")
+        self.assertEqual(told["background"], "kept: it ends at the filter's edge")
+        self.assertEqual(told["artefacts"], "1 stamp with a pixel that no sky can make: left out")
+        self.assertEqual(told["level"], "noise taken as that of the noise stamps, as asked for")
+        told = lines(Field(n=20), "--artefacts", "keep")
+        self.assertRegex(told["filter"], r"^none \(no core .* too few stamps tell\)$")
+        self.assertRegex(told["artefacts"], "^not looked for")
+        self.assertEqual(lines(Field(n=20), "--filter", "none")["filter"], "none")
+        field = Field(n=20)
+        field.columns = [("R_GAL", "D", [3.0] * field.n)]
+        self.assertRegex(lines(field)["filter"], r"^core by each stamp's R_GAL, width")
 
     def test_file_name_that_is_not_utf8_and_steers_terminals(self):
         path = Field(n=4).write(self.path("x\x1b[31m\udcff.fits"))  # byte 0xff

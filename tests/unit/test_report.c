@@ -214,6 +214,8 @@ static void accounts_keep_all(void **state) {
     shear_plan_info plan = a_plan();
     plan.filter = SHEAR_FILTER_PAPER;
     plan.filter_per_stamp = true;
+    plan.core_found = true;
+    plan.noise_band = SHEAR_NOISE_BAND_CORNERS;
     plan.geometry.nx = 48;
     plan.geometry.ny = 50;
     plan.psf = (shear_psf_summary){
@@ -229,6 +231,8 @@ static void accounts_keep_all(void **state) {
     assert_int_equal(account.plan.geometry.nx, 48);
     assert_int_equal(account.plan.geometry.ny, 50);
     assert_true(account.plan.filter_per_stamp);
+    assert_true(account.plan.core_found);
+    assert_int_equal(account.plan.noise_band, SHEAR_NOISE_BAND_CORNERS);
     assert_int_equal(account.plan.filter, SHEAR_FILTER_PAPER);
     assert_int_equal(account.plan.interpolation, SHEAR_INTERP_LOG_SPLINE);
     assert_true(isnan(account.plan.core_px));

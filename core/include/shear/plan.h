@@ -49,6 +49,7 @@ typedef struct shear_plan_info {
     int filter;            /* PAPER, EDGE or NONE; an explicit core counts as PAPER */
     bool filter_per_stamp; /* PAPER, and the core follows each stamp's R_GAL */
     double core_px;        /* NaN for none or per stamp */
+    bool core_found;       /* the core is the smallest that leaves the file's own galaxies whole */
     double width_px;       /* NaN for none */
     int noise_band;        /* where the noise level is read off: enum shear_noise_band */
     double k_cut; /* modes at |k| >= k_cut are left out; for a plan without PSF, the grid's limit */

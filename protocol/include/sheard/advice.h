@@ -12,7 +12,8 @@
 #include <stddef.h>
 
 /* The filter takes more than 1 % off the stacked flux (and more than 3 errors): the shear is
- * biased. */
+ * biased. Not of a core that was found: it was chosen by what it does to the shear, and wings far
+ * out may hold a percent of the flux and nothing of the moments. */
 const char *shear_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
                                 size_t size);
 
@@ -35,6 +36,10 @@ const char *shear_advice_rough_border(const shear_result *r, const shear_plan_in
  * stamp, 30 % of the mean flux without a filter, all of it with one. */
 const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *plan, char *buf,
                                   size_t size);
+
+/* "the shear would be 0.77 % too large": were it measured with a D that is too large by the part
+ * `effect` (shear_result.noise_effect). Returns buf. */
+const char *shear_advice_without_level(double effect, char *buf, size_t size);
 
 /* The noise under the galaxies is not as strong as in the noise stamps: by more than 1 % and 4
  * errors, and the shear would change by more than 0.2 % without the noise level. Said otherwise

@@ -22,11 +22,16 @@ typedef struct shear_report_summary {
     double noise_level, noise_level_err, noise_effect, noise_share;
     double n_eff, top_share;
     int64_t top_stamp; /* -1: none, or not known */
+    char top_file[256];
     int64_t n_files;
     char interpolation[24], filter[24]; /* as resolved */
+    char noise_band[16];
     int64_t oversample;
     double beta_px, r_psf_px, core_px, width_px;
-    char **warnings; /* [n_warnings], owned */
+    double beta_to, r_psf_to, core_to; /* largest of the files; at least those above */
+    bool core_found;
+    char asked_filter[24], background[16], artefacts[16]; /* settings */
+    char **warnings;                                      /* [n_warnings], owned */
     int64_t n_warnings;
     double seconds;
 } shear_report_summary;
