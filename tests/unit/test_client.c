@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char text[400];
+static char text[SHEAR_ADVICE_SIZE];
 
 static const char *filter_advice(double removed, double error, int filter) {
     shear_result r = {.filter_removed = removed, .filter_removed_err = error};
@@ -27,6 +27,11 @@ static void filter_warns_above_one_percent_and_three_errors(void **state) {
     assert_null(filter_advice(0.011, 0.004, SHEAR_FILTER_EDGE));
     assert_null(filter_advice(0.5, 0.0, SHEAR_FILTER_NONE));
     assert_null(filter_advice(NAN, NAN, SHEAR_FILTER_EDGE));
+    const shear_result r = {.filter_removed = 0.03, .filter_removed_err = 0.001};
+    shear_plan_info plan = {.filter = SHEAR_FILTER_PAPER, .core_px = 20.0};
+    assert_non_null(shear_advice_filter(&r, &plan, text, sizeof text));
+    plan.core_found = true; /* it is known what that core does to the shear */
+    assert_null(shear_advice_filter(&r, &plan, text, sizeof text));
 }
 
 /* 10 x 10 px and a mean flux of 100: 2 % of the flux is 0.02 a pixel. */
@@ -73,6 +78,25 @@ static void rough_border_warns(void **state) {
     assert_null(rough_advice(0.04, 0.001, 1.0, SHEAR_FILTER_NONE));
     assert_null(rough_advice(-0.5, 0.0, 1.0, SHEAR_FILTER_NONE));
     assert_null(rough_advice(0.06, 0.01, 1.0, SHEAR_FILTER_EDGE));
+}
+
+/* Steps of noise that is stronger under the galaxies are none: of 10 x 10 px a side has 8 pixels,
+ * and the square of both steps is 2 (1/8 + 1/8) of the variance. */
+static void steps_of_stronger_noise_are_no_gradients(void **state) {
+    (void)state;
+    const shear_plan_info plan = small_plan(SHEAR_FILTER_NONE);
+    shear_result r = {.border_step2 = 1.5 * 0.5,
+                      .border_step2_err = 0.01,
+                      .border_noise_var = 1.0,
+                      .noise_level = 2.5,
+                      .mean_flux = 100.0};
+    assert_null(shear_advice_gradient(&r, &plan, text, sizeof text));
+    r.border_step2 += 0.25;
+    assert_non_null(shear_advice_gradient(&r, &plan, text, sizeof text));
+    assert_non_null(strstr(text, "differ by 0.5 a pixel"));
+    r.border_step2 = 0.75;
+    r.noise_level = NAN;
+    assert_non_null(shear_advice_gradient(&r, &plan, text, sizeof text));
 }
 
 /* Nothing where nothing is known; a line a flaw, with counts where there are several PSFs, and room
@@ -205,6 +229,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(filter_warns_above_one_percent_and_three_errors),
         cmocka_unit_test(bright_border_warns),
+        cmocka_unit_test(steps_of_stronger_noise_are_no_gradients),
         cmocka_unit_test(rough_border_warns),
         cmocka_unit_test(psf_warns),
         cmocka_unit_test(every_setting_is_an_option),
