@@ -12,7 +12,7 @@ WELCOME = {"protocol": 1, "oldest": 1, "newest": 1, "server": "sheard 0.1.0", "u
 REPORT = {"field": "deep", "g1": 0.0285, "g1_err": 0.0008, "g2": -0.0301, "g2_err": 0.0009, "cov12": 1e-8,
           "n_stamps": 1000, "n_used": 990, "n_flagged": 10, "flags": {"galaxy_not_finite": 10}, "settings": {},
           "resolved": {"interpolation": "none", "oversample": 1, "beta_px": 2.4, "r_psf_px": 1.6, "filter": "paper",
-                       "core_px": 15.5, "width_px": 2.4, "k_cut": 2.0},
+                       "core_px": 15.5, "core_found": True, "width_px": 2.4, "noise_band": "high", "k_cut": 2.0},
           "files": [], "estimator": "mean", "error_method": "delta", "jackknife": None, "truth": None, "pull": None,
           "delta_err": None, "no_shear": None,
           "noise_level": {"alpha": 1.002, "alpha_err": 0.003, "effect": 0.0004, "shape": 0.01, "shape_err": 0.02,
