@@ -112,6 +112,9 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
             100.0 * common * stamp_area(plan) / r->mean_flux, cure);
         return buf;
     }
+    if (shear_advice_noise_shape(r, plan, buf, size) != NULL) {
+        return NULL; /* white noise is no measure of the steps of correlated noise */
+    }
     if (step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
         snprintf(buf, size,
                  "gradients lie over the stamps, beyond the noise stamps', in changing directions: "

@@ -97,6 +97,11 @@ static void steps_of_stronger_noise_are_no_gradients(void **state) {
     r.border_step2 = 0.75;
     r.noise_level = NAN;
     assert_non_null(shear_advice_gradient(&r, &plan, text, sizeof text));
+    r.valid = true; /* another spectrum makes other steps */
+    r.noise_shape = -0.5;
+    r.noise_shape_err = 0.01;
+    r.noise_share = 1.0;
+    assert_null(shear_advice_gradient(&r, &plan, text, sizeof text));
 }
 
 /* Nothing where nothing is known; a line a flaw, with counts where there are several PSFs, and room
