@@ -128,6 +128,7 @@ static void fill_influence(shear_result *out, const rounded *r, shear_influence 
     d.c[SHEAR_C_NOISE_D] = 1.0 - r->at_level.level;
     out->n_eff = out->sum_d * out->sum_d / product_of(r, &d, &d);
     /* `top` is what a stamp has of D as it is: of noise of another level, most is the noise's */
+    out->top_size = top.size;
     out->top_share = top.size / fmax(fabs(out->sum_d), fabs(r->t[SHEAR_S_COMPONENT + SHEAR_C_D]));
     out->top_stamp = top.size > 0.0 ? top.stamp : -1;
 }

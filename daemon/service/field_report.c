@@ -92,7 +92,7 @@ static char *find_top_file(service *s, const store_field *f, const shear_result 
     const int code =
         store_field_top(s->store, f->name, f->settings_digest, &top, &account_text, &ignored);
     const bool is_it = code == SHEAR_OK && top.stamp == r->top_stamp &&
-                       top.size / fabs(r->sum_d) == r->top_share; /* not of a job that runs */
+                       top.size == r->top_size; /* not of a job that runs */
     if (is_it && account_text != NULL &&
         shear_account_parse(&account, account_text, &ignored) == SHEAR_OK) {
         path = account.file.path != NULL ? strdup(account.file.path) : NULL;

@@ -153,6 +153,7 @@ typedef struct shear_result {
     double signal; /* sum_d over what noise alone scatters it by; INFINITY without noise */
     /* Influence. */
     double n_eff;      /* (sum w D)^2 / sum (w D)^2 */
+    double top_size;   /* shear_influence.size of that stamp; 0: there is none */
     double top_share;  /* of the stamp that counts most in |sum w D|; NaN: not known */
     int64_t top_stamp; /* its number in its file, -1: none */
     /* The noise level. */
