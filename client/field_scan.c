@@ -3,6 +3,8 @@
 
 #include "weight_check.h"
 
+#include "shear/symmetry.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -220,6 +222,16 @@ static void scan_deinit(struct scan *s) {
     shear_field_sums_free(s->sums);
 }
 
+/* The mean's result is told for the estimator that is asked for. */
+static void tell_for(shear_result *r, int estimator) {
+    r->estimator = estimator;
+    if (shear_estimator_is_symmetric(estimator) && r->valid && r->n_used < SHEAR_SYMMETRY_FEWEST) {
+        r->valid = false;
+        r->why = SHEAR_NO_SYMMETRY;
+        r->g1 = r->g2 = r->g1_err = r->g2_err = r->cov12 = NAN;
+    }
+}
+
 int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
                shear_verdict *v, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
@@ -241,8 +253,7 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
     if (v->measured) {
         shear_field_sums_add(s.sums, &s.under_way);
         shear_field_result(s.sums, &v->result);
-        v->result.estimator =
-            shear_plan_get_settings(plan)->estimator; /* what it is to be told for */
+        tell_for(&v->result, shear_plan_get_settings(plan)->estimator);
     }
     scan_deinit(&s);
     return code;

@@ -8,6 +8,7 @@ static const double REMOVED_MAX = 0.01, REMOVED_SIGMA = 3.0;
 /* The step of a gradient across a stamp, as a part of the mean flux, from which its effect on the
  * shear is 10^-4: c = 1.6 10^-3 of its square without a filter, a twentieth of that with one. */
 static const double STEP_OPEN = 0.3, STEP_FILTERED = 1.0;
+enum { FEWEST = 10 }; /* stamps whose scatter is an error */
 static const double BORDER_SIGMA = 4.0, BORDER_FLUX = 0.02, ROUGH_MAX = 0.05;
 
 const char *shear_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
@@ -99,6 +100,9 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
     const double common = hypot(r->border_step_x, r->border_step_y);
     const double step2 = step2_beyond_noise(r, plan);
     const double rms = sqrt(fmax(0.0, step2));
+    if (r->n_used < FEWEST) {
+        return NULL;
+    }
     const bool sure = fabs(r->border_step_x) > BORDER_SIGMA * r->border_step_x_err ||
                       fabs(r->border_step_y) > BORDER_SIGMA * r->border_step_y_err;
     if (sure && is_steep(common, r, plan)) {

@@ -9,6 +9,7 @@
 static const double LEVEL_MIN = 0.01, LEVEL_SIGMA = 4.0, EFFECT_MIN = 2e-3;
 static const double LEVEL_FAR = 2.0; /* or its inverse */
 static const double SHAPE_MIN = 0.03, SHAPE_SIGMA = 5.0;
+static const double FEWEST = 10.0;     /* stamps whose scatter is an error */
 static const double SCATTER_MAX = 0.5; /* a stamp's own error is a few percent */
 static const double SHARE_MIN = 0.5;
 static const double NARROW_PX = 1.0; /* R_PSF: galaxies have power at all wave numbers below */
@@ -32,8 +33,8 @@ static bool is_far(double level) {
 /* The two noises' spectra differ, and it matters. */
 static bool has_other_shape(const shear_result *r) {
     const double shape = fabs(r->noise_shape);
-    return r->valid && shape > SHAPE_MIN && shape > SHAPE_SIGMA * r->noise_shape_err &&
-           shape * fabs(r->noise_share) > EFFECT_MIN;
+    return r->valid && !(r->n_eff < FEWEST) && shape > SHAPE_MIN &&
+           shape > SHAPE_SIGMA * r->noise_shape_err && shape * fabs(r->noise_share) > EFFECT_MIN;
 }
 
 const char *shear_advice_noise_level(const shear_result *r, const shear_plan_info *plan, char *buf,

@@ -220,7 +220,7 @@ static int no_shear(const shear_result *out, const rounded *r) {
     if (out->signal <= -least_signal) {
         return r->t[SHEAR_S_POWER] < 0.0 ? SHEAR_SWAPPED : SHEAR_TOO_NARROW;
     }
-    const bool only_one = fabs(out->n_eff - 1.0) < rounding; /* has a weight: what error? */
+    const bool only_one = fabs(out->n_eff - 1.0) < 1e-6; /* counts: what error? */
     return out->signal >= least_signal && !only_one ? SHEAR_HAS_SHEAR : SHEAR_NO_SIGNAL;
 }
 

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 
 enum {
-    PER_BIN = 16,   /* stamps a bin at least, both sides */
+    PER_BIN = SHEAR_SYMMETRY_FEWEST,
     MAX_STEPS = 60, /* to a root */
     MAX_ROUNDS = 20 /* of alternation */
 };

@@ -155,12 +155,12 @@ class Validate(ToolTest):
         self.assertEqual(verdict["advice"], "")
 
     def test_background(self):
-        field = Field(n=6, sigma=2.0)
+        field = Field(n=16, sigma=2.0)
         path = field.write(self.path("a.fits"))
         verdict = self.validate(path, "--core", 10)
         noise = verdict["noise"]
         self.assertLess(abs(noise["mean"]), 5 * noise["mean_err"])
-        self.assertLess(abs(noise["mean_err"] * math.sqrt(6 * 48 * 48) / 2 - 1), 0.9)
+        self.assertLess(abs(noise["mean_err"] * math.sqrt(16 * 48 * 48) / 2 - 1), 0.9)
         self.assertLess(abs(noise["rms"] / 2 - 1), 0.05)
         self.assertEqual(verdict["advice"], "")
         for stamps in (field.galaxy, field.noise):
@@ -254,6 +254,13 @@ class Validate(ToolTest):
                 self.assertIn(words, warning)
                 self.assertEqual(self.measure_one(self.path("a.fits"))["warnings"], [warning])
         self.assertIn("stronger", shearctl("validate", self.noisy(7.0, 6.0).write(self.path("a.fits"))).out)
+
+    def test_too_few_for_the_estimator(self):
+        field = Field(n=12, nx=32, ny=32, size=2.0, sigma=1.0)
+        self.assertTrue(self.validate(field.write(self.path("a.fits")))["good"])
+        verdict = self.spoilt(field, "--estimator", "pdf-sym")
+        self.assertEqual(verdict["no_shear"], "no_symmetry")
+        self.assertIn("12 usable stamps", verdict["verdict"])
 
     def test_the_noise_s_spectrum(self):
         field = self.noisy(6.0, 0.0)

@@ -221,6 +221,24 @@ static void noise_is_no_gradient(void **state) {
     assert_non_null(shear_advice_gradient(&r, &small, text, sizeof text));
 }
 
+/* A few stamps do not tell how much they scatter. */
+static void few_stamps_tell_no_gradient_and_no_shape(void **state) {
+    (void)state;
+    shear_plan_info small = plan;
+    small.geometry.nx = small.geometry.ny = 32;
+    for (int n = 9; n <= 10; n++) {
+        shear_result r = sound();
+        r.n_used = n;
+        r.n_eff = n;
+        r.mean_flux = 10.0;
+        r.border_step_x = 1.0;
+        r.border_step_x_err = 0.01;
+        r.noise_shape = -0.1;
+        assert_int_equal(shear_advice_gradient(&r, &small, text, sizeof text) != NULL, n == 10);
+        assert_int_equal(shear_advice_noise_shape(&r, &small, text, sizeof text) != NULL, n == 10);
+    }
+}
+
 static void reasons_have_names(void **state) {
     static const char *const names[] = {NULL,          "too_few_stamps", "no_weight",
                                         "same_stamps", "no_signal",      "swapped",
@@ -282,6 +300,7 @@ int main(void) {
         cmocka_unit_test(errors_that_disagree),
         cmocka_unit_test(all_of_a_sound_result),
         cmocka_unit_test(noise_is_no_gradient),
+        cmocka_unit_test(few_stamps_tell_no_gradient_and_no_shape),
         cmocka_unit_test(reasons_have_names),
         cmocka_unit_test(reasons_in_words),
     };

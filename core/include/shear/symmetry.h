@@ -39,6 +39,7 @@
 enum {
     SHEAR_SYMMETRY_BINS = 10, /* on each side, where none are asked for */
     SHEAR_SYMMETRY_MAX_BINS = 1000,
+    SHEAR_SYMMETRY_FEWEST = 16,       /* stamps; a bin of both sides has as many at least */
     SHEAR_SYMMETRY_WEIGHTS = 1 << 15, /* steps of a weight */
     SHEAR_SYMMETRY_BYTES = 56         /* a stamp, in shear_symmetry_bytes */
 };
@@ -70,8 +71,9 @@ int shear_symmetry_add_bytes(shear_symmetry *s, const unsigned char *bytes, size
 /* Overwrite shear, errors, covariance, valid, jackknife (0) and estimator (pdf-sym) of *out,
  * which shear_field_result has filled in. `bins` on each side, 0 = SHEAR_SYMMETRY_BINS. The
  * covariance is that of the two parabolas' slopes, summed over stamps. There are fewer bins where a
- * bin would have less than 16 stamps. With fewer than 16 stamps, or without a minimum, `valid` is
- * false and the shear NaN. Errors: SHEAR_E_NOMEM; SHEAR_E_SETTING for too many bins. */
+ * bin would have less than 16 stamps. With fewer than SHEAR_SYMMETRY_FEWEST stamps, or without a
+ * minimum, `valid` is false and the shear NaN. Errors: SHEAR_E_NOMEM; SHEAR_E_SETTING for too many
+ * bins. */
 int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, shear_error *err);
 
 /* A field's result by the estimator that is asked for (enum shear_estimator): shear_field_result
