@@ -85,7 +85,8 @@ static void rough_border_warns(void **state) {
 static void steps_of_stronger_noise_are_no_gradients(void **state) {
     (void)state;
     const shear_plan_info plan = small_plan(SHEAR_FILTER_NONE);
-    shear_result r = {.border_step2 = 1.5 * 0.5,
+    shear_result r = {.n_used = 100,
+                      .border_step2 = 1.5 * 0.5,
                       .border_step2_err = 0.01,
                       .border_noise_var = 1.0,
                       .noise_level = 2.5,
