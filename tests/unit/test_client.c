@@ -86,6 +86,7 @@ static void steps_of_stronger_noise_are_no_gradients(void **state) {
     (void)state;
     const shear_plan_info plan = small_plan(SHEAR_FILTER_NONE);
     shear_result r = {.n_used = 100,
+                      .n_eff = 100.0,
                       .border_step2 = 1.5 * 0.5,
                       .border_step2_err = 0.01,
                       .border_noise_var = 1.0,
