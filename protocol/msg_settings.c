@@ -75,6 +75,31 @@ int shear_settings_apply(shear_settings *s, const char *text, shear_error *err) 
     return shear_settings_check(s, err);
 }
 
+/* What 0.1 called auto. */
+static int read_old(shear_settings *s, const char *text, shear_error *err) {
+    shear_settings_init(s);
+    int code = shear_settings_set(s, "preset", "zhang2010", err);
+    if (code == SHEAR_OK) {
+        code = shear_settings_apply(s, text, err);
+    }
+    if (code == SHEAR_OK && s->interpolation == SHEAR_INTERP_AUTO) {
+        code = shear_settings_set(s, "interpolation", "paper", err);
+    }
+    if (code == SHEAR_OK && s->filter == SHEAR_FILTER_AUTO) {
+        code = shear_settings_set(s, "filter", "r-gal", err);
+    }
+    return code;
+}
+
+int shear_settings_read(shear_settings *s, const char *text, shear_error *err) {
+    static const char first[] = "preset=";
+    if (strncmp(text, first, sizeof first - 1) != 0) {
+        return read_old(s, text, err);
+    }
+    shear_settings_init(s);
+    return shear_settings_apply(s, text, err);
+}
+
 int shear_settings_digest(const shear_settings *s, shear_digest *hash, char *hex, size_t size,
                           shear_error *err) {
     char text[SHEAR_MSG_SETTINGS_SIZE];

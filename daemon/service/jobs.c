@@ -51,8 +51,7 @@ static int active_new(active_job **out, const store_job *job, ending_reason *rea
                       .started_ms = steady_ms(),
                       .field = job->field != NULL ? strdup(job->field) : NULL,
                       .digest = strdup(job->settings_digest)};
-    shear_settings_init(&j->settings);
-    const int code = shear_settings_apply(&j->settings, job->settings, err);
+    const int code = shear_settings_read(&j->settings, job->settings, err);
     if (code != SHEAR_OK) { /* they were good when they were stored */
         *reason = ending_reason_of(&(shear_error){.code = SHEAR_E_INTERNAL});
         active_free(j);

@@ -204,12 +204,11 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
     int64_t jobs = 0;
     int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
     size_t n = 0;
-    shear_settings_init(&settings);
     if (running == NULL) {
         shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
         return SHEAR_E_NOMEM;
     }
-    int code = shear_settings_apply(&settings, f->settings, err);
+    int code = shear_settings_read(&settings, f->settings, err);
     if (code == SHEAR_OK) {
         code = sums_now(s, f, !shear_estimator_is_symmetric(settings.estimator), &sums, running,
                         SHEAR_MSG_LIST_MAX, &n, err);
@@ -256,8 +255,7 @@ void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
                       .g2 = NAN,
                       .g1_err = NAN,
                       .g2_err = NAN};
-    shear_settings_init(&settings);
-    if (f->sums != NULL && shear_settings_apply(&settings, f->settings, NULL) == SHEAR_OK &&
+    if (f->sums != NULL && shear_settings_read(&settings, f->settings, NULL) == SHEAR_OK &&
         shear_field_sums_parse(&sums, f->sums, NULL) == SHEAR_OK &&
         result_of(s, f, &settings, sums, &r, &jobs, NULL) != SHEAR_OK) {
         r.g1 = r.g2 = r.g1_err = r.g2_err = NAN;

@@ -269,9 +269,8 @@ static void solved(uv_work_t *work, int status) {
 
 static int estimator_of(const store_field *f) {
     shear_settings settings;
-    shear_settings_init(&settings);
-    return shear_settings_apply(&settings, f->settings, NULL) == SHEAR_OK ? settings.estimator
-                                                                          : SHEAR_ESTIMATOR_MEAN;
+    return shear_settings_read(&settings, f->settings, NULL) == SHEAR_OK ? settings.estimator
+                                                                         : SHEAR_ESTIMATOR_MEAN;
 }
 
 /* *out: what is in the queue, or being solved, for it; NULL: its result is at hand. One that is

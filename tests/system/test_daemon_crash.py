@@ -137,7 +137,7 @@ class Checkpoint(DaemonTest):
         with contextlib.closing(sqlite3.connect(os.path.join(copy, "sheard.db"))) as base:
             try:
                 rows = base.execute("select next_block from checkpoints").fetchall()
-                self.terms = base.execute("select sum(length(bytes)) / 48 from checkpoint_terms"
+                self.terms = base.execute("select sum(length(bytes)) / 56 from checkpoint_terms"
                                           ).fetchone()[0]
             except sqlite3.DatabaseError:  # copied while it was written
                 return []

@@ -423,6 +423,38 @@ static void test_whole_settings(void **state) {
     assert_int_equal(shear_settings_write(&s, again, 0, &err), SHEAR_E_SETTING);
 }
 
+/* Settings as 0.1 wrote them: they say nothing of what came later, and their `auto` is not today's.
+ */
+static void test_settings_of_0_1(void **state) {
+    (void)state;
+    static const char old[] =
+        "interpolation=auto\noversample=auto\nbeta=auto\nbeta-ratio=1.5\nfilter=auto\ncore=auto\n"
+        "width=auto\nbackground=keep\nzeros=skip\npedestal=0\npsf-threshold=1e-08\n"
+        "power-tolerance=0.001\nnoise-correction=true\nshot-noise=none\nestimator=mean\n";
+    shear_settings paper;
+    shear_settings s;
+    shear_error err = {0};
+    char a[SHEAR_MSG_SETTINGS_SIZE];
+    char b[SHEAR_MSG_SETTINGS_SIZE];
+    shear_settings_init(&paper);
+    assert_int_equal(shear_settings_set(&paper, "preset", "zhang2010", &err), SHEAR_OK);
+    assert_int_equal(shear_settings_write(&paper, a, sizeof a, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_read(&s, old, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_write(&s, b, sizeof b, &err), SHEAR_OK);
+    assert_string_equal(a, b);
+    assert_int_equal(shear_settings_read(
+                         &s, "interpolation=spline\nbeta-ratio=1.7\nfilter=auto\ncore=7\n", &err),
+                     SHEAR_OK);
+    assert_true(s.interpolation == SHEAR_INTERP_SPLINE && s.beta_ratio == 1.7 && s.core_px == 7.0);
+    assert_true(s.noise_level == SHEAR_NOISE_LEVEL_NONE && s.filter == SHEAR_FILTER_R_GAL);
+    shear_settings_init(&paper); /* today's read back as they are */
+    assert_int_equal(shear_settings_write(&paper, a, sizeof a, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_read(&s, a, &err), SHEAR_OK);
+    assert_int_equal(shear_settings_write(&s, b, sizeof b, &err), SHEAR_OK);
+    assert_string_equal(a, b);
+    assert_int_equal(shear_settings_read(&s, "beta=x\n", &err), SHEAR_E_SETTING);
+}
+
 static void test_bad_settings_text(void **state) {
     (void)state;
     static const char *const bad[] = {"beta\n", "beta=x\n",       "no-such=1\n",           "=1\n",
@@ -679,6 +711,7 @@ int main(void) {
         cmocka_unit_test(test_bad_raw),
         cmocka_unit_test(test_settings_have_one_text),
         cmocka_unit_test(test_whole_settings),
+        cmocka_unit_test(test_settings_of_0_1),
         cmocka_unit_test(test_bad_settings_text),
         cmocka_unit_test(test_every_setting),
         cmocka_unit_test(test_times),

@@ -528,6 +528,10 @@ int shear_settings_write(const shear_settings *s, char *buf, size_t size, shear_
 /* Set in *s what `text` gives (lines NAME=VALUE, in any order; NULL: nothing), then check the
  * whole. SHEAR_E_SETTING. */
 int shear_settings_apply(shear_settings *s, const char *text, shear_error *err);
+/* The whole of *s from what shear_settings_write wrote, also in an earlier version: settings of 0.1
+ * (without a preset) are the paper's where they say nothing, and their `auto` means what it did.
+ * SHEAR_E_SETTING. */
+int shear_settings_read(shear_settings *s, const char *text, shear_error *err);
 /* The digest of the whole of *s: `hash` of its canonical text. */
 typedef void shear_digest(const void *bytes, size_t n, char *hex, size_t size);
 int shear_settings_digest(const shear_settings *s, shear_digest *hash, char *hex, size_t size,
