@@ -114,6 +114,7 @@ class Estimates(DaemonTest):
         daemon = self.daemon({"limits.memory": "8G", "plans.max_count": "none", "daemon.max_active_jobs": 1})
         for side, settings in self.SHAPES:
             path = mock(os.path.join(daemon.data, f"s{side}.fits"), 4, side, 1, "--psf-size", 33)
+            until(lambda: daemon.call("status")["memory"]["used"] == daemon.call("status")["plans"]["bytes"], "the job before gave its memory back")
             before, most, said = memory(daemon.process), 0, 0
             job = daemon.submit(path, field="x", force=True, settings={**settings, "beta": 2.5})["id"]
             with daemon.client() as client:
