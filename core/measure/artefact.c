@@ -140,14 +140,16 @@ SHEAR_SIMD static double stand_out(const double *strip, size_t nx, size_t ny, do
 }
 
 /* The same of columns [x0, x0 + FFT_LANES) of the first and the last row, along them. */
-static double stand_out_at_ends(const artefact_pair *pair, int x0, double r) {
+static double stand_out_at_ends(const artefact_pair *pair, int x0, double r, double bright) {
     const double sky = pair->ph->noise_mean;
     double most = -INFINITY;
     for (int y = 0; y < pair->ny; y += pair->ny - 1) {
         const double *row = pair->galaxy + (size_t)y * (size_t)pair->nx;
         for (int x = x0 > 0 ? x0 : 1; x < x0 + FFT_LANES && x < pair->nx - 1; x++) {
-            const double m = fmax(0.0, 0.5 * (row[x - 1] + row[x + 1]) - sky);
-            most = fmax(most, (1.0 - part_of_pixel) * (row[x] - sky) - r * m);
+            if (row[x] > bright) {
+                const double m = fmax(0.0, 0.5 * (row[x - 1] + row[x + 1]) - sky);
+                most = fmax(most, (1.0 - part_of_pixel) * (row[x] - sky) - r * m);
+            }
         }
     }
     return most;
@@ -175,7 +177,7 @@ bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
             const int x0 = strip_start(pair, i);
             suspected = stand_out(pair->galaxy + x0, (size_t)pair->nx, (size_t)pair->ny, s->ratio,
                                   sky, sky + bright) > bright ||
-                        stand_out_at_ends(pair, x0, s->ratio) > bright;
+                        stand_out_at_ends(pair, x0, s->ratio, sky + bright) > bright;
         }
     }
     return suspected;

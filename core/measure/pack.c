@@ -10,11 +10,13 @@
 
 enum { BLOCK = FFT_LANES * FFT_LANES };
 
+enum filtering { PLAIN, FILTERED, LEVELLED }; /* LEVELLED: what is above the sums' origins */
+
 /* Rows [y0, y1) of a strip of the pair, as pixels are: summed up for the photometry, times the
  * filter, side by side. One loop for all of it: with a side that is a power of two the rows of a
  * strip share so few sets of the first cache that they are gone when they are asked for again. */
-static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter, bool filtered,
-                                   double level, double noise_mean, size_t x0, size_t y0, size_t y1,
+static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter,
+                                   enum filtering filtering, size_t x0, size_t y0, size_t y1,
                                    fft_lanes out) {
     const size_t step = (size_t)sums->nx;
     const double *galaxy = sums->galaxy + x0;
@@ -23,26 +25,30 @@ static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter, 
     for (size_t y = y0; y < y1; y++) {
 #pragma omp simd
         for (size_t l = 0; l < FFT_LANES; l++) {
-            const double f = filtered ? filter[x0 + y * step + l] : 1.0;
+            const double f = filtering != PLAIN ? filter[x0 + y * step + l] : 1.0;
             const double g = galaxy[y * step + l];
             const double n = noise[y * step + l];
             photometry_pixel(&s, l, g, n);
-            out.re[y * FFT_LANES + l] = filtered ? f * (g - level) : g;
-            out.im[y * FFT_LANES + l] = filtered ? f * (n - noise_mean) : n;
+            out.re[y * FFT_LANES + l] = f * (filtering == LEVELLED ? g - s.galaxy_origin : g);
+            out.im[y * FFT_LANES + l] = f * (filtering == LEVELLED ? n - s.noise_origin : n);
         }
     }
     *sums = s;
 }
 
-SHEAR_SIMD static void pack_filtered(photometry_sums *sums, const double *filter, double level,
-                                     double noise_mean, size_t x0, size_t y0, size_t y1,
-                                     fft_lanes out) {
-    pack_rows(sums, filter, true, level, noise_mean, x0, y0, y1, out);
+SHEAR_SIMD static void pack_levelled(photometry_sums *sums, const double *filter, size_t x0,
+                                     size_t y0, size_t y1, fft_lanes out) {
+    pack_rows(sums, filter, LEVELLED, x0, y0, y1, out);
+}
+
+SHEAR_SIMD static void pack_filtered(photometry_sums *sums, const double *filter, size_t x0,
+                                     size_t y0, size_t y1, fft_lanes out) {
+    pack_rows(sums, filter, FILTERED, x0, y0, y1, out);
 }
 
 SHEAR_SIMD static void pack_plain(photometry_sums *sums, size_t x0, size_t y0, size_t y1,
                                   fft_lanes out) {
-    pack_rows(sums, NULL, false, 0.0, 0.0, x0, y0, y1, out);
+    pack_rows(sums, NULL, PLAIN, x0, y0, y1, out);
 }
 
 SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level, double noise_mean,
@@ -75,22 +81,31 @@ static strip strip_at(const shear_plan *plan, const filter_map *filter, int i) {
                    .y1 = filter != NULL ? filter->strip_y1[i] : plan->info.fine_ny};
 }
 
-/* From pixels, with their photometry. */
-static void pack_strip(shear_workspace *ws, photometry_sums *sums, const filter_map *filter,
-                       const strip *st) {
+static void pack_columns(photometry_sums *sums, const filter_map *filter, bool levelled,
+                         const strip *st, fft_lanes out) {
+    const size_t x0 = (size_t)st->x0;
     const size_t y0 = (size_t)st->y0;
     const size_t y1 = (size_t)st->y1;
-    photometry_sums unused = *sums; /* a strip that overlaps is summed up by itself */
-    photometry_sums *s = st->skip > 0 ? &unused : sums;
-    if (filter != NULL) {
-        pack_filtered(s, filter->value, ws->level, ws->noise_mean, (size_t)st->x0, y0, y1,
-                      ws->strip);
+    if (filter == NULL) {
+        pack_plain(sums, x0, y0, y1, out);
+    } else if (levelled) {
+        pack_levelled(sums, filter->value, x0, y0, y1, out);
     } else {
-        pack_plain(s, (size_t)st->x0, y0, y1, ws->strip);
+        pack_filtered(sums, filter->value, x0, y0, y1, out);
     }
-    if (st->skip > 0) {
-        photometry_add(sums, st->x0, st->skip, st->y0, st->y1);
+}
+
+/* From pixels, with their photometry; of a strip that overlaps, of its new columns. */
+static void pack_strip(const shear_plan *plan, shear_workspace *ws, photometry_sums *sums,
+                       const filter_map *filter, const strip *st) {
+    const bool levelled = !shear_settings_keep_background(&plan->settings);
+    if (st->skip == 0) {
+        pack_columns(sums, filter, levelled, st, ws->strip);
+        return;
     }
+    photometry_sums twice = *sums;
+    pack_columns(&twice, filter, levelled, st, ws->strip);
+    photometry_add(sums, st->x0, st->skip, st->y0, st->y1);
 }
 
 /* From interpolated images. */
@@ -116,7 +131,7 @@ static fft_lanes transform_strip(const shear_plan *plan, shear_workspace *ws, ph
                                  const filter_map *filter, const strip *st) {
     const int ny = plan->info.fine_ny;
     if (plan->grid.x.kind == AXIS_NONE) {
-        pack_strip(ws, sums, filter, st);
+        pack_strip(plan, ws, sums, filter, st);
     } else {
         interpolate_strip(plan, ws, filter, st);
     }
@@ -190,6 +205,10 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     }
     ws->noise_mean = levels ? photometry_level(noise, pixels) : 0.0;
     ws->level = levels && own_means ? photometry_level(galaxy, pixels) : ws->noise_mean;
+    if (levels) {
+        sums.noise_origin = ws->noise_mean;
+        sums.galaxy_origin = ws->level;
+    }
     if (!load_pair(plan, ws, galaxy, noise, failure)) {
         return false;
     }

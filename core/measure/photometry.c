@@ -18,7 +18,8 @@ void photometry_begin(photometry_sums *s, const double *galaxy, const double *no
                            .noise = noise,
                            .nx = nx,
                            .ny = ny,
-                           .noise_first = noise[0],
+                           .galaxy_origin = galaxy[0],
+                           .noise_origin = noise[0],
                            .most = most};
     fill(s->strip_most, -INFINITY);
     fill(s->galaxy_least, INFINITY);
@@ -91,16 +92,18 @@ void photometry_end_strip(photometry_sums *s) {
 
 photometry photometry_end(const photometry_sums *s) {
     const size_t pixels = (size_t)s->nx * (size_t)s->ny;
-    const double mean = total(s->first) / (double)pixels;
-    const double var = fmax(0.0, total(s->second) / (double)pixels - mean * mean);
-    photometry p = {.flux = total(s->flux),
+    const double noise_sum = total(s->noise_sum);
+    const double mean = noise_sum / (double)pixels;
+    const double var = fmax(0.0, total(s->noise_squares) / (double)pixels - mean * mean);
+    photometry p = {.flux = total(s->galaxy_sum) - noise_sum +
+                            (double)pixels * (s->galaxy_origin - s->noise_origin),
                     .galaxy_finite = true,
                     .noise_finite = true,
                     .galaxy_most = -INFINITY,
                     .galaxy_least = smallest(s->galaxy_least),
                     .noise_most = largest(s->noise_most),
                     .noise_least = smallest(s->noise_least),
-                    .noise_mean = s->noise_first + mean};
+                    .noise_mean = s->noise_origin + mean};
     for (int i = 0; i < s->strips; i++) {
         p.galaxy_most = larger(p.galaxy_most, s->most[i]);
     }

@@ -24,17 +24,18 @@ typedef struct photometry {
 typedef struct photometry_sums {
     const double *galaxy, *noise; /* [ny][nx] */
     int nx, ny;
-    double noise_first; /* the first pixel */
-    double flux[FFT_LANES];
-    double first[FFT_LANES], second[FFT_LANES]; /* noise and its squares, about its first pixel */
+    double galaxy_origin, noise_origin; /* sums are about these; until the first pixel is added,
+                                           they may be set to what is nearer to the background */
+    double galaxy_sum[FFT_LANES], noise_sum[FFT_LANES], noise_squares[FFT_LANES];
     double strip_most[FFT_LANES]; /* of the galaxy's pixels since the last photometry_end_strip */
     double galaxy_least[FFT_LANES], noise_most[FFT_LANES], noise_least[FFT_LANES];
     double *most; /* the brightest pixel of each strip of the galaxy stamp that has been ended */
     int strips;
 } photometry_sums;
 
-/* `most` [(nx + FFT_LANES - 1) / FFT_LANES]: the caller's; it becomes what the strips' brightest
- * pixels are. Strip i begins at column i FFT_LANES, the last where it still fits. */
+/* The origins are the first pixels. `most` [(nx + FFT_LANES - 1) / FFT_LANES]: the caller's; it
+ * becomes what the strips' brightest pixels are. Strip i begins at column i FFT_LANES, the last
+ * where it still fits. */
 void photometry_begin(photometry_sums *s, const double *galaxy, const double *noise, int nx, int ny,
                       double *most);
 /* Rows [y0, y1) of columns [x0 + skip, x0 + FFT_LANES). Every pixel must be added once. */
@@ -42,14 +43,14 @@ void photometry_add(photometry_sums *s, int x0, int skip, int y0, int y1);
 /* A strip's pixels have all been added; the strips come in order. */
 void photometry_end_strip(photometry_sums *s);
 
-/* One pixel of each stamp, to lane l. Squares are taken about one of the pixels: about zero, a
+/* One pixel of each stamp, to lane l. Sums are taken about something like the sky: about zero, a
  * bright sky would swallow its own noise. */
 static SHEAR_INLINE void photometry_pixel(photometry_sums *s, size_t l, double galaxy,
                                           double noise) {
-    const double d = noise - s->noise_first;
-    s->flux[l] += galaxy - noise;
-    s->first[l] += d;
-    s->second[l] += d * d;
+    const double d = noise - s->noise_origin;
+    s->galaxy_sum[l] += galaxy - s->galaxy_origin;
+    s->noise_sum[l] += d;
+    s->noise_squares[l] += d * d;
     s->strip_most[l] = galaxy > s->strip_most[l] ? galaxy : s->strip_most[l];
     s->galaxy_least[l] = galaxy < s->galaxy_least[l] ? galaxy : s->galaxy_least[l];
     s->noise_most[l] = noise > s->noise_most[l] ? noise : s->noise_most[l];
