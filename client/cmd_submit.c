@@ -40,11 +40,10 @@ struct submit {
 
 static int set_setting(int value, struct submit *o) {
     shear_error err = {0};
-    if (settings_options_handle(value, optarg, &o->what.settings, &err)) {
+    if (settings_options_handle(value, optarg, &o->what.settings, o->what.given, &err)) {
         message_error(&err);
         return EXIT_CODE_USAGE;
     }
-    o->what.given[settings_options_index(value)] = true;
     return EXIT_CODE_DONE;
 }
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* Two values a setting: FIRST + 2 i is --NAME, FIRST + 2 i + 1 is --no-NAME. */
-size_t settings_options_index(int value) {
+static size_t index_of(int value) {
     return (size_t)(value - SETTINGS_OPTION_FIRST) / 2;
 }
 
@@ -38,17 +38,18 @@ size_t settings_options_fill(struct option *options, size_t room) {
 bool settings_options_is(int value) {
     size_t n = 0;
     shear_settings_table(&n);
-    return value >= SETTINGS_OPTION_FIRST && settings_options_index(value) < n;
+    return value >= SETTINGS_OPTION_FIRST && index_of(value) < n;
 }
 
-int settings_options_handle(int value, const char *argument, shear_settings *s, shear_error *err) {
+int settings_options_handle(int value, const char *argument, shear_settings *s, bool *given,
+                            shear_error *err) {
     size_t n = 0;
-    const shear_setting_def *def = &shear_settings_table(&n)[settings_options_index(value)];
+    const shear_setting_def *def = &shear_settings_table(&n)[index_of(value)];
     if (def->type == SHEAR_T_BOOL) {
         bool negated = (value - SETTINGS_OPTION_FIRST) % 2 == 1;
-        return shear_settings_set(s, def->name, negated ? "false" : "true", err);
+        return shear_settings_give(s, given, def->name, negated ? "false" : "true", err);
     }
-    return shear_settings_set(s, def->name, argument, err);
+    return shear_settings_give(s, given, def->name, argument, err);
 }
 
 /* "--beta PX", "--noise-correction, --no-noise-correction" */

@@ -8,7 +8,7 @@
  *     settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
  *     while ((c = getopt_long(argc, argv, ":", options, NULL)) != -1) {
  *         if (settings_options_is(c)) {
- *             if (settings_options_handle(c, optarg, &settings, &err)) ...
+ *             if (settings_options_handle(c, optarg, &settings, given, &err)) ...
  */
 #ifndef CLIENT_SETTINGS_OPTIONS_H
 #define CLIENT_SETTINGS_OPTIONS_H
@@ -31,11 +31,11 @@ size_t settings_options_fill(struct option *options, size_t room);
 /* True where `value`, as returned by getopt_long, belongs to a setting. */
 bool settings_options_is(int value);
 
-/* Put the option's argument (NULL for booleans) into *s. SHEAR_OK or SHEAR_E_SETTING. */
-int settings_options_handle(int value, const char *argument, shear_settings *s, shear_error *err);
-
-/* Which entry of shear_settings_table() the option belongs to. */
-size_t settings_options_index(int value);
+/* Put the option's argument (NULL for booleans) into *s; the order of options does not count.
+ * `given` [SETTINGS_OPTIONS_MAX], false at first: which entries of shear_settings_table() have been
+ * given. SHEAR_OK or SHEAR_E_SETTING. */
+int settings_options_handle(int value, const char *argument, shear_settings *s, bool *given,
+                            shear_error *err);
 
 /* The help lines of all settings: option, default, help. */
 void settings_options_help(FILE *out);

@@ -18,6 +18,7 @@ static int usage(const shear_error *err) {
 int settings_parse(struct settings_parse *p, int argc, char **argv) {
     struct option options[OWN_MAX + SETTINGS_OPTIONS_MAX + 1];
     char letters[OWN_MAX] = ":";
+    bool given[SETTINGS_OPTIONS_MAX] = {false};
     shear_error err = {0};
     memcpy(options, p->own, p->n_own * sizeof *options);
     settings_options_fill(options + p->n_own, SETTINGS_OPTIONS_MAX + 1);
@@ -30,7 +31,7 @@ int settings_parse(struct settings_parse *p, int argc, char **argv) {
         }
         if (settings_options_is(value)) {
             p->given = true;
-            if (settings_options_handle(value, optarg, p->settings, &err)) {
+            if (settings_options_handle(value, optarg, p->settings, given, &err)) {
                 return usage(&err);
             }
             continue;

@@ -45,11 +45,22 @@ static void replace(sheard_config *config, const sheard_setting *s, const union 
     memcpy(member, value, value_size(s));
 }
 
+/* Beneath what stands in the file already, where it is the preset. */
+static int set_measure(sheard_config *config, const char *key, const char *text, shear_error *err) {
+    enum { MOST = 64 }; /* more than there are */
+    bool given[MOST] = {false};
+    for (size_t i = config_n_rows(); i < sheard_settings_count() && i - config_n_rows() < MOST;
+         i++) {
+        given[i - config_n_rows()] = config->lines[i] != ORIGIN_DEFAULT;
+    }
+    int code = shear_settings_give(&config->measure, given, key, text, err);
+    return code == SHEAR_OK ? code : shear_prefix(err, code, "[measure]");
+}
+
 static int set_index(sheard_config *config, size_t index, const char *text, shear_error *err) {
     sheard_setting s = sheard_setting_at(index);
     if (s.type == SHEARD_T_MEASURE) {
-        int code = shear_settings_set(&config->measure, s.key, text, err);
-        return code == SHEAR_OK ? code : shear_prefix(err, code, "[measure]");
+        return set_measure(config, s.key, text, err);
     }
     union value value = {0};
     int code = value_parse(&s, text, &value, err);

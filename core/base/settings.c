@@ -28,8 +28,8 @@ enum { MAX_OVERSAMPLE = 64 };
 #define AT(member) offsetof(shear_settings, member)
 static const shear_setting_def table[] = {
     {"preset", "PRESET", SHEAR_T_CHOICE, AT(preset), presets, 0, 0, false, "", "NAME",
-     "sets all other settings, which override it where they follow it; zhang2010: those of the "
-     "paper"},
+     "sets all other settings, and those that are given beside it override it, in any order; "
+     "zhang2010: those of the paper"},
     {"interpolation", "INTERP", SHEAR_T_CHOICE, AT(interpolation), interpolations, 0, 0, false, "",
      "METHOD",
      "how pixels are interpolated; auto: none, or log-bicubic where beta is below 1.2 px and "

@@ -107,6 +107,15 @@ class Options(ToolTest):
         again = self.measure_one(path, "--no-noise-correction", "--noise-correction")
         self.assertIs(again["settings"]["noise-correction"], True)
 
+    def test_a_preset_lies_beneath_the_others_in_any_order(self):
+        path = Field(n=4).write(self.path("a.fits"))
+        options = ("--beta-ratio", "3", "--noise-level", "field")
+        first, last = (self.measure_one(path, *args)["settings"]
+                       for args in (("--preset", "zhang2010", *options), (*options, "--preset", "zhang2010")))
+        self.assertEqual(first, last)
+        self.assertEqual((last["preset"], last["beta-ratio"], last["noise-level"], last["beta-floor"]),
+                         ("zhang2010", 3, "field", 0))
+
     def test_double_dash_ends_the_options(self):
         Field(n=4).write(self.path("--json"))
         answer = shearctl("measure", "--", "--json", cwd=self.directory)

@@ -168,6 +168,7 @@ static void every_setting_is_an_option(void **state) {
         char value[64];
         char got[64];
         bool is_bool = table[i].type == SHEAR_T_BOOL;
+        bool given[SETTINGS_OPTIONS_MAX] = {false};
         shear_settings_init(&s);
         assert_string_equal(options[at].name, table[i].name);
         assert_int_equal(options[at].has_arg, is_bool ? no_argument : required_argument);
@@ -176,14 +177,16 @@ static void every_setting_is_an_option(void **state) {
             char no[64];
             snprintf(no, sizeof no, "no-%s", table[i].name);
             assert_string_equal(options[at + 1].name, no);
-            assert_int_equal(settings_options_handle(options[at + 1].val, NULL, &s, NULL),
+            assert_int_equal(settings_options_handle(options[at + 1].val, NULL, &s, given, NULL),
                              SHEAR_OK);
             assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), "false");
-            assert_int_equal(settings_options_handle(options[at].val, NULL, &s, NULL), SHEAR_OK);
+            assert_int_equal(settings_options_handle(options[at].val, NULL, &s, given, NULL),
+                             SHEAR_OK);
             assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), "true");
         } else {
             other_value(&table[i], value, sizeof value);
-            assert_int_equal(settings_options_handle(options[at].val, value, &s, NULL), SHEAR_OK);
+            assert_int_equal(settings_options_handle(options[at].val, value, &s, given, NULL),
+                             SHEAR_OK);
             assert_string_equal(shear_settings_format(&s, &table[i], got, sizeof got), value);
         }
         at += is_bool ? 2 : 1;

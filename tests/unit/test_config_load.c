@@ -104,6 +104,24 @@ static void bad_values(void **state) {
               "already set in line 2");
 }
 
+/* A preset lies beneath the section's other settings, wherever it stands. */
+static void preset_in_any_order(void **state) {
+    static const char *const texts[] = {
+        "[measure]\npreset = zhang2010\nbeta-ratio = 3\nnoise-correction = no\n",
+        "[measure]\nbeta_ratio = 3\nnoise-correction = no\npreset = zhang2010\n",
+        "[measure]\nbeta-ratio = 3\npreset = zhang2010\n[daemon]\n[measure]\nnoise-correction = no",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        sheard_config config;
+        assert_int_equal(load_text_file(state, texts[i], &config, &problems), SHEAR_OK);
+        const shear_settings *m = &config.measure;
+        assert_int_equal(m->preset, SHEAR_PRESET_ZHANG2010);
+        assert_true(m->beta_ratio == 3.0 && !m->noise_correction);
+        assert_true(m->beta_floor_px == 0.0 && m->filter == SHEAR_FILTER_R_GAL);
+        sheard_config_free(&config);
+    }
+}
+
 static void unknown_names(void **state) {
     one_error(state, "[deamon]\nworkers = 3\nwhatever = 3\n", 1, "did you mean [daemon]?");
     one_error(state, "[daemon]\nworkesr = 3\n", 2, "did you mean workers?");
@@ -356,6 +374,7 @@ int main(void) {
         cmocka_unit_test(empty_files),
         cmocka_unit_test(bad_lines),
         cmocka_unit_test(bad_values),
+        cmocka_unit_test(preset_in_any_order),
         cmocka_unit_test(unknown_names),
         cmocka_unit_test(long_lines),
         cmocka_unit_test(zero_bytes),

@@ -368,6 +368,8 @@ static void test_settings_have_one_text(void **state) {
         {"{\"oversample\": \"auto\"}", "oversample=auto\n"},
         {"{\"interpolation\": \"log_bicubic\"}", "interpolation=log-bicubic\n"},
         {"{\"noise-correction\": true}", "noise-correction=true\n"},
+        {"{\"beta-ratio\": 3, \"preset\": \"zhang2010\"}", "preset=zhang2010\nbeta-ratio=3\n"},
+        {"{\"preset\": \"zhang2010\", \"beta-ratio\": 3}", "preset=zhang2010\nbeta-ratio=3\n"},
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; i++) {
         char text[SHEAR_MSG_SETTINGS_SIZE];

@@ -303,6 +303,35 @@ static void test_preset(void **state) {
     check_same(&s, &defaults);
 }
 
+/* Given in any order, the same settings come out: the preset first, between others or last. */
+static void test_preset_in_any_order(void **state) {
+    (void)state;
+    static const char *const others[][2] = {{"interpolation", "spline"},
+                                            {"beta_ratio", "7"},
+                                            {"noise-correction", "no"},
+                                            {"bad-value", "-1"}};
+    shear_settings expected;
+    shear_settings_init(&expected);
+    shear_settings_set(&expected, "preset", "zhang2010", NULL);
+    for (size_t i = 0; i < 4; i++) {
+        shear_settings_set(&expected, others[i][0], others[i][1], NULL);
+    }
+    for (size_t place = 0; place <= 4; place++) {
+        bool given[64] = {false};
+        shear_settings s;
+        shear_settings_init(&s);
+        for (size_t i = 0; i <= 4; i++) {
+            const char *const preset[2] = {"preset", "zhang2010"};
+            const char *const *one = i == place ? preset : others[i < place ? i : i - 1];
+            assert_int_equal(shear_settings_give(&s, given, one[0], one[1], NULL), SHEAR_OK);
+        }
+        check_same(&s, &expected);
+        assert_int_equal(shear_settings_give(&s, given, "beta", "x", NULL), SHEAR_E_SETTING);
+        check_same(&s, &expected);
+        assert_true(given[0] && given[1] && !given[2]);
+    }
+}
+
 /* Members that were not set through the table. */
 static void test_ranges(void **state) {
     (void)state;
@@ -334,10 +363,15 @@ static void test_ranges(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_table),          cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_round_trips),    cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_words),          cmocka_unit_test(test_names),
-        cmocka_unit_test(test_contradictions), cmocka_unit_test(test_preset),
+        cmocka_unit_test(test_table),
+        cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_round_trips),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_words),
+        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_contradictions),
+        cmocka_unit_test(test_preset),
+        cmocka_unit_test(test_preset_in_any_order),
         cmocka_unit_test(test_ranges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

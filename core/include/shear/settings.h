@@ -131,6 +131,11 @@ void shear_settings_init(shear_settings *s);
  * on/off, 1/0). The setting `preset`, the first of the table, sets all others; what is set after it
  * overrides it. SHEAR_E_SETTING names the setting, what was given and what is expected. */
 int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err);
+/* The same where the order must not count (options, a configuration file): a preset is put beneath
+ * what has been given, wherever it stands. `given` is the caller's, of every setting of the table;
+ * false where nothing has been given yet. */
+int shear_settings_give(shear_settings *s, bool *given, const char *name, const char *text,
+                        shear_error *err);
 
 /* Write the value as the text that shear_settings_set reads back to the same bits. Returns buf. */
 char *shear_settings_format(const shear_settings *s, const shear_setting_def *def, char *buf,
