@@ -180,6 +180,17 @@ static bool read_terms(shear_field_sums *f, int64_t n, const int *where, char **
     return good;
 }
 
+/* Could the sums have such a stamp? No file holds more of them than bytes. A part of a field may
+ * have less stamps than its stamps' numbers. */
+static bool top_is_possible(const shear_field_sums *f) {
+    static const int64_t most = INT64_MAX / (SHEAR_MIN_SIDE * SHEAR_MIN_SIDE);
+    const shear_influence top = f->top;
+    return isnan(top.size) ? top.stamp == -1
+           : top.size > 0.0
+               ? isfinite(top.size) && top.stamp >= 0 && top.stamp < most && f->n_used > 0
+               : top.size == 0.0 && (top.stamp == 0 || top.stamp == -1);
+}
+
 static bool read_top(shear_field_sums *f, char **rest) {
     const char *size = next_word(rest);
     const char *stamp = next_word(rest);
@@ -188,26 +199,32 @@ static bool read_top(shear_field_sums *f, char **rest) {
         return false;
     }
     f->top.size = strtod(size, &end);
-    bool good = *end == '\0' && !(f->top.size < 0.0);
+    bool good = *end == '\0';
     errno = 0;
     f->top.stamp = strtoll(stamp, &end, 10);
-    good = good && *end == '\0' && errno == 0 && f->top.stamp >= -1;
-    return good;
+    return good && *end == '\0' && errno == 0 && top_is_possible(f);
 }
 
-static bool read_text(shear_field_sums *f, bool old, char *rest) {
+/* NULL, or which part of the text is wrong. */
+static const char *read_text(shear_field_sums *f, bool old, char *rest) {
     int64_t n_flags = OLD_FLAGS;
     int64_t n_terms = N_OLD_TERMS;
-    bool good = read_count(&rest, &f->n_stamps) && read_count(&rest, &f->n_used) &&
-                f->n_used <= f->n_stamps && (old || read_count(&rest, &n_flags)) &&
-                read_flags(f, n_flags, &rest) && (old || read_count(&rest, &n_terms)) &&
-                read_terms(f, n_terms, old ? old_terms : NULL, &rest);
-    if (old) {
-        f->top = (shear_influence){.size = NAN, .stamp = -1};
-    } else {
-        good = good && read_top(f, &rest);
+    if (!read_count(&rest, &f->n_stamps) || !read_count(&rest, &f->n_used) ||
+        f->n_used > f->n_stamps) {
+        return "the numbers of stamps";
     }
-    return good && rest == NULL;
+    if ((!old && !read_count(&rest, &n_flags)) || !read_flags(f, n_flags, &rest)) {
+        return "the flags' counts";
+    }
+    if ((!old && !read_count(&rest, &n_terms)) ||
+        !read_terms(f, n_terms, old ? old_terms : NULL, &rest)) {
+        return "the terms";
+    }
+    f->top = (shear_influence){.size = NAN, .stamp = -1};
+    if (!old && !read_top(f, &rest)) {
+        return "the stamp that counts most";
+    }
+    return rest == NULL ? NULL : "what follows them";
 }
 
 int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error *err) {
@@ -218,21 +235,22 @@ int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error
     _Static_assert(sizeof magic == sizeof old_magic, "of one length");
     const size_t head = sizeof magic - 1;
     const bool old = strncmp(text, old_magic, head) == 0;
-    bool good = (old || strncmp(text, magic, head) == 0) && text[head] == ' ';
-    char *copy = good ? strdup(text + head + 1) : NULL;
-    const bool no_memory = good && copy == NULL;
-    good = copy != NULL && read_text(*out, old, copy);
-    free(copy);
-    if (no_memory) {
-        shear_field_sums_free(*out);
-        *out = NULL;
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
-    }
-    if (!good) {
+    if (!(old || strncmp(text, magic, head) == 0) || text[head] != ' ') {
         shear_field_sums_free(*out);
         *out = NULL;
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "these are not the sums of a field (expected '%s ...')", magic);
     }
-    return SHEAR_OK;
+    char *copy = strdup(text + head + 1);
+    const char *wrong = copy != NULL ? read_text(*out, old, copy) : NULL;
+    const bool no_memory = copy == NULL;
+    free(copy);
+    if (!no_memory && wrong == NULL) {
+        return SHEAR_OK;
+    }
+    shear_field_sums_free(*out);
+    *out = NULL;
+    return no_memory ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums")
+                     : shear_fail(err, SHEAR_E_FORMAT, NULL,
+                                  "these are not the sums of a field: %s cannot be right", wrong);
 }

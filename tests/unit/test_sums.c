@@ -291,7 +291,7 @@ static void test_extreme_units(void **state) {
     assert_int_equal(result_of(rows, 2).n_used, 0);
 }
 
-static void check_bad_text(const char *text) {
+static void check_bad_text(const char *text, const char *words) {
     shear_field_sums *f = NULL;
     shear_error err = {0};
     if (shear_field_sums_parse(&f, text, &err) != SHEAR_E_FORMAT) {
@@ -299,10 +299,11 @@ static void check_bad_text(const char *text) {
     }
     assert_null(f);
     assert_int_equal(err.code, SHEAR_E_FORMAT);
+    assert_true(words == NULL || strstr(err.message, words) != NULL);
 }
 
 /* A good text with its word number `word` (0 and 1: the magic) replaced; NULL cuts there. */
-static void check_replaced(const char *good, int word, const char *by) {
+static void check_replaced(const char *good, int word, const char *by, const char *words) {
     char text[32768] = "";
     char copy[32768];
     char *rest = copy;
@@ -312,17 +313,18 @@ static void check_replaced(const char *good, int word, const char *by) {
         strcat(text, i > 0 ? " " : "");
         strcat(text, i == word ? by : next);
     }
-    check_bad_text(text);
+    check_bad_text(text, words);
 }
 
 /* Every word of the text, by what it is: counts, terms, the size and the number of the stamp that
  * counts most. */
-static void check_words(const char *good, int from, int to, const char *const *bad) {
+static void check_words(const char *good, int from, int to, const char *const *bad,
+                        const char *words) {
     for (int word = from; word < to; word++) {
         for (size_t i = 0; bad[i] != NULL; i++) {
-            check_replaced(good, word, bad[i]);
+            check_replaced(good, word, bad[i], words);
         }
-        check_replaced(good, word, NULL);
+        check_replaced(good, word, NULL, words);
     }
 }
 
@@ -332,6 +334,9 @@ static void test_bad_text(void **state) {
     char *good = NULL;
     shear_field_sums *f = new_sums();
     draw_rows(rows, 40, 6);
+    for (int i = 0; i < 40; i++) {
+        rows[i].stamp = 100 + i;
+    }
     const shear_block_sums block = block_of(rows, 40);
     shear_field_sums_add(f, &block);
     assert_int_equal(shear_field_sums_format(f, &good, NULL), SHEAR_OK);
@@ -339,24 +344,26 @@ static void test_bad_text(void **state) {
     static const char *const bad_count[] = {
         "", "x", "-1", "1.0", "+1", "\t1", "99999999999999999999", "0x10", NULL};
     static const char *const bad_term[] = {"", "g", "1.0", NULL};
-    static const char *const bad_size[] = {"", "x", "-1", "-0x1p-2", "1 ", NULL};
-    static const char *const bad_stamp[] = {"", "x", "-2", "1.5", "99999999999999999999", NULL};
+    static const char *const bad_size[] = {"", "x", "-1", "-0x1p-2", "1 ", "inf", "0", "nan", NULL};
+    static const char *const bad_stamp[] = {
+        "", "x", "-1", "-2", "1.5", "4611686018427387904", "99999999999999999999", NULL};
+    static const char top[] = "the stamp that counts most";
     const int terms = 2 + 3 + SHEAR_N_FLAGS + 1;
-    check_words(good, 0, terms, bad_count);
-    check_words(good, terms, terms + SHEAR_N_TERMS, bad_term);
-    check_words(good, terms + SHEAR_N_TERMS, terms + SHEAR_N_TERMS + 1, bad_size);
-    check_words(good, terms + SHEAR_N_TERMS + 1, terms + SHEAR_N_TERMS + 2, bad_stamp);
-    check_replaced(good, 1, "1"); /* another version */
-    check_replaced(good, 1, "3");
-    check_replaced(good, 4, "99"); /* flags and terms of a later version */
-    check_replaced(good, terms - 1, "9999");
-    check_replaced(good, 3, "41"); /* more used than there are */
-    check_replaced(good, 5, "39"); /* more flagged than are left out */
+    check_words(good, 0, terms, bad_count, NULL);
+    check_words(good, terms, terms + SHEAR_N_TERMS, bad_term, "the terms");
+    check_words(good, terms + SHEAR_N_TERMS, terms + SHEAR_N_TERMS + 1, bad_size, top);
+    check_words(good, terms + SHEAR_N_TERMS + 1, terms + SHEAR_N_TERMS + 2, bad_stamp, top);
+    check_replaced(good, 1, "1", NULL); /* another version */
+    check_replaced(good, 1, "3", NULL);
+    check_replaced(good, 4, "99", NULL); /* flags and terms of a later version */
+    check_replaced(good, terms - 1, "9999", NULL);
+    check_replaced(good, 3, "41", NULL); /* more used than there are */
+    check_replaced(good, 5, "39", NULL); /* more flagged than are left out */
     char longer[32768];
     strcpy(longer, good);
-    check_bad_text(strcat(longer, " "));
-    check_bad_text(strcat(longer, "0"));
-    check_bad_text("shear-sums 1");
+    check_bad_text(strcat(longer, " "), NULL);
+    check_bad_text(strcat(longer, "0"), NULL);
+    check_bad_text("shear-sums 1", NULL);
     free(good);
     shear_field_sums_free(f);
     shear_field_sums_free(NULL);

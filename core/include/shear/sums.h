@@ -115,7 +115,7 @@ shear_influence shear_field_sums_top(const shear_field_sums *f);
 void shear_field_sums_set_top(shear_field_sums *f, shear_influence top);
 /* Exact text form (ASCII, versioned, 10 to 30 KiB); *text is malloc'd, the caller frees it. Reading
  * it back gives the same sums. Sums of version 0.1 are read, too: they have no noise level. Parse
- * errors are SHEAR_E_FORMAT. */
+ * errors are SHEAR_E_FORMAT and say which part cannot be right. */
 int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error *err);
 int shear_field_sums_parse(shear_field_sums **f, const char *text, shear_error *err);
 
