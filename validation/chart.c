@@ -23,7 +23,24 @@ static shear_range range_of_x(const struct chart *chart) {
     return (shear_range){r.lo / factor, r.hi * factor};
 }
 
+/* Of the values that have a logarithm. */
+static shear_range range_of_log_y(const struct chart *chart) {
+    shear_range r = {NAN, NAN};
+    for (int i = 0; i < chart->n_curves; i++) {
+        const struct curve *c = &chart->curves[i];
+        for (int k = 0; k < c->n; k++) {
+            const double y = c->y[k] > 0.0 ? c->y[k] : NAN;
+            r = shear_range_join(r, (shear_range){y, y});
+        }
+    }
+    const double factor = pow(r.hi / r.lo, 0.08);
+    return (shear_range){r.lo / factor, r.hi * factor * pow(r.hi / r.lo, chart->headroom)};
+}
+
 static shear_range range_of_y(const struct chart *chart) {
+    if (chart->log_y) {
+        return range_of_log_y(chart);
+    }
     shear_range r = {chart->truth, chart->truth};
     for (int i = 0; i < chart->n_curves; i++) {
         const struct curve *c = &chart->curves[i];
@@ -45,10 +62,16 @@ static void draw_curve(shear_figure *f, const struct chart *chart, int i, shear_
     for (int k = 0; k < c->n; k++) {
         at[k] = chart->log_x ? c->x[k] * pow(x.hi / x.lo, shift) : c->x[k] + shift * (x.hi - x.lo);
     }
-    shear_axes_points(
-        f, (size_t)c->n, at, c->y, NULL, c->err,
-        &(shear_style){
-            .colour = shear_palette(c->hue), .marker = c->marker, .size = 5.0, .label = c->label});
+    const shear_style style = {.colour = shear_palette(c->hue),
+                               .marker = c->marker,
+                               .dash = c->dash,
+                               .size = 5.0,
+                               .label = c->label};
+    if (c->line) {
+        shear_axes_line(f, (size_t)c->n, c->x, c->y, &style);
+    } else {
+        shear_axes_points(f, (size_t)c->n, at, c->y, NULL, c->err, &style);
+    }
 }
 
 void chart_draw(shear_figure *f, const struct chart *chart) {
@@ -58,11 +81,14 @@ void chart_draw(shear_figure *f, const struct chart *chart) {
         .cell = chart->cell,
         .title = chart->title,
         .x = {.range = x, .log = chart->log_x, .label = chart->x_label, .bare = chart->bare_x},
-        .y = {.range = y, .label = chart->y_label},
+        .y = {.range = y, .log = chart->log_y, .label = chart->y_label},
         .legend = chart->legend};
     shear_axes_begin(f, &axes);
     if (isfinite(chart->truth)) {
         shear_axes_hline(f, chart->truth, &(shear_style){.dash = SHEAR_DOTTED, .width = 1.2});
+    }
+    if (chart->limit > 0.0) {
+        shear_axes_vline(f, chart->limit, &(shear_style){.dash = SHEAR_DASHED, .width = 1.2});
     }
     for (int i = 0; i < chart->n_curves; i++) {
         draw_curve(f, chart, i, x);

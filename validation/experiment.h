@@ -52,6 +52,7 @@ extern const struct experiment exp_errors;
 extern const struct experiment exp_efficiency;
 extern const struct experiment exp_survey;
 extern const struct experiment exp_precision;
+extern const struct experiment exp_narrow;
 
 /* The table, ended by NULL, in the order of the paper. */
 const struct experiment *const *experiment_table(void);

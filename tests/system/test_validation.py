@@ -91,7 +91,7 @@ class Usage(ExperimentTest):
     def test_help(self):
         names = subprocess.run([PAPER, "help"], capture_output=True, text=True, check=True).stdout
         for name in ("noise", "images", "single", "pixels", "overall", "shot", "bias", "errors", "efficiency", "survey",
-                     "precision"):
+                     "precision", "narrow"):
             self.assertIn(name, names)
             text = subprocess.run([PAPER, "help", name], capture_output=True, text=True, check=True).stdout
             self.assertIn(f"usage: shear-paper {name}", text)
@@ -323,6 +323,26 @@ class Precision(ExperimentTest):
         self.assertGreater(noisy[0], 1.2 * noisy[1], "a narrow target takes in more noise")
         broad = error["beta-ratio 2", "mean", 10, 40], error["beta-ratio 2", "pdf-sym", 10, 40]
         self.assertGreater(broad[0]["quoted"], 1.5 * broad[1]["quoted"])
+
+
+class Narrow(ExperimentTest):
+    def test_no_logarithm_is_needed(self):
+        self.run_paper("narrow", "--galaxies", 80, "--groups", 10, "--radii", "0.5,0.7,1.2")
+        for row in self.some(settings="defaults"):
+            for m in ("m1", "m2"):
+                self.assertLess(abs(row[m]), 1e-3 + 3 * row[m + "_err"], row)
+                self.assertLess(row[m + "_err"], 2e-3, "the test has no teeth where errors are large")
+            sizes = [row[f"aliases_{size}"] for size in ("0", "0.5", "1", "2")]
+            self.assertEqual(sizes, sorted(sizes, reverse=True), "the larger a galaxy, the less it has beyond Nyquist")
+            self.assertTrue(sizes[3] < row["aliases"] < sizes[0], row)
+        shares = [row["aliases"] for row in self.some(settings="defaults")]
+        self.assertEqual(shares, sorted(shares, reverse=True), "the wider the PSF, the less")
+        # The logarithm of under-sampled pixels takes away some percent; of well sampled ones there is none.
+        for m in ("m1", "m2"):
+            self.assertLess(self.one(settings="zhang2010", r_psf=0.5)[m], -0.02)
+            self.assertLess(self.one(settings="zhang2010", r_psf=0.7)[m], -0.005)
+            self.assertLess(abs(self.one(settings="zhang2010", r_psf=1.2)[m]), 1e-3)
+        self.assertTrue(0.3 < float(self.meta["limit"]) < 0.4, self.meta["limit"])
 
 
 if __name__ == "__main__":

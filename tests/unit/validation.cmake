@@ -8,3 +8,6 @@ shear_add_test(light
           ${PROJECT_SOURCE_DIR}/validation/flaw.c ${PROJECT_SOURCE_DIR}/validation/memory.c
   LIBRARIES core_fixtures PkgConfig::GSL OpenMP::OpenMP_C LABELS validation)
 target_include_directories(test_light PRIVATE ${PROJECT_SOURCE_DIR}/validation)
+shear_add_test(aliases
+  SOURCES test_aliases.c ${PROJECT_SOURCE_DIR}/validation/aliases.c LIBRARIES core_fixtures LABELS validation)
+target_include_directories(test_aliases PRIVATE ${PROJECT_SOURCE_DIR}/validation)
