@@ -10,6 +10,7 @@
 
 static void add_columns(struct table *t) {
     static const char *const names[] = {"m1", "m2", "c1", "c2"};
+    static const char *const disks[NARROW_DISKS] = {"points", "disks_half", "disks_1", "disks_2"};
     char name[24];
     table_column(t, "r_psf", TABLE_NUMBER, 2, "pix", "R_PSF of eq. (Ws)");
     table_column(t, "settings", TABLE_TEXT, 0, "", "the defaults, or preset zhang2010");
@@ -22,8 +23,7 @@ static void add_columns(struct table *t) {
     }
     table_column(t, "aliases", TABLE_NUMBER, -2, "", "their share, of these galaxies");
     for (int i = 0; i < NARROW_DISKS; i++) {
-        snprintf(name, sizeof name, "aliases_%g", narrow_disks_px[i]);
-        table_column(t, name, TABLE_NUMBER, -2, "",
+        table_column(t, disks[i], TABLE_NUMBER, -2, "",
                      i ? "of exponential disks of this half-light radius, pixels" : "of points");
     }
 }

@@ -332,7 +332,7 @@ class Narrow(ExperimentTest):
             for m in ("m1", "m2"):
                 self.assertLess(abs(row[m]), 1e-3 + 3 * row[m + "_err"], row)
                 self.assertLess(row[m + "_err"], 2e-3, "the test has no teeth where errors are large")
-            sizes = [row[f"aliases_{size}"] for size in ("0", "0.5", "1", "2")]
+            sizes = [row[name] for name in ("points", "disks_half", "disks_1", "disks_2")]
             self.assertEqual(sizes, sorted(sizes, reverse=True), "the larger a galaxy, the less it has beyond Nyquist")
             self.assertTrue(sizes[3] < row["aliases"] < sizes[0], row)
         shares = [row["aliases"] for row in self.some(settings="defaults")]
