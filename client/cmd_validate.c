@@ -92,6 +92,7 @@ static const char *advice_for(const shear_verdict *v) {
 /* The verdict on a file whose every stamp has been seen; the words go to *words. */
 static void judge(shear_verdict *v, shear_error *words) {
     int64_t n = v->field->n_stamps;
+    shear_cause cause;
     if (v->negative.count > 0) {
         char advice[200];
         snprintf(
@@ -106,6 +107,9 @@ static void judge(shear_verdict *v, shear_error *words) {
     } else if (v->n_measurable < 2) {
         shear_fail(words, SHEAR_E_FORMAT, "a field's shear needs two usable stamps at least",
                    "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
+    } else if (v->measured && shear_cause_of(&v->result, v->plan, &cause)) {
+        shear_fail(words, SHEAR_E_FORMAT, cause.advice, "%s: %s", cause.words,
+                   v->result.valid ? "the shear is biased" : "no shear could be measured");
     } else if (v->measured && !v->result.valid) {
         char text[400];
         char advice[400];

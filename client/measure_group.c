@@ -192,6 +192,11 @@ static int run_all(struct measure_group *g, const struct measure_options *o,
 static int fail_invalid(const struct measure_group *g, shear_error *err) {
     char text[400];
     char advice[400];
+    shear_cause cause;
+    if (shear_cause_of(&g->result, &measure_group_first(g)->report.plan, &cause)) {
+        return shear_fail(err, SHEAR_E_FORMAT, cause.advice,
+                          "field %s: %s: no shear could be measured", g->field, cause.words);
+    }
     return shear_fail(err, SHEAR_E_FORMAT, shear_no_shear_advice(&g->result, advice, sizeof advice),
                       "field %s: %s: no shear could be measured", g->field,
                       shear_no_shear_text(&g->result, text, sizeof text));

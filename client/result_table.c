@@ -5,6 +5,7 @@
 #include "method_text.h"
 #include "quality_text.h"
 #include "shear_text.h"
+#include "sheard/advice.h"
 #include "sheard/no_shear.h"
 
 #include <inttypes.h>
@@ -165,7 +166,9 @@ void result_table_print(const struct measure_group *g, const shear_settings *set
     } else {
         row(out, "g1", "not measured");
         row(out, "g2", "not measured");
-        row(out, "reason", shear_no_shear_brief(&g->result));
+        shear_cause cause = {.words = shear_no_shear_brief(&g->result)};
+        shear_cause_of(&g->result, &first->report.plan, &cause);
+        row(out, "reason", cause.words);
     }
     snprintf(line, sizeof line, "%.0f stamps/s (%.2f s)", (double)g->result.n_stamps / g->seconds,
              g->seconds);

@@ -57,19 +57,24 @@ const char *shear_advice_bright_border(const shear_result *r, const shear_plan_i
     return buf;
 }
 
-/* What the borders vary beyond the noise under the galaxies, where its level is known. */
-static double beyond_noise(const shear_result *r) {
+/* What the borders vary beyond the noise under the galaxies, where its level is known, or all of it
+ * is not in the noise stamps. */
+static double beyond_noise(const shear_result *r, const shear_plan_info *plan) {
     const bool known = r->noise_level > 0.0;
-    return r->border_rough - (known ? (r->noise_level - 1.0) * r->border_noise_var : 0.0);
+    const bool all = isfinite(r->high_galaxy) && shear_advice_noise_left(r, plan) != 0.0;
+    return r->border_rough - (known ? (r->noise_level - 1.0) * r->border_noise_var
+                              : all ? r->high_galaxy
+                                    : 0.0);
 }
 
 const char *shear_advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
                                       size_t size) {
-    const double extra = beyond_noise(r);
+    const double extra = beyond_noise(r, plan);
     bool rough = extra > BORDER_SIGMA * r->border_rough_err &&
                  extra > ROUGH_MAX * r->border_noise_var &&
                  sqrt(extra) * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
-    if (plan->filter != SHEAR_FILTER_NONE || !rough) {
+    if (plan->filter != SHEAR_FILTER_NONE || !rough ||
+        shear_advice_no_noise(r, plan, buf, size) != NULL) {
         return NULL;
     }
     snprintf(buf, size,
@@ -116,7 +121,8 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
             100.0 * common * stamp_area(plan) / r->mean_flux, cure);
         return buf;
     }
-    if (shear_advice_noise_shape(r, plan, buf, size) != NULL) {
+    if (shear_advice_noise_shape(r, plan, buf, size) != NULL ||
+        shear_advice_no_noise(r, plan, buf, size) != NULL) {
         return NULL; /* white noise is no measure of the steps of correlated noise */
     }
     if (step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
@@ -134,9 +140,10 @@ void shear_advice_all(shear_advice_list *list, const shear_result *r, const shea
                       const char *top_file) {
     static const char *(*const all[SHEAR_RESULT_ADVICES])(
         const shear_result *, const shear_plan_info *, char *, size_t) = {
-        shear_advice_noise_scatter, shear_advice_noise_level,  shear_advice_noise_unchecked,
-        shear_advice_noise_shape,   shear_advice_errors,       shear_advice_filter,
-        shear_advice_bright_border, shear_advice_rough_border, shear_advice_gradient};
+        shear_advice_no_noise,     shear_advice_small_stamps,    shear_advice_noise_scatter,
+        shear_advice_noise_level,  shear_advice_noise_unchecked, shear_advice_noise_shape,
+        shear_advice_errors,       shear_advice_filter,          shear_advice_bright_border,
+        shear_advice_rough_border, shear_advice_gradient};
     list->n = 0;
     const char *line = shear_advice_influence(r, top_file, list->text[0], SHEAR_ADVICE_SIZE);
     if (line) {

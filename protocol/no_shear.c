@@ -22,10 +22,10 @@ static const reason reasons[] = {
     [SHEAR_SWAPPED] = {"swapped", "the noise stamps have more power than the galaxies': swapped?",
                        "exchange galaxy and noise stamps, or correct what makes the noise stamps "
                        "brighter than the galaxies"},
-    [SHEAR_TOO_NARROW] = {"too_narrow",
-                          "the galaxies are narrower than the PSF: OVERSAMP forgotten?",
-                          "give the keyword OVERSAMP where the PSF has several samples a galaxy "
-                          "pixel; else see that the PSF is that of these galaxies"},
+    [SHEAR_TOO_NARROW] =
+        {"too_narrow", "the galaxies look narrower than the PSF: OVERSAMP forgotten?",
+         "give the keyword OVERSAMP where the PSF has several samples a galaxy "
+         "pixel; else see that the PSF is that of these galaxies, and the stamps are 10 beta wide"},
     [SHEAR_NO_SYMMETRY] = {"no_symmetry", "the stamps' symmetry has no solution",
                            "16 stamps are needed at least; or use --estimator mean"},
     [SHEAR_NOT_FINITE] = {"not_finite", "the sums are beyond the range of double",

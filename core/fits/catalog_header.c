@@ -194,6 +194,7 @@ static void get_result(reading *r, shear_result *out) {
                           .noise_shape = NAN,
                           .noise_shape_err = NAN,
                           .noise_share = NAN,
+                          .high_galaxy = NAN,
                           .top_stamp = -1,
                           .mean_flux = NAN,
                           .filter_removed = NAN,

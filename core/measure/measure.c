@@ -99,7 +99,7 @@ typedef struct subject {
     const transfer *transfer; /* NULL where there is none, or the row is flagged already */
     photometry ph;
     bool packed;
-    bool noisy; /* one of its noise stamps is not constant */
+    bool noisy; /* one of its noise stamps varies by more than rounding makes */
     pack_failure failure;
 } subject;
 
@@ -197,6 +197,13 @@ static void judge_more_noise(const shear_plan *plan, shear_workspace *ws,
     }
 }
 
+/* Does a noise stamp, of pixels from `least` to `most`, vary by more than their rounding? */
+static bool holds_noise(const shear_stamps *stamps, const double *noise, double least, double most,
+                        double peak) {
+    const size_t n = (size_t)stamps->nx * (size_t)stamps->ny;
+    return most > least && !photometry_is_rounding(noise, n, least, most, peak);
+}
+
 /* Two further noise stamps, to the sum of all. False where they cannot be used: they give the row a
  * flag, or are negative under a log method (`s->packed` false). */
 static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
@@ -214,7 +221,9 @@ static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_s
     if (!s->packed || row->flags != 0) {
         return false;
     }
-    s->noisy = s->noisy || ph.noise_var > 0.0 || !ph.galaxy_flat;
+    s->noisy = s->noisy ||
+               holds_noise(stamps, one, ph.galaxy_least, ph.galaxy_most, s->ph.galaxy_most) ||
+               holds_noise(stamps, two, ph.noise_least, ph.noise_most, s->ph.galaxy_most);
     if (plan->settings.noise_correction) {
         const spectra pair = spectra_of(plan, ws, s->transfer);
         spectra_add_noise(all, &pair, one == two ? 0.5 : 1.0);
@@ -268,7 +277,7 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
         return negative_pixel(plan, stamps, i, &s.failure, err);
     }
     spectra sp = spectra_of(plan, ws, s.transfer);
-    s.noisy = s.ph.noise_var > 0.0;
+    s.noisy = holds_noise(stamps, s.noise, s.ph.noise_least, s.ph.noise_most, s.ph.galaxy_most);
     if (!more_noise(plan, ws, stamps, i, &s, &sp, row)) {
         return row->flags != 0 ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
     }

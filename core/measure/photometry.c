@@ -138,6 +138,34 @@ bool photometry_holds(const double *pixels, size_t n, double value) {
     return i < n;
 }
 
+/* What lies between a number of this size and the next one, with so many binary digits. */
+static double spacing(double size, int digits) {
+    int exponent = 0;
+    (void)frexp(size, &exponent);
+    return ldexp(1.0, exponent - digits);
+}
+
+static bool all_floats(const double *pixels, size_t n) {
+    size_t i = 0;
+    while (i < n && pixels[i] == (double)(float)pixels[i]) {
+        i++;
+    }
+    return i == n;
+}
+
+bool photometry_is_rounding(const double *pixels, size_t n, double least, double most,
+                            double peak) {
+    static const double of_doubles = 64.0; /* beside what transforms round */
+    static const double of_floats = 3.0;   /* four neighbouring values: less than half of one rms */
+    const double range = most - least;
+    const double size = fmax(fabs(least), fabs(most));
+    if (range <= of_doubles * spacing(fmax(size, fabs(peak)), DBL_MANT_DIG)) {
+        return true;
+    }
+    return size <= (double)FLT_MAX && range <= of_floats * spacing(size, FLT_MANT_DIG) &&
+           all_floats(pixels, n);
+}
+
 /* About a pixel, see photometry_pixel; lane by lane, the same sum on every machine. */
 SHEAR_SIMD double photometry_level(const double *pixels, size_t n) {
     const double first = pixels[0];

@@ -65,6 +65,10 @@ photometry photometry_of(const double *galaxy, const double *noise, int nx, int 
 /* Is one of the pixels this value, as a double or rounded to a float? */
 bool photometry_holds(const double *pixels, size_t n, double value);
 
+/* Is what the pixels from `least` to `most` vary by no more than their rounding: as doubles beside
+ * a transform's pixels up to `peak` in size, or as floats, where all of the n pixels are some? */
+bool photometry_is_rounding(const double *pixels, size_t n, double least, double most, double peak);
+
 /* The mean of an image's pixels: what there is of a background in a noise stamp. */
 double photometry_level(const double *pixels, size_t n);
 

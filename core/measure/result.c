@@ -153,6 +153,9 @@ static void fill_shape(shear_result *out, const rounded *r) {
 static void fill_noise(shear_result *out, const rounded *r) {
     const combination level = of_level(r);
     out->noise_share = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_NOISE_D] / out->sum_d;
+    if (r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] > 0.0) {
+        out->high_galaxy = r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_GALAXY] / r->t[SHEAR_S_W];
+    }
     if (!(r->t[SHEAR_S_COMPONENT + (int)SHEAR_C_HIGH_NOISE] > 0.0)) {
         return;
     }
@@ -245,6 +248,7 @@ static shear_result without_numbers(const shear_field_sums *f) {
                                &r.noise_shape,
                                &r.noise_shape_err,
                                &r.noise_share,
+                               &r.high_galaxy,
                                &r.mean_flux,
                                &r.filter_removed,
                                &r.filter_removed_err,

@@ -81,7 +81,38 @@ class NoiseUnderTheGalaxies(Case):
         for galaxy, noise in zip(field.galaxy, field.noise):
             galaxy[:] = [p + q for p, q in zip(galaxy, correlated(rng, field.nx, field.ny, 3.0))]
             noise[:] = [rng.gauss(0, 3.0) for _ in noise]
-        self.tells(field, r"noise.*(correlat|shape|spectrum)|(correlat|shape|spectrum).*noise")
+        self.tells(field, r"noise.*(correlat|shape|spectrum)|(correlat|shape|spectrum).*noise", bad=True)
+        self.assertRegex(self.verdict["verdict"], r"noise.*spectrum.*biased")
+
+    def without_noise(self, sigma, pixel=lambda rng: 0.0, sky=0.0, bitpix=-32, **keys):
+        """Noise stamps without noise: `pixel` over a sky."""
+        rng = random.Random(6)
+        field = bright(sigma=sigma, **keys)
+        field.galaxy = [[p + sky for p in stamp] for stamp in field.galaxy]
+        field.noise = [[sky + pixel(rng) for _ in stamp] for stamp in field.noise]
+        field.bitpix = bitpix
+        return field
+
+    def test_noise_stamps_without_noise(self):
+        """Told with its cause, and nothing else is; by how much is what the noise level finds where it can."""
+        self.tells(self.without_noise(3.0, sky=50.0), r"noise stamps hold no noise.*makes the shear 2[0-9] % too large", bad=True)
+        self.assertEqual([w.count("noise stamps hold no noise") for w in self.result["warnings"]], [1])
+        weak = self.told(self.without_noise(3.0, lambda rng: rng.gauss(0, 1e-3)))
+        self.assertRegex(weak, r"without that, the shear would be 2[0-9] % too large")
+        self.assertIs(self.verdict["good"], True)
+        self.tells(self.without_noise(10.0), r"hold no noise.*no shear could be measured", bad=True)
+        self.assertNotRegex(self.told(self.without_noise(10.0)), r"narrower|borders|gradient")
+        self.tells(self.without_noise(3.0, r_psf=0.7, size=1.5), r"noise stamps hold no noise", bad=True)
+
+    def test_rounding_is_no_noise(self):
+        """Over a bright sky pixels round, and what that leaves tells no noise level."""
+        for sigma in (0.0, 3.0):
+            for wiggle, bitpix in ((1e-12, -64), (3e-4, -32)):
+                with self.subTest(sigma=sigma, wiggle=wiggle):
+                    words = self.told(self.without_noise(sigma, lambda rng: rng.gauss(0, wiggle), 1e4, bitpix))
+                    self.assertIsNone((self.result["noise_level"] or {}).get("alpha"))
+                    self.assertIs(self.verdict["good"], sigma == 0.0)
+                    self.assertRegex(words, r"^$" if sigma == 0.0 else r"noise stamps hold no noise")
 
 
 class Sky(Case):
@@ -232,6 +263,21 @@ class Mistakes(Case):
         field = bright(psf_oversample=3)
         field.oversample = 1
         self.tells(field, r"OVERSAMP", bad=True)
+
+
+class SmallStamps(Case):
+    def test_small_for_beta(self):
+        """12 px, beta = 2 px: the shear is 1.5 times what it should be."""
+        field = Field(n=24, nx=12, ny=12, size=1.0, r_psf=1.0)
+        self.tells(field, r"stamps of 12 x 12 px are small for beta = 2 px.*20 px at least")
+        self.assertGreater(self.result["g1"], 0.04)
+        self.assertEqual(self.told(Field(n=24, nx=22, ny=22, size=1.0, r_psf=1.0)), "")
+
+    def test_too_small_for_any_shear(self):
+        for sigma in (0.0, 0.5):
+            field = Field(n=24, nx=8, ny=8, size=2.0, r_psf=1.2, sigma=sigma)
+            self.tells(field, r"stamps are too small for beta", bad=True)
+            self.assertNotRegex(self.told(field), r"narrower")
 
 
 class Wings(Case):

@@ -268,8 +268,12 @@ class Validate(ToolTest):
         for stamp in field.noise:  # each pixel and its neighbour to the right, of the same variance
             white = [rng.gauss(0, 6.0 / math.sqrt(2)) for _ in range(len(stamp) + 1)]
             stamp[:] = [a + b for a, b in zip(white, white[1:])]
-        (warning,) = self.validate(field.write(self.path("a.fits")))["warnings"]
+        answer = shearctl("validate", "--json", field.write(self.path("a.fits")))
+        self.assertCode(answer, INPUT)
+        (verdict,) = answer.json()
+        (warning,) = verdict["warnings"]
         self.assertIn("another spectrum", warning)
+        self.assertIn("another spectrum", verdict["verdict"])
 
     def test_one_stamp_that_decides(self):
         field = Field(n=60, nx=32, ny=32, size=2.0, sigma=1.0)

@@ -86,6 +86,45 @@ static void a_noise_level_that_cannot_be_checked(void **state) {
     assert_non_null(strstr(text, "interpolated"));
 }
 
+/* D of white noise behind a Gaussian PSF of R = 1.5 px, beta = 3 px, in 48 x 48 px, variance 9:
+ * -2304 9 2.25 / (4 pi 6.75^3) = -12.07 a stamp. */
+static void noise_stamps_without_noise(void **state) {
+    (void)state;
+    const shear_plan_info wide = {
+        .interpolation = SHEAR_INTERP_NONE, .r_psf_px = 1.5, .beta_px = 3.0, .geometry = {48, 48}};
+    shear_result r = sound();
+    shear_cause cause;
+    r.noise_level = r.noise_level_err = r.noise_shape = r.noise_shape_err = NAN;
+    r.noise_share = 0.0;
+    r.sum_weight = 1000.0;
+    r.sum_d = 1000.0 * (60.0 - 12.07);
+    r.border_rough = 9.0;
+    r.border_rough_err = 0.1;
+    r.high_galaxy = NAN;
+    assert_true(fabs(shear_advice_noise_left(&r, &wide) + 12.07 / 60.0) < 1e-4);
+    r.high_galaxy = 9.0;
+    assert_true(fabs(shear_advice_noise_left(&r, &wide) + 12.07 / 60.0) < 1e-4);
+    assert_non_null(shear_advice_no_noise(&r, &wide, text, sizeof text));
+    assert_non_null(strstr(text, "25 % too large")); /* 60/(60 - 12) */
+    assert_null(shear_advice_rough_border(&r, &wide, text, sizeof text));
+    assert_true(shear_cause_of(&r, &wide, &cause));
+    r.high_galaxy = 0.01; /* what is rough on the borders is not noise */
+    assert_null(shear_advice_no_noise(&r, &wide, text, sizeof text));
+    assert_false(shear_cause_of(&r, &wide, &cause));
+    r.high_galaxy = NAN;
+    r.border_excess = 2.0; /* wings */
+    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+    r.border_excess = 0.0;
+    r.border_noise_var = 9.0; /* the correction was switched off */
+    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+    r.border_noise_var = 0.0;
+    r.noise_share = -0.1; /* there is noise, and it is taken off */
+    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+    r.noise_share = 0.0;
+    r.noise_level = 3.0; /* likewise */
+    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+}
+
 static const char *shape_advice(double shape, double err, double share) {
     shear_result r = sound();
     r.noise_shape = shape;
@@ -294,6 +333,7 @@ int main(void) {
         cmocka_unit_test(a_noise_level_that_matters),
         cmocka_unit_test(a_noise_level_that_cannot_be_checked),
         cmocka_unit_test(another_spectrum),
+        cmocka_unit_test(noise_stamps_without_noise),
         cmocka_unit_test(one_stamp_decides),
         cmocka_unit_test(a_long_name_is_cut),
         cmocka_unit_test(one_stamp_decides_the_level),

@@ -105,6 +105,39 @@ static void test_bands(void **state) {
     }
 }
 
+/* Noise stamps over a bright sky whose pixels are random multiples of `step`, up to `most` of them;
+ * `narrow`: as a file of floats holds them. Is there noise in it? */
+static bool is_noise(double sky, double step, int most, bool narrow) {
+    pair p;
+    uint64_t seed = 5;
+    draw(&p, sides[1], "none");
+    pair_set(&p, "artefacts", "keep");
+    for (size_t i = 0; i < pixels_of(&p); i++) {
+        const double pixel = sky + step * floor((most + 1) * uniform(&seed));
+        p.noise[i] = narrow ? (double)(float)pixel : pixel;
+    }
+    const shear_row row = pair_measure(&p);
+    pair_deinit(&p);
+    assert_true((row.high_noise > 0.0) == (row.noise_d != 0.0));
+    return row.high_noise > 0.0;
+}
+
+/* What rounding makes of constant pixels is no noise; what is above it counts. */
+static void test_rounding_is_no_noise(void **state) {
+    (void)state;
+    const double narrow = ldexp(1.0, -10); /* what lies between floats at 10,000, and ... */
+    const double wide = ldexp(1.0, -39);   /* ... doubles */
+    assert_false(is_noise(1e4, 0.0, 1, false));
+    assert_false(is_noise(1e4, wide, 5, false));
+    assert_true(is_noise(1e4, wide, 500, false));
+    assert_false(is_noise(1e4, narrow, 1, true));
+    assert_false(is_noise(1e4, 0.2 * narrow, 10, true));
+    assert_true(is_noise(1e4, narrow, 20, true));
+    assert_true(is_noise(1e4, 0.2 * narrow, 10, false)); /* doubles hold it */
+    assert_true(is_noise(0.0, 1.0, 1, true));            /* counts of photons */
+    assert_true(is_noise(100.0, 1.0, 1, true));
+}
+
 /* Pairs whose galaxies have `planes` noise stamps each. */
 enum { NX = 24, NY = 20, PIXELS = NX * NY, PAIRS = 2, MOST = 5 };
 typedef struct scene {
@@ -653,6 +686,7 @@ static void test_noise_has_no_symmetry(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_noise_has_its_own_moments),
+        cmocka_unit_test(test_rounding_is_no_noise),
         cmocka_unit_test(test_bands),
         cmocka_unit_test(test_planes_are_averaged),
         cmocka_unit_test(test_every_plane_is_looked_at),

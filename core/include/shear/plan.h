@@ -56,6 +56,12 @@ typedef struct shear_plan_info {
     shear_psf_summary psf; /* what the PSF looked like; of several: shear_plan_note_psfs */
 } shear_plan_info;
 
+/* By how much stamps that are too small for beta bias the shear, as a part of it or, of stamps that
+ * are not square, beside it: a transform takes them for periodic. Of a round Gaussian galaxy 1.5
+ * times as large as the PSF, of a shear of 0.02, without noise and filter (docs/method.md, section
+ * 3.2). Estimates above 0.1 are orders of magnitude only; a galaxy that is larger has more. */
+double shear_plan_periodic_bias(const shear_plan_info *plan);
+
 /* Make a plan.
  *   psf     [psf_ny][psf_nx]: the field's one PSF; or NULL where each stamp brings its own
  * (shear_stamps.psf) r_psf_px scale radius used for the automatic choices where psf is NULL (see

@@ -161,8 +161,10 @@ typedef struct shear_result {
     double noise_effect;                 /* what alpha - 1 changes sum w D by, as a part of it */
     double noise_shape, noise_shape_err; /* alpha beyond Nyquist over that below it, minus 1: not 0
                                             where the two noises' spectra differ; NaN: not known */
-    double noise_share;        /* noise stamps' part of sum w D: sum w noise D / sum w D */
-    double mean_flux;          /* of the used stamps */
+    double high_galaxy; /* the galaxy stamps' mean power at high k, as a variance a pixel; NaN: not
+                           looked at */
+    double noise_share; /* noise stamps' part of sum w D: sum w noise D / sum w D */
+    double mean_flux;   /* of the used stamps */
     double filter_removed;     /* part of the stacked flux that the filter removes ... */
     double filter_removed_err; /* ... and its 1-sigma error */
     double border_excess;      /* mean border pixel, galaxy minus noise ... */

@@ -9,6 +9,7 @@
 #include "shear/plan.h"
 #include "shear/sums.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* The filter takes more than 1 % off the stacked flux (and more than 3 errors): the shear is
@@ -58,6 +59,25 @@ const char *shear_advice_noise_unchecked(const shear_result *r, const shear_plan
 const char *shear_advice_noise_shape(const shear_result *r, const shear_plan_info *plan, char *buf,
                                      size_t size);
 
+/* The noise stamps hold no noise and the galaxies do: what that makes of sum w D, as a part of what
+ * it would be without; 0 where it is not so, or cannot be told. The noise is taken for white. */
+double shear_advice_noise_left(const shear_result *r, const shear_plan_info *plan);
+/* In words, above 0.2 % of the shear; with or without a shear. */
+const char *shear_advice_no_noise(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                  size_t size);
+
+/* The stamps are too small for beta, by more than 0.2 % of the shear (shear_plan_periodic_bias). */
+const char *shear_advice_small_stamps(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                      size_t size);
+
+/* What makes the shear wrong by more than a percent, or leaves none, beyond all that can be
+ * corrected: noise stamps without noise, or with noise of another spectrum, and stamps that are too
+ * small for any shear. Static words. False: nothing of that. */
+typedef struct shear_cause {
+    const char *words, *advice;
+} shear_cause;
+bool shear_cause_of(const shear_result *r, const shear_plan_info *plan, shear_cause *cause);
+
 /* The noise level has an error of more than half of it, and that matters: one stamp decides it. */
 const char *shear_advice_noise_scatter(const shear_result *r, const shear_plan_info *plan,
                                        char *buf, size_t size);
@@ -75,7 +95,7 @@ const char *shear_advice_influence(const shear_result *r, const char *top_file, 
 
 /* All that there is to say: the warnings of `shearctl measure` and of the service. */
 enum {
-    SHEAR_RESULT_ADVICES = 9,
+    SHEAR_RESULT_ADVICES = 11,
     SHEAR_PSF_ADVICES = SHEAR_N_PSF_FLAWS + 1,
     SHEAR_ADVICES = 1 + SHEAR_RESULT_ADVICES + SHEAR_PSF_ADVICES,
     SHEAR_ADVICE_SIZE = 640

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What makes a field's shear wrong, or takes it away, whatever the numbers say. */
+#include "sheard/advice.h"
+
+#include "sheard/no_shear.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double BIAS_MIN = 2e-3; /* of the shear, to be told */
+static const double BIAS_BAD = 1e-2; /* to be a reason against a file */
+static const double BIAS_NONE = 0.1; /* that may leave no shear at all */
+static const double SIGMA = 4.0;
+static const double NOTHING = 0.01; /* of the galaxies' noise: as good as none */
+static const double SMOOTH = 4.0;   /* a border that varies by less than twice its mean: wings? */
+
+/* What a pixel's noise under the galaxies varies by; 0 where it cannot be told. Read off at high k
+ * or, where the PSF leaves no wave numbers for that, from the borders. */
+static double noise_of_galaxies(const shear_result *r) {
+    const double wings = SMOOTH * r->border_excess * r->border_excess;
+    const bool rough = r->border_rough > SIGMA * r->border_rough_err && r->border_rough > wings;
+    return isfinite(r->high_galaxy) ? r->high_galaxy : rough ? r->border_rough : 0.0;
+}
+
+/* What white noise of that variance adds to a stamp's D, behind a PSF near a Gaussian: the integral
+ * of (k^2 - beta^2 k^4/2) T over the plane of modes. */
+static double d_of_noise(double variance, const shear_plan_info *plan) {
+    const double r2 = plan->r_psf_px * plan->r_psf_px;
+    const double gamma2 = plan->beta_px * plan->beta_px - r2;
+    const double area = (double)plan->geometry.nx * plan->geometry.ny;
+    return gamma2 > 0.1 * r2 ? -variance * area * r2 / (4.0 * M_PI * pow(gamma2, 3.0)) : 0.0;
+}
+
+double shear_advice_noise_left(const shear_result *r, const shear_plan_info *plan) {
+    const double variance = noise_of_galaxies(r);
+    const double noise_d = r->sum_weight * d_of_noise(variance, plan);
+    const double corrected = r->noise_share * r->sum_d; /* by the noise stamps */
+    const bool has_none = !isfinite(r->noise_level) && variance > 0.0 &&
+                          fabs(corrected) < NOTHING * fabs(noise_d) &&
+                          r->border_noise_var < NOTHING * (r->border_rough + r->border_noise_var);
+    return has_none ? noise_d / fabs(r->sum_d - noise_d) : 0.0;
+}
+
+const char *shear_advice_no_noise(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                  size_t size) {
+    char effect[64] = "and there is no shear";
+    const double left = shear_advice_noise_left(r, plan);
+    if (!(fabs(left) > BIAS_MIN)) {
+        return NULL;
+    }
+    if (r->valid) {
+        snprintf(effect, sizeof effect, "which makes the shear %.2g %% too %s",
+                 100.0 * fabs(left / (1.0 + left)), left > 0.0 ? "small" : "large");
+    }
+    snprintf(buf, size,
+             "the noise stamps hold no noise (or only what rounding makes), and the galaxies do, "
+             "of a variance of about %.2g a pixel: it is not taken off, %s; give noise stamps of "
+             "the same image",
+             noise_of_galaxies(r), effect);
+    return buf;
+}
+
+const char *shear_advice_small_stamps(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                      size_t size) {
+    char much[32] = "by more than 10 %";
+    const double bias = shear_plan_periodic_bias(plan);
+    (void)r;
+    if (!(bias > BIAS_MIN)) {
+        return NULL;
+    }
+    if (bias < BIAS_NONE) {
+        snprintf(much, sizeof much, "by about %.1g %%", 100.0 * bias);
+    }
+    snprintf(buf, size,
+             "stamps of %d x %d px are small for beta = %.3g px, since a transform takes them for "
+             "periodic: the shear of galaxies 1.5 times as large as the PSF is biased %s; cut "
+             "stamps of %.0f px at least (10 beta), or larger",
+             plan->geometry.nx, plan->geometry.ny, plan->beta_px, much, ceil(10.0 * plan->beta_px));
+    return buf;
+}
+
+/* The noises' spectra differ by so much. */
+static bool has_wrong_noise(const shear_result *r, const shear_plan_info *plan) {
+    char line[SHEAR_ADVICE_SIZE];
+    return shear_advice_noise_shape(r, plan, line, sizeof line) != NULL &&
+           fabs(r->noise_shape * r->noise_share) > BIAS_BAD;
+}
+
+static bool lacks_shear(const shear_result *r) {
+    return !r->valid &&
+           (r->why == SHEAR_TOO_NARROW || r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED) &&
+           !shear_one_outweighs(r);
+}
+
+bool shear_cause_of(const shear_result *r, const shear_plan_info *plan, shear_cause *cause) {
+    const bool looked_at = r->valid || lacks_shear(r);
+    if (looked_at && fabs(shear_advice_noise_left(r, plan)) > BIAS_BAD) {
+        *cause = (shear_cause){"the noise stamps hold no noise, and the galaxies do",
+                               "give noise stamps of the same image as the galaxies"};
+    } else if (has_wrong_noise(r, plan)) {
+        *cause = (shear_cause){
+            "the noise under the galaxies has another spectrum than that of the noise stamps",
+            "take noise stamps from the same image, resampled alike"};
+    } else if (lacks_shear(r) && shear_plan_periodic_bias(plan) > BIAS_NONE) {
+        *cause = (shear_cause){
+            "the stamps are too small for beta, or the PSF is not as wide (OVERSAMP forgotten?)",
+            "cut stamps that are 10 beta wide at least; give the keyword OVERSAMP where the PSF "
+            "has several samples a galaxy pixel"};
+    } else {
+        return false;
+    }
+    return true;
+}
