@@ -105,10 +105,10 @@ static int prepare(const struct request *r, struct ways *w, shear_error *err) {
                           TRIAL_MAX_LEVELS - 1);
     }
     for (int i = 0; i < snrs->n; i++) {
-        t->levels[t->n_levels++] = (struct trial_level){snrs->v[i], 1.0};
+        t->levels[t->n_levels++] = (struct trial_level){.snr = snrs->v[i], .range = 1.0};
     }
-    t->levels[t->n_levels++] =
-        (struct trial_level){request_number(r, "broad"), request_number(r, "range")};
+    t->levels[t->n_levels++] = (struct trial_level){.snr = request_number(r, "broad"),
+                                                    .range = request_number(r, "range")};
     return list_ways(r, w, err);
 }
 

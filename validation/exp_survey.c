@@ -37,7 +37,7 @@ static struct trial trial_of(const struct request *r, int row) {
                       .g = {r->mock.g1, r->mock.g2},
                       .n_ways = SURVEY_WAYS};
     for (int i = 0; i < snrs->n && i < TRIAL_MAX_LEVELS; i++) {
-        t.levels[t.n_levels++] = (struct trial_level){snrs->v[i], 1.0};
+        t.levels[t.n_levels++] = (struct trial_level){.snr = snrs->v[i], .range = 1.0};
     }
     for (int i = 0; i < SURVEY_WAYS; i++) {
         t.ways[i] = r->settings;

@@ -53,6 +53,7 @@ extern const struct experiment exp_efficiency;
 extern const struct experiment exp_survey;
 extern const struct experiment exp_precision;
 extern const struct experiment exp_narrow;
+extern const struct experiment exp_selection;
 
 /* The table, ended by NULL, in the order of the paper. */
 const struct experiment *const *experiment_table(void);

@@ -187,3 +187,34 @@ int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_o
     free(v);
     return code;
 }
+
+/* v[0] += sign m */
+static int add_m(const struct harvest *h, const struct trial *t, struct choice c, double sign,
+                 double *v, shear_error *err) {
+    double values[N_VALUES];
+    const int code = values_of(h, t, c, values, err);
+    *v += code ? 0.0 : sign * values[0];
+    return code;
+}
+
+static int shift_of(const struct harvest *h, const struct harvest *reference, const struct trial *t,
+                    struct choice c, double *v, shear_error *err) {
+    *v = 0.0;
+    const int code = add_m(h, t, c, 1.0, v, err);
+    return code ? code : add_m(reference, t, c, -1.0, v, err);
+}
+
+int harvest_shift(const struct harvest *h, const struct harvest *reference, const struct trial *t,
+                  double *shift, double *shift_err, shear_error *err) {
+    double factor;
+    const int n = pieces_of(h, &factor);
+    int code = SHEAR_OK;
+    double *v = memory_new((size_t)n * N_VALUES, sizeof *v, "errors", &code, err);
+    for (int i = 0; code == SHEAR_OK && i < n; i++) {
+        code = shift_of(h, reference, t, piece(h, n, i), &v[(size_t)i * N_VALUES], err);
+    }
+    *shift_err = code ? NAN : spread(v, n, 0, factor);
+    free(v);
+    const struct choice all = {0, h->groups, false};
+    return code ? code : shift_of(h, reference, t, all, shift, err);
+}

@@ -8,8 +8,9 @@
 #include <string.h>
 
 static const struct experiment *const table[] = {
-    &exp_noise,  &exp_images,     &exp_single, &exp_pixels,    &exp_overall, &exp_shot, &exp_bias,
-    &exp_errors, &exp_efficiency, &exp_survey, &exp_precision, &exp_narrow,  NULL,
+    &exp_noise,     &exp_images, &exp_single,     &exp_pixels, &exp_overall,   &exp_shot,
+    &exp_bias,      &exp_errors, &exp_efficiency, &exp_survey, &exp_precision, &exp_narrow,
+    &exp_selection, NULL,
 };
 
 const struct experiment *const *experiment_table(void) {

@@ -170,14 +170,19 @@ int studio_draw(struct studio *s, int64_t first, int count, shear_error *err) {
 
 /* ---- writing ---- */
 
+double studio_snr(const struct studio *s, const struct trial_level *level, int k) {
+    const struct trial *t = s->trial;
+    const struct brightness fluxes = {.range = level->range,
+                                      .slope = level->slope != 0.0 ? level->slope : 2.5};
+    return level->snr * brightness_flux(&fluxes, t->seed, (s->first + k) / t->copies);
+}
+
 static void compose(struct studio *s, const struct trial_level *level, int sign) {
     const struct trial *t = s->trial;
-    const struct brightness fluxes = {.range = level->range, .slope = 2.5};
 #pragma omp parallel for schedule(static) num_threads(s->threads)
     for (int k = 0; k < s->count; k++) {
         const size_t offset = (size_t)k * s->pixels;
-        const double snr =
-            level->snr * brightness_flux(&fluxes, t->seed, (s->first + k) / t->copies);
+        const double snr = studio_snr(s, level, k);
         double *galaxy = s->stamps[0] + offset;
         for (size_t i = 0; i < s->pixels; i++) {
             galaxy[i] = snr * s->bare[sign][offset + i];
@@ -243,4 +248,9 @@ int studio_write(struct studio *s, const struct trial_level *level, int sign, co
         return code;
     }
     return shear_field_finish(w, err);
+}
+
+struct studio_view studio_look(const struct studio *s, int sign) {
+    return (struct studio_view){
+        .galaxy = s->stamps[0], .noise = s->stamps[1], .bare = s->bare[sign]};
 }

@@ -18,9 +18,10 @@ enum { TRIAL_MAX_LEVELS = 8, TRIAL_MAX_WAYS = 16 };
 
 /* sqrt(sum of squares of the noise-free, unsheared image) over the noise of a pixel (of the sky
  * alone, where photons are counted), as in GREAT3: of all galaxies, or of the faintest, where
- * fluxes have a power law, dn/dF ~ F^-2.5, up to `range` times the least. */
+ * fluxes have a power law, dn/dF ~ F^-slope, up to `range` times the least. */
 struct trial_level {
     double snr, range;
+    double slope; /* 0 = 2.5 */
 };
 
 struct trial {

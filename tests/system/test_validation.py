@@ -91,7 +91,7 @@ class Usage(ExperimentTest):
     def test_help(self):
         names = subprocess.run([PAPER, "help"], capture_output=True, text=True, check=True).stdout
         for name in ("noise", "images", "single", "pixels", "overall", "shot", "bias", "errors", "efficiency", "survey",
-                     "precision", "narrow"):
+                     "precision", "narrow", "selection"):
             self.assertIn(name, names)
             text = subprocess.run([PAPER, "help", name], capture_output=True, text=True, check=True).stdout
             self.assertIn(f"usage: shear-paper {name}", text)
@@ -343,6 +343,35 @@ class Narrow(ExperimentTest):
             self.assertLess(self.one(settings="zhang2010", r_psf=0.7)[m], -0.005)
             self.assertLess(abs(self.one(settings="zhang2010", r_psf=1.2)[m]), 1e-3)
         self.assertTrue(0.3 < float(self.meta["limit"]) < 0.4, self.meta["limit"])
+
+
+class Selection(ExperimentTest):
+    SMALL = ("--galaxies", 1600, "--groups", 16, "--kept", "1,0.5")
+
+    def half(self, cut, estimator="mean"):
+        return self.one(cut=cut, estimator=estimator, asked=0.5)
+
+    def test_a_cut_that_keeps_all_changes_nothing(self):
+        self.run_paper("selection", *self.SMALL)
+        for estimator in ("mean", "pdf-sym"):
+            whole = self.some(estimator=estimator, asked=1)
+            self.assertEqual(len(whole), 6)
+            self.assertEqual({(r["m"], r["m_err"]) for r in whole}, {(whole[0]["m"], whole[0]["m_err"])})
+            self.assertEqual({(r["shift"], r["shift_err"]) for r in whole}, {(0, 0)})
+        true = self.half("true S/N")
+        self.assertLess(abs(true["shift"]), 1e-3 + 3 * true["shift_err"])
+        self.assertLess(true["shift_err"], 8e-3, "the test has no teeth where errors are large")
+        self.assertLess(abs(true["kept"] - 0.5), 0.01)
+        noisy = self.half("D")
+        self.assertLess(noisy["shift"] + 3 * noisy["shift_err"], -0.01, "D's noise is what is cut on")
+
+    def test_without_noise_only_shear_is_cut_on(self):
+        self.run_paper("selection", *self.SMALL, "--faintest", 3000)
+        for cut in ("true S/N", "FLUX", "SNR"):
+            self.assertLess(abs(self.half(cut)["shift"]), 2e-4, "no shear changes the whole flux")
+        self.assertLess(self.half("aperture S/N")["shift"], -3e-3, "a stretched galaxy loses light from the aperture")
+        self.assertAlmostEqual(self.half("aperture S/N")["shift"], self.half("deep aperture")["shift"], delta=1e-3)
+        self.assertLess(self.half("D")["shift"], -3e-3)
 
 
 if __name__ == "__main__":
