@@ -45,6 +45,8 @@ struct run {
     struct studio *studio;
     struct stamp *stamps; /* [2][trial.stamps]: +g, -g */
     shear_row *rows;      /* of a group */
+    double *aperture;     /* [side][side] */
+    double aperture_noise;
     double beta_px;
     char path[SCRATCH_PATH];
 };
@@ -54,32 +56,39 @@ static int64_t begin_of(const struct run *run, int group) {
     return t->stamps / t->copies * group / t->groups * t->copies;
 }
 
-/* Sum of the image under the aperture, over what noise of 1 a pixel scatters it by. */
-static double aperture_snr(const double *image, int side, double sigma) {
-    double sum = 0.0;
+/* A round Gaussian about the stamp's centre, and what noise of 1 a pixel scatters its sum by. */
+static void fill_aperture(struct run *run) {
+    const int side = run->trial.flaw->side;
+    const double sigma = request_number(run->request, "aperture");
     double square = 0.0;
     for (int i = 0; i < side * side; i++) {
         const double x = i % side - 0.5 * (side - 1);
         const double y = (double)(i / side) - 0.5 * (side - 1);
-        const double w = exp(-0.5 * (x * x + y * y) / (sigma * sigma));
-        sum += w * image[i];
-        square += w * w;
+        run->aperture[i] = exp(-0.5 * (x * x + y * y) / (sigma * sigma));
+        square += run->aperture[i] * run->aperture[i];
     }
-    return sum / sqrt(square);
+    run->aperture_noise = sqrt(square);
+}
+
+static double aperture_snr(const struct run *run, const double *image) {
+    double sum = 0.0;
+    for (int i = 0; i < run->trial.flaw->side * run->trial.flaw->side; i++) {
+        sum += run->aperture[i] * image[i];
+    }
+    return sum / run->aperture_noise;
 }
 
 static void take(const struct run *run, int k, int sign, struct stamp *s) {
     const struct studio_view view = studio_look(run->studio, sign);
     const int side = run->trial.flaw->side;
     const size_t at = (size_t)k * (size_t)side * (size_t)side;
-    const double sigma = request_number(run->request, "aperture");
     const double snr = studio_snr(run->studio, &run->trial.levels[0], k);
     s->row = run->rows[k];
     s->value[CUT_TRUE] = snr;
     s->value[CUT_FLUX] = s->row.flux;
     s->value[CUT_SNR] = s->row.snr;
-    s->value[CUT_APERTURE] = aperture_snr(view.galaxy + at, side, sigma);
-    s->value[CUT_DEEP] = snr * aperture_snr(view.bare + at, side, sigma);
+    s->value[CUT_APERTURE] = aperture_snr(run, view.galaxy + at);
+    s->value[CUT_DEEP] = snr * aperture_snr(run, view.bare + at);
     s->value[CUT_D] = s->row.d;
 }
 
@@ -245,6 +254,11 @@ static int prepare(struct run *run, shear_error *err) {
     const int64_t most = (t->stamps / t->copies / t->groups + 1) * t->copies;
     run->stamps = memory_new(2 * (size_t)t->stamps, sizeof *run->stamps, "stamps", &code, err);
     run->rows = memory_new((size_t)most, sizeof *run->rows, "rows", &code, err);
+    run->aperture =
+        memory_new((size_t)(t->flaw->side * t->flaw->side), sizeof(double), "pixels", &code, err);
+    if (code == SHEAR_OK) {
+        fill_aperture(run);
+    }
     code = code ? code : studio_new(&run->studio, t, (int)most, err);
     return code ? code : scratch_new(run->path, err);
 }
@@ -259,6 +273,7 @@ static int work(void *context, int chunk, double *values, shear_error *err) {
     code = code ? code : cut_all(&run, (struct selection_outcome *)values, err);
     free(run.stamps);
     free(run.rows);
+    free(run.aperture);
     studio_free(run.studio);
     scratch_free(run.path);
     return code;
