@@ -18,7 +18,9 @@ static const struct {
     {"bad_weight", "CATALOG.WEIGHT is negative, not finite, or above 0 but below 1e-100"},
     {"bad_r_gal", "CATALOG.R_GAL is not positive and finite, and the filter needs it"},
     {"overflow", "the pixels are finite, but the moments, or the sums made of them, are not"},
-    {"artefact", "a pixel sharper than the PSF can be, or below the sky, in the galaxy stamp"},
+    {"artefact",
+     "a pixel sharper than the PSF can be, below the sky, or one of a saturated flat top, in "
+     "the galaxy stamp"},
     {"noise_artefact", "a pixel sharper than the PSF can be, or below the sky, in the noise stamp"},
 };
 

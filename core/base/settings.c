@@ -81,7 +81,7 @@ static const shear_setting_def table[] = {
      "noise; with background = noise-mean)"},
     {"artefacts", "ARTEFACT", SHEAR_T_CHOICE, AT(artefacts), artefacts, 0, 0, false, "", "WHAT",
      "stamps with a pixel that is sharper than the PSF can be, or below the sky (cosmic rays, hot "
-     "pixels, sentinels): flag (they are left out), or keep"},
+     "pixels, sentinels), or with a saturated flat top: flag (they are left out), or keep"},
     {"bad-value", "BADVALUE", SHEAR_T_DOUBLE, AT(bad_value), NULL, -1e300, 1e300, true, "", "VALUE",
      "pixels of this value count as NaN: -9999, say; none: there are no such pixels"},
 };

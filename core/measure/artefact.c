@@ -33,9 +33,7 @@ static double median(double *values, size_t n) {
     return values[n / 2];
 }
 
-/* Median of the one-pixel border, and the noise that the median deviation from it stands for. */
-static void look_at_border(const double *pixels, int nx, int ny, double *middle, double *sigma) {
-    double values[4 * SHEAR_MAX_SIDE];
+size_t artefact_border(const double *pixels, int nx, int ny, double *values) {
     size_t n = 0;
     for (int x = 0; x < nx; x++) {
         values[n++] = pixels[x];
@@ -45,6 +43,13 @@ static void look_at_border(const double *pixels, int nx, int ny, double *middle,
         values[n++] = pixels[(size_t)y * (size_t)nx];
         values[n++] = pixels[(size_t)(y + 1) * (size_t)nx - 1];
     }
+    return n;
+}
+
+/* Median of the one-pixel border, and the noise that the median deviation from it stands for. */
+static void look_at_border(const double *pixels, int nx, int ny, double *middle, double *sigma) {
+    double values[4 * SHEAR_MAX_SIDE];
+    const size_t n = artefact_border(pixels, nx, ny, values);
     *middle = median(values, n);
     for (size_t i = 0; i < n; i++) {
         values[i] = fabs(values[i] - *middle);
@@ -52,9 +57,7 @@ static void look_at_border(const double *pixels, int nx, int ny, double *middle,
     *sigma = sigma_of_mad * median(values, n);
 }
 
-/* The noise of a pixel, the one that is farthest from the mean left out: it may be an artefact.
- * Where it leaves nothing of the others but rounding, the border tells. */
-static double sigma_of(const artefact_pair *pair) {
+double artefact_sigma(const artefact_pair *pair) {
     static const double rounding = 1e-9;
     const photometry *ph = pair->ph;
     const double n = (double)pair->nx * pair->ny;
@@ -155,15 +158,14 @@ static double stand_out_at_ends(const artefact_pair *pair, int x0, double r, dou
     return most;
 }
 
-/* Strip number i, as the photometry has it. */
-static int strip_start(const artefact_pair *pair, int i) {
+int artefact_strip_start(const artefact_pair *pair, int i) {
     const int last = pair->nx - FFT_LANES;
     return i * FFT_LANES < last ? i * FFT_LANES : last;
 }
 
 bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
     const photometry *ph = pair->ph;
-    const double sigma = sigma_of(pair);
+    const double sigma = artefact_sigma(pair);
     if (!(sigma > 0.0)) {
         return false;
     }
@@ -174,7 +176,7 @@ bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
         ph->galaxy_least < dark || ph->noise_least < dark || ph->noise_most > sky + bright;
     for (int i = 0; i * FFT_LANES < pair->nx && !suspected; i++) {
         if (pair->strip_most[i] > sky + bright) {
-            const int x0 = strip_start(pair, i);
+            const int x0 = artefact_strip_start(pair, i);
             suspected = stand_out(pair->galaxy + x0, (size_t)pair->nx, (size_t)pair->ny, s->ratio,
                                   sky, sky + bright) > bright ||
                         stand_out_at_ends(pair, x0, s->ratio, sky + bright) > bright;
@@ -253,7 +255,7 @@ static judge judge_of(const artefact_pair *pair, const double *pixels, const sha
     judge j = {.pixels = pixels, .nx = pair->nx, .ny = pair->ny, .ratio = s->ratio, .sky = sky};
     look_at_border(pixels, pair->nx, pair->ny, &middle, &scatter);
     j.low_sky = fmin(sky, middle);
-    j.sigma = fmax(sigma_of(pair), scatter);
+    j.sigma = fmax(artefact_sigma(pair), scatter);
     j.gain = gain_of(pair, s->ratio);
     j.allowance = s->leak * fmax(0.0, flux) + part_of_peak * peak;
     j.dark = j.low_sky - dark_sigma * j.sigma - dark_part * peak;

@@ -43,4 +43,12 @@ bool artefact_suspected(const artefact_pair *pair, const sharpness *s);
 /* The worst artefact of the galaxy stamp, or, where it has none, of the noise stamp. */
 artefact artefact_find(const artefact_pair *pair, const sharpness *s);
 
+/* The noise of a pixel of the noise stamp, the one that is farthest from the mean left out: it may
+ * be an artefact. Where it leaves nothing of the others but rounding, the border tells. */
+double artefact_sigma(const artefact_pair *pair);
+/* The one-pixel border into values [4 SHEAR_MAX_SIDE]; how many. */
+size_t artefact_border(const double *pixels, int nx, int ny, double *values);
+/* The first column of strip number i, as the photometry has it. */
+int artefact_strip_start(const artefact_pair *pair, int i);
+
 #endif

@@ -3,6 +3,7 @@
 #include "measure/photometry.h"
 #include "measure/plan_impl.h"
 #include "measure/row.h"
+#include "measure/saturation.h"
 #include "measure/spectra.h"
 
 #include <math.h>
@@ -165,13 +166,18 @@ static void find_artefact(const shear_plan *plan, shear_workspace *ws, const she
                                 .ny = stamps->ny,
                                 .ph = &s->ph,
                                 .strip_most = ws->strip_most};
-    if (plan->settings.artefacts == SHEAR_ARTEFACTS_KEEP ||
-        !artefact_suspected(&pair, plan->has_psf ? &plan->sharpness : &weakest)) {
+    artefact found = {.x = -1, .y = -1};
+    if (plan->settings.artefacts == SHEAR_ARTEFACTS_KEEP) {
         return;
     }
-    const sharpness *sharp = choose_sharpness(plan, ws, stamps, i);
-    const artefact found =
-        sharp != NULL ? artefact_find(&pair, sharp) : (artefact){.x = -1, .y = -1};
+    if (artefact_suspected(&pair, plan->has_psf ? &plan->sharpness : &weakest)) {
+        const sharpness *sharp = choose_sharpness(plan, ws, stamps, i);
+        found = sharp != NULL ? artefact_find(&pair, sharp) : found;
+    }
+    const double sigma = artefact_sigma(&pair);
+    if (found.x < 0 && saturation_suspected(&pair, sigma)) {
+        found = saturation_find(&pair, sigma);
+    }
     if (found.x >= 0) {
         row->flags |= found.in_noise ? SHEAR_FLAG_NOISE_ARTEFACT : SHEAR_FLAG_ARTEFACT;
         row->artefact_x = found.x;

@@ -173,6 +173,19 @@ class Artefacts(Case):
                 self.assertEqual(self.result["n_flagged"], 2)
 
 
+    def test_flat_tops(self):
+        """Two galaxies that lose their peaks to a ceiling; and counts of photons, which are often equal."""
+        field = bright(sigma=0.5)
+        for stamp in (5, 40):
+            top = 0.6 * max(field.galaxy[stamp])
+            field.galaxy[stamp] = [min(p, top) for p in field.galaxy[stamp]]
+        self.flags(field, "artefact", [5, 40])
+        counts = bright(sigma=1.0)
+        for stamps in (counts.galaxy, counts.noise):
+            stamps[:] = [[float(round(p + 20.0)) for p in stamp] for stamp in stamps]
+        self.flags(counts, "artefact", [])
+
+
 class OneStampDecides(Case):
     def flagged_or_named(self, field, stamp):
         words = self.told(field)

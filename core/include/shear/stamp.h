@@ -26,8 +26,8 @@ enum shear_flag {
         1u << 6, /* the filter needs CATALOG.R_GAL, which is not positive and finite */
     SHEAR_FLAG_OVERFLOW =
         1u << 7, /* the pixels are finite, but the moments, or the sums made of them, are not */
-    /* A pixel of the galaxy stamp that no sky has made: sharper than the PSF, or below the sky
-     * (docs/method.md, section 8) */
+    /* A pixel of the galaxy stamp that no sky has made: sharper than the PSF, below the sky, or one
+     * of a saturated flat top (docs/method.md, section 8) */
     SHEAR_FLAG_ARTEFACT = 1u << 8,
     SHEAR_FLAG_NOISE_ARTEFACT = 1u << 9 /* the same in the noise stamp */
 };
