@@ -67,8 +67,8 @@ static int handle(int value, const char *argument, void *context) {
     return code;
 }
 
-static int check_options(const struct measure_options *o, int n_files) {
-    const int code = part_options_check(&o->parts, &cmd_measure, n_files);
+static int check_options(struct measure_options *o, char **files, int n_files) {
+    const int code = part_options_settle(&o->parts, &cmd_measure, files, n_files);
     if (code) {
         return code;
     }
@@ -91,7 +91,7 @@ static int parse(int argc, char **argv, struct measure_options *o) {
                                .context = o,
                                .settings = &o->settings};
     const int code = settings_parse(&p, argc, argv);
-    return code ? code : check_options(o, argc - optind);
+    return code ? code : check_options(o, argv + optind, argc - optind);
 }
 
 static int print_json(const struct measure_group *g, const struct measure_options *o) {
@@ -254,6 +254,7 @@ const struct command cmd_measure = {
     .summary = "measure the shear of field files",
     .usage =
         "usage: shearctl measure [OPTION...] FILE...\n"
+        "       shearctl measure [OPTION...] FILE --catalog-in FILE[:HDU]\n"
         "       shearctl measure [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf "
         "FILE[:HDU]\n"
         "\n"

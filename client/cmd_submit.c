@@ -92,8 +92,8 @@ static int contradiction(const char *text) {
     return EXIT_CODE_USAGE;
 }
 
-static int check(const struct submit *o, int n) {
-    const int code = part_options_check(&o->what.parts, &cmd_submit, n);
+static int check(struct submit *o, char **files, int n) {
+    const int code = part_options_settle(&o->what.parts, &cmd_submit, files, n);
     if (code) {
         return code;
     }
@@ -220,17 +220,18 @@ static int run(int argc, char **argv) {
     settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
     shear_settings_init(&o.what.settings);
     int code = service_parse(&cmd_submit, argc, argv, options, handle, &o, &o.service);
-    code = code ? code : check(&o, argc - optind);
+    code = code ? code : check(&o, argv + optind, argc - optind);
     if (code) {
         return code;
     }
-    const size_t n = argc > optind ? (size_t)(argc - optind) : 1; /* 1: separate images */
+    const bool by_parts = part_options_any(&o.what.parts);
+    const size_t n = by_parts ? 1 : (size_t)(argc - optind);
     o.ids = calloc(n, sizeof *o.ids);
     if (!o.ids) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }
-    code = submit(&o, argc > optind ? argv + optind : no_name, n);
+    code = submit(&o, by_parts ? no_name : argv + optind, n);
     service_close(&o.service);
     free(o.ids);
     return code;
@@ -241,6 +242,7 @@ const struct command cmd_submit = {
     .summary = "hand files to the service, as jobs",
     .usage =
         "usage: shearctl submit [OPTION...] FILE|JOB.json|-...\n"
+        "       shearctl submit [OPTION...] FILE --catalog-in FILE[:HDU]\n"
         "       shearctl submit [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf "
         "FILE[:HDU]\n"
         "\n"

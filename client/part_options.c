@@ -27,14 +27,30 @@ static int contradiction(const struct command *command, const char *text) {
     return EXIT_CODE_USAGE;
 }
 
-int part_options_check(const struct part_options *o, const struct command *command, int n_files) {
+/* Another table for a field file: its parts, and that. */
+static void take_file(struct part_options *o, const char *file) {
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        o->given[i] = i == SHEAR_PART_CATALOG ? o->given[i] : file;
+    }
+}
+
+int part_options_settle(struct part_options *o, const struct command *command, char **files,
+                        int n_files) {
+    const bool some =
+        o->given[SHEAR_PART_GALAXY] || o->given[SHEAR_PART_NOISE] || o->given[SHEAR_PART_PSF];
     const bool all =
         o->given[SHEAR_PART_GALAXY] && o->given[SHEAR_PART_NOISE] && o->given[SHEAR_PART_PSF];
-    if (part_options_any(o) && n_files > 0) {
+    if (some && n_files > 0) {
         return contradiction(command, "give either field files, or --galaxy, --noise and --psf");
     }
-    if (part_options_any(o) && !all) {
+    if (o->given[SHEAR_PART_CATALOG] && n_files > 1) {
+        return contradiction(command, "--catalog-in goes with one field file");
+    }
+    if (part_options_any(o) && !all && n_files < 1) {
         return contradiction(command, "--galaxy, --noise and --psf belong together");
+    }
+    if (o->given[SHEAR_PART_CATALOG] && n_files == 1) {
+        take_file(o, files[0]);
     }
     return !all && n_files < 1 ? contradiction(command, "which files?") : EXIT_CODE_DONE;
 }

@@ -26,7 +26,8 @@ enum { PART_OPTION_FIRST = 3072 };
     "  --psf FILE[:HDU]        PSF image or images (default: PSF, else the first image)\n"         \
     "  --catalog-in FILE[:HDU]  the table that goes with them (default: CATALOG of the "           \
     "galaxies'\n"                                                                                  \
-    "                          file, where there is one)\n"
+    "                          file, where there is one); with a field file: in place of its "     \
+    "own\n"
 
 /* What was given: "FILE" or "FILE:HDU", or NULL. Begin as {0}. */
 struct part_options {
@@ -37,9 +38,11 @@ bool part_options_is(int value);
 void part_options_set(struct part_options *o, int value, const char *argument);
 /* Is any given? */
 bool part_options_any(const struct part_options *o);
-/* All that belong together, and no field files (`n_files`) beside them? Returns an exit code, with
- * an error printed. */
-int part_options_check(const struct part_options *o, const struct command *command, int n_files);
+/* All that belong together, and no field files beside them? But a catalogue alone goes with one
+ * field file, whose own it replaces: then that file becomes the other parts. `files` [n_files] must
+ * stay. Returns an exit code, with an error printed. */
+int part_options_settle(struct part_options *o, const struct command *command, char **files,
+                        int n_files);
 
 /* The input that they name, and what its texts are kept in. */
 struct part_input {

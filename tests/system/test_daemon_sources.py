@@ -106,6 +106,18 @@ class Separate(Sources):
         job = json.loads(run.stdout)["job"]
         self.assertEqual(numbers(job["result"]), numbers(measured_parts(parts)))
 
+    def test_another_catalogue_for_a_field_file(self):
+        whole, _ = self.cut(self.d)
+        table = os.path.join(self.d.data, "cut.fits")
+        with open(table, "wb") as f:
+            f.write(fitsfile.primary() + fitsfile.table("CATALOG", [("FLAGS", "J", [i % 3 for i in range(12)])]))
+        run = subprocess.run([SHEARCTL, "submit", "--wait", "--json", whole, "--catalog-in", table],
+                             env={**os.environ, "SHEARD_SOCKET": self.d.socket}, check=True,
+                             capture_output=True, encoding="utf-8")
+        job = json.loads(run.stdout)["job"]
+        self.assertEqual(job["result"]["flags"]["masked"], 8)
+        self.assertEqual(job["field"], measured_parts({}, whole, "--catalog-in", table)["field"])
+
     def test_job_file_in_the_watch_folder(self):
         _, parts = self.cut(self.d)
         self.d.drop(None, "j.json", json.dumps({**parts, "field": "dropped"}).encode())

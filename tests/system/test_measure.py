@@ -437,6 +437,18 @@ class Parts(ToolTest):
             self.assertFails(shearctl("measure", *options, "--catalog", path, "--force"), USAGE,
                              "one of the input files")
 
+    def test_another_catalogue_for_a_field_file(self):
+        field = Field(n=6, sigma=0.2)
+        field.columns = [("WEIGHT", "D", [1.0] * 6)]
+        whole = field.write(self.path("whole.fits"))
+        own = self.measure_one(whole)
+        field.columns = [("WEIGHT", "D", [1.0, 2.0, 1.0, 3.0, 1.0, 1.0]), ("FLAGS", "J", [0, 0, 1, 0, 0, 0])]
+        other = field.write(self.path("other.fits"))
+        result = self.measure_one(whole, "--catalog-in", other)
+        self.assertEqual(numbers(result), numbers(self.measure_one(other)))
+        self.assertEqual((result["field"], result["flags"]["masked"], own["flags"]["masked"]), ("gauss", 1, 0))
+        self.assertFails(shearctl("measure", whole, other, "--catalog-in", other), USAGE, "one field file")
+
     def test_usage(self):
         whole, options = self.cut(Field(n=4))
         self.assertFails(shearctl("measure", *options, whole), USAGE, "either field files")
