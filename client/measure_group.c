@@ -204,25 +204,20 @@ static int fail_invalid(const struct measure_group *g, shear_error *err) {
 
 /* The advice is on the first file's PSF; others may have others. */
 static void warn_of_other_psfs(struct measure_group *g) {
+    char line[SHEAR_ADVICE_SIZE];
+    size_t n = 0;
+    shear_report_file *files = calloc(g->n, sizeof *files);
+    for (size_t i = 0; files && i < g->n; i++) {
+        if (g->inputs[i]->measured) {
+            files[n++] =
+                (shear_report_file){.path = g->inputs[i]->path, .plan = &g->inputs[i]->report.plan};
+        }
+    }
     const struct measure_input *first = measure_group_first(g);
-    const struct measure_input *example = NULL;
-    shear_advice_list said = {.n = 0};
-    size_t doubtful = 0;
-    for (size_t i = 0; i < g->n; i++) {
-        shear_advice_list list = {.n = 0};
-        if (g->inputs[i]->measured && g->inputs[i] != first) {
-            shear_advice_psf(&list, &g->inputs[i]->report.plan);
-        }
-        if (list.n > 0 && !example) {
-            example = g->inputs[i];
-            shear_advice_psf(&said, &example->report.plan);
-        }
-        doubtful += list.n > 0;
+    if (files && shear_advice_other_psfs(files, n, first->path, line, sizeof line)) {
+        warnings_add(&g->warnings, "%s", line);
     }
-    if (example) {
-        warnings_add(&g->warnings, "%zu of %zu files after the first have doubtful PSFs: %s: %s",
-                     doubtful, g->n - 1, example->path, said.lines[0]);
-    }
+    free(files);
 }
 
 /* What stands out in the result. A field without a usable stamp is bad input, but its counts are

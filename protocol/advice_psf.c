@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 /* "3 of 64 PSFs looked at (the worst): " where there are several, then the words. */
 static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
@@ -114,4 +115,30 @@ void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan) {
             list->n++;
         }
     }
+}
+
+const char *shear_advice_other_psfs(const shear_report_file *files, size_t n, const char *first,
+                                    char *buf, size_t size) {
+    shear_advice_list said = {.n = 0};
+    const char *example = NULL;
+    size_t others = 0;
+    size_t doubtful = 0;
+    for (size_t i = 0; i < n; i++) {
+        shear_advice_list list = {.n = 0};
+        if (files[i].path != NULL && first != NULL && strcmp(files[i].path, first) == 0) {
+            continue;
+        }
+        others++;
+        if (files[i].plan != NULL) {
+            shear_advice_psf(example != NULL ? &list : &said, files[i].plan);
+        }
+        doubtful += list.n > 0 || (example == NULL && said.n > 0);
+        example = example == NULL && said.n > 0 ? files[i].path : example;
+    }
+    if (doubtful == 0) {
+        return NULL;
+    }
+    snprintf(buf, size, "%zu of %zu files after the first have doubtful PSFs: %.200s: %s", doubtful,
+             others, example != NULL ? example : "a file", said.lines[0]);
+    return buf;
 }

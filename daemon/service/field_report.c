@@ -102,12 +102,30 @@ static char *find_top_file(service *s, const store_field *f, const shear_result 
     return path;
 }
 
+/* What is said of the field, and of its files' PSFs. */
+typedef struct warnings_said {
+    shear_advice_list advice;
+    char others[SHEAR_ADVICE_SIZE];
+    const char *lines[SHEAR_ADVICES + 1]; /* [n] */
+    size_t n;
+} warnings_said;
+
+static void say(warnings_said *w, const shear_result *result, const shear_account *first,
+                const char *top_file, const shear_report_file *files, size_t n) {
+    shear_advice_all(&w->advice, result, first->file.plan, top_file);
+    memcpy(w->lines, w->advice.lines, w->advice.n * sizeof *w->lines);
+    w->n = w->advice.n;
+    if (shear_advice_other_psfs(files, n, first->file.path, w->others, sizeof w->others) != NULL) {
+        w->lines[w->n++] = w->others;
+    }
+}
+
 static int write_report(const store_field *f, const shear_settings *settings,
                         const shear_result *result, const shear_account *first,
                         const store_truth *truth, const char *top_file,
                         const shear_report_file *files, size_t n, char **text, shear_error *err) {
-    shear_advice_list advice;
-    shear_advice_all(&advice, result, first->file.plan, f->jobs > 1 ? top_file : NULL);
+    warnings_said said;
+    say(&said, result, first, f->jobs > 1 ? top_file : NULL, files, n);
     const shear_report report = {.field = f->name,
                                  .result = result,
                                  .settings = settings,
@@ -118,8 +136,8 @@ static int write_report(const store_field *f, const shear_settings *settings,
                                  .has_truth = truth->known,
                                  .true_g1 = truth->g1,
                                  .true_g2 = truth->g2,
-                                 .warnings = advice.lines,
-                                 .n_warnings = advice.n,
+                                 .warnings = said.lines,
+                                 .n_warnings = said.n,
                                  .seconds = 1e-6 * (double)f->elapsed_us};
     return shear_report_json(text, &report, err);
 }

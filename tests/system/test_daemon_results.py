@@ -147,6 +147,18 @@ class ResultsTest(DaemonTest):
         self.assertEqual(len(self.row(d, "own-False")["warnings"]), 1)
         self.assertEqual(self.row(d, "own-True")["warnings"], expected["warnings"])
 
+    def test_doubtful_psfs_of_later_files(self):
+        """As `shearctl measure` of the files in this order tells them."""
+        d, paths = self.daemon(), []
+        for i, level in enumerate((0.0, 0.02, 0.0, 0.03)):
+            field = Field(n=4 + i, name="several")
+            field.psf = [p + level * max(field.psf) for p in field.psf]
+            paths.append(field.write(d.path("data", f"{i}.fits")))
+            d.wait_state(d.submit(paths[-1])["id"], "done")
+        (words,) = self.row(d, "several")["warnings"]
+        self.assertIn("2 of 3 files after the first have doubtful PSFs: " + paths[1], words)
+        self.assertEqual([words], measure(paths, {}, "--field", "several")["warnings"])
+
     def several(self, d, field, *hows):
         """Files of one field, counted in this order."""
         paths = []

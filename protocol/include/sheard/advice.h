@@ -8,6 +8,7 @@
 
 #include "shear/plan.h"
 #include "shear/sums.h"
+#include "sheard/report.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -108,6 +109,11 @@ typedef struct shear_advice_list {
 /* Appends what is doubtful in the PSF or the PSFs that the plan is of (shear/psf.h), with numbers,
  * cause and cure: for `shearctl validate`, too. */
 void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan);
+/* shear_advice_all is on the first file's PSF; this is on those of the others of `files`, as many
+ * as are known: how many are doubtful, and what one of them is. `first`: the path of the first.
+ * Returns buf, or NULL where there is nothing to say. */
+const char *shear_advice_other_psfs(const shear_report_file *files, size_t n, const char *first,
+                                    char *buf, size_t size);
 /* `plan`: of the field's first file; NULL where it is not known: then only influence is told.
  * `top_file` as above. */
 void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan,
