@@ -9,7 +9,7 @@
 
 static const double BIAS_MIN = 2e-3; /* of the shear, to be told */
 static const double BIAS_BAD = 1e-2; /* to be a reason against a file */
-static const double BIAS_NONE = 0.1; /* that may leave no shear at all */
+static const double BIAS_NONE = 0.1; /* of an estimate that is rough; may leave no shear at all */
 static const double SIGMA = 4.0;
 static const double NOTHING = 0.01; /* of the galaxies' noise: as good as none */
 static const double SMOOTH = 4.0;   /* a border that varies by less than twice its mean: wings? */
@@ -69,7 +69,7 @@ const char *shear_advice_small_stamps(const shear_result *r, const shear_plan_in
         return NULL;
     }
     if (bias < BIAS_NONE) {
-        snprintf(much, sizeof much, "by about %.1g %%", 100.0 * bias);
+        snprintf(much, sizeof much, "by about %.2g %%", 100.0 * bias);
     }
     snprintf(buf, size,
              "stamps of %d x %d px are small for beta = %.3g px, since a transform takes them for "
@@ -101,7 +101,7 @@ bool shear_cause_of(const shear_result *r, const shear_plan_info *plan, shear_ca
         *cause = (shear_cause){
             "the noise under the galaxies has another spectrum than that of the noise stamps",
             "take noise stamps from the same image, resampled alike"};
-    } else if (lacks_shear(r) && shear_plan_periodic_bias(plan) > BIAS_NONE) {
+    } else if (looked_at && shear_plan_periodic_bias(plan) > BIAS_NONE) {
         *cause = (shear_cause){
             "the stamps are too small for beta, or the PSF is not as wide (OVERSAMP forgotten?)",
             "cut stamps that are 10 beta wide at least; give the keyword OVERSAMP where the PSF "

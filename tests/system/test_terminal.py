@@ -50,7 +50,7 @@ class Terminal(ToolTest):
         return process.wait(WAIT), out.decode("utf-8")
 
     def field(self):
-        return Field(n=300, nx=16, ny=16, size=1.5, r_psf=1.1).write(self.path("a.fits"))
+        return Field(n=300, nx=16, ny=16, size=1.0, r_psf=0.8).write(self.path("a.fits"))
 
     def test_bar_fits_the_terminal_and_is_cleared(self):
         path = self.field()
@@ -78,7 +78,7 @@ class Terminal(ToolTest):
 
     def test_interrupt_leaves_nothing_behind(self):
         # Work for some seconds on any machine: 6000 times a fine grid of 512 x 512.
-        slow = Field(n=6000, nx=16, ny=16, size=1.5, r_psf=1.1).write(self.path("a.fits"))
+        slow = Field(n=6000, nx=16, ny=16, size=1.0, r_psf=0.8).write(self.path("a.fits"))
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(signal=number):
                 process, main = self.start("measure", slow, "--interpolation", "spline",

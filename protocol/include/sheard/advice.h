@@ -73,7 +73,7 @@ const char *shear_advice_small_stamps(const shear_result *r, const shear_plan_in
 
 /* What makes the shear wrong by more than a percent, or leaves none, beyond all that can be
  * corrected: noise stamps without noise, or with noise of another spectrum, and stamps that are too
- * small for any shear. Static words. False: nothing of that. */
+ * small (by an estimate of more than 10 %). Static words. False: nothing of that. */
 typedef struct shear_cause {
     const char *words, *advice;
 } shear_cause;
