@@ -22,6 +22,26 @@ static double white_gain(double ratio) {
     return sqrt(1.0 + 0.5 * ratio * ratio);
 }
 
+/* The most that a border pixel may be of the one inside it, q: a Gaussian's ratio, whose centre is
+ * 1.5 px outside, and more than a Moffat's anywhere. */
+static double steepest(double ratio) {
+    return ratio * fmax(4.0, ratio * ratio * ratio);
+}
+
+/* Of p - steepest q over that of p - r m, white noise. */
+static double gain_at_border(double ratio) {
+    return hypot(1.0, steepest(ratio)) / white_gain(ratio);
+}
+
+/* Across the border there is no mean: the pixel inside it, in a corner the darker of the two;
+ * INFINITY where (x, y) is no border pixel. */
+static double inside_border(const double *pixels, int nx, int ny, int x, int y) {
+    const double *p = pixels + (size_t)y * (size_t)nx + (size_t)x;
+    const double row = x == 0 ? p[1] : x == nx - 1 ? p[-1] : INFINITY;
+    const double column = y == 0 ? p[nx] : y == ny - 1 ? p[-nx] : INFINITY;
+    return row < column ? row : column;
+}
+
 static int by_value(const void *a, const void *b) {
     const double x = *(const double *)a;
     const double y = *(const double *)b;
@@ -142,20 +162,27 @@ SHEAR_SIMD static double stand_out(const double *strip, size_t nx, size_t ny, do
     return most + (r - (1.0 - part_of_pixel)) * sky;
 }
 
-/* The same of columns [x0, x0 + FFT_LANES) of the first and the last row, along them. */
-static double stand_out_at_ends(const artefact_pair *pair, int x0, double r, double bright) {
+/* Is a border pixel of columns [x0, x0 + FFT_LANES) too bright beside those along the border, or
+ * inside it? bright: for the former. */
+static bool border_stands_out(const artefact_pair *pair, int x0, double r, double bright) {
     const double sky = pair->ph->noise_mean;
-    double most = -INFINITY;
-    for (int y = 0; y < pair->ny; y += pair->ny - 1) {
+    const double across = bright * gain_at_border(r);
+    bool found = false;
+    for (int y = 0; y < pair->ny; y++) {
         const double *row = pair->galaxy + (size_t)y * (size_t)pair->nx;
-        for (int x = x0 > 0 ? x0 : 1; x < x0 + FFT_LANES && x < pair->nx - 1; x++) {
-            if (row[x] > bright) {
-                const double m = fmax(0.0, 0.5 * (row[x - 1] + row[x + 1]) - sky);
-                most = fmax(most, (1.0 - part_of_pixel) * (row[x] - sky) - r * m);
+        const bool end = y == 0 || y == pair->ny - 1;
+        for (int x = x0; x < x0 + FFT_LANES; x += end || x > x0 ? 1 : FFT_LANES - 1) {
+            const bool side = x == 0 || x == pair->nx - 1;
+            const double p = (1.0 - part_of_pixel) * (row[x] - sky);
+            if (row[x] - sky > bright && (end || side)) {
+                const double m = side ? INFINITY : 0.5 * (row[x - 1] + row[x + 1]) - sky;
+                const double q = inside_border(pair->galaxy, pair->nx, pair->ny, x, y) - sky;
+                found = found || p - r * fmax(0.0, m) > bright ||
+                        p - steepest(r) * fmax(0.0, q) > across;
             }
         }
     }
-    return most;
+    return found;
 }
 
 int artefact_strip_start(const artefact_pair *pair, int i) {
@@ -179,7 +206,7 @@ bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
             const int x0 = artefact_strip_start(pair, i);
             suspected = stand_out(pair->galaxy + x0, (size_t)pair->nx, (size_t)pair->ny, s->ratio,
                                   sky, sky + bright) > bright ||
-                        stand_out_at_ends(pair, x0, s->ratio, sky + bright) > bright;
+                        border_stands_out(pair, x0, s->ratio, bright);
         }
     }
     return suspected;
@@ -211,14 +238,26 @@ static double around(const judge *j, int x, int y) {
     return fmin(row, column);
 }
 
+/* By how much a pixel is brighter than m allows; sigma: the noise of their difference. */
+static double too_bright(const judge *j, double p, double m, double sigma) {
+    const double bright =
+        (1.0 - part_of_pixel) * (p - j->sky) - m - bright_sigma * sigma - j->allowance;
+    return isnan(bright) ? -INFINITY : bright;
+}
+
 /* By how much pixel (x, y) is too bright or too dark; <= 0: it is not. */
 static double excess(const judge *j, int x, int y) {
     const double p = pixel(j, x, y);
     const double m = j->ratio * fmax(0.0, around(j, x, y) - j->low_sky);
     const double photons = sqrt(1.0 + m / (sky_electrons * j->sigma));
-    const double bright = (1.0 - part_of_pixel) * (p - j->sky) - m -
-                          bright_sigma * j->gain * j->sigma * photons - j->allowance;
-    return fmax(isnan(bright) ? -INFINITY : bright, j->dark - p);
+    const double sigma = j->gain * j->sigma;
+    double most = fmax(too_bright(j, p, m, sigma * photons), j->dark - p);
+    const double inside = inside_border(j->pixels, j->nx, j->ny, x, y);
+    if (isfinite(inside)) {
+        const double q = steepest(j->ratio) * fmax(0.0, inside - j->low_sky);
+        most = fmax(most, too_bright(j, p, q, sigma * gain_at_border(j->ratio)));
+    }
+    return most;
 }
 
 /* Variances over the inside of an image: of its pixels, and of p - r m along rows and columns. */

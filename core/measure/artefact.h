@@ -6,11 +6,14 @@
  *     p - r m > 6.5 s sqrt(1 + r^2/2) sqrt(1 + r m / (5 s)) + 0.03 p + leak * flux + 0.001 peak
  *
  * m the smaller of its left-right and below-above means (along the border the one there is; never
- * below the sky; corners are passed over), r and leak those of the PSF (measure/sharpness.h), s the
+ * below the sky), r and leak those of the PSF (measure/sharpness.h), s the
  * noise of a pixel; or where p < -6.6 s - 0.01 peak. The second root is the galaxy's own photons,
  * were the sky's noise 5 electrons: it is more in nearly all data. s is that of the noise stamp,
  * or, where the galaxy stamp's border scatters more (median deviation), that. Nothing depends on
- * the galaxy's shape. Noise stamps are looked at alike: what is in them biases, too.
+ * the galaxy's shape. A border pixel is one, too, where it is that much above r max(4, r^3) q
+ * instead of r m, q the pixel inside it (and as much more in the first root): the one test there is
+ * in a corner, and for a streak along the border; a star some pixels outside may be as steep. Noise
+ * stamps are looked at alike: what is in them biases, too.
  *
  * Where the noise stamp has no noise there is no threshold, and nothing is found.
  */

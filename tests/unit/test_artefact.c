@@ -255,7 +255,8 @@ static void prepare(scene *s, double flux, double size_px) {
     add_noise(s, 0.0);
 }
 
-/* A pixel of 45 sigma, streaks of 3 px in any direction, everywhere but under a bright core. */
+/* A pixel of 15 sigma, streaks of 3 px of 45 in any direction, everywhere but under a bright core;
+ * a third of those along x in the first row. */
 static void test_cosmic_rays(void **state) {
     (void)state;
     static const int steps[][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {0, 0}};
@@ -263,8 +264,10 @@ static void test_cosmic_rays(void **state) {
     tool t = tool_new(s);
     for (int k = 0; k < 400; k++) {
         const int *step = steps[k % 5];
-        const int x = 1 + (int)(46 * uniform(&s->seed));
-        const int y = 1 + (int)(38 * uniform(&s->seed));
+        const int on_x = step[0] != 0; /* streaks end in the stamp, and may run along its border */
+        const int on_y = step[1] != 0;
+        const int x = on_x + (int)((48 - 2 * on_x) * uniform(&s->seed));
+        const int y = k % 3 == 0 ? on_y : on_y + (int)((40 - 2 * on_y) * uniform(&s->seed));
         prepare(s, 400.0, 2.5); /* S/N 45 */
         assert_clean(&t, s);
         for (int j = -1; j <= 1; j++) {
@@ -279,8 +282,7 @@ static void test_cosmic_rays(void **state) {
     free(s);
 }
 
-/* Hot pixels and sentinels at every pixel, the border's too; a corner has no neighbours to be held
- * against, and there only what is below the sky is found. */
+/* Hot pixels and sentinels at every pixel, corners too. */
 static void test_every_place(void **state) {
     (void)state;
     static const double values[] = {200.0, -9999.0, -1e30, 1e30, -20.0};
@@ -289,15 +291,10 @@ static void test_every_place(void **state) {
     prepare(s, 40.0, 1.3);
     assert_clean(&t, s);
     for (int i = 0; i < 11 * 9; i++) {
-        const bool corner = (i % 11 == 0 || i % 11 == 10) && (i / 11 == 0 || i / 11 == 8);
         for (size_t k = 0; k < sizeof values / sizeof values[0]; k++) {
             const double was = s->galaxy[i];
             s->galaxy[i] = values[k];
-            if (corner && values[k] > 0.0) {
-                assert_true(look(&t, s).flags == 0 || look(&t, s).artefact_x == i % 11);
-            } else {
-                assert_at(&t, s, SHEAR_FLAG_ARTEFACT, i % 11, i / 11);
-            }
+            assert_at(&t, s, SHEAR_FLAG_ARTEFACT, i % 11, i / 11);
             s->galaxy[i] = was;
         }
     }
