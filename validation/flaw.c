@@ -28,6 +28,7 @@ const struct flaw flaws[] = {
      GROUND,
      .excess = 0.04,
      .wish = WISH_TOLD,
+     .wish_snr = 30.0, /* above, it changes less than is told */
      .aim_m = 10.0},
     {.name = "photons",
      .label = "source photons on a sky of 100",

@@ -44,8 +44,9 @@ struct flaw {
     double core_px; /* a filter of this core; 0 = the settings' */
     bool r_gal;     /* the catalogue knows R_GAL = 3 half-light radii */
     int artefact, psf_flaw, mistake;
-    int wish;     /* enum flaw_wish */
-    double aim_m; /* largest |m|, 10^-3, beside two errors; 0 = none is asked for */
+    int wish;        /* enum flaw_wish */
+    double wish_snr; /* asked for at this signal-to-noise and below; 0 = always */
+    double aim_m;    /* largest |m|, 10^-3, beside two errors; 0 = none is asked for */
     int fewer; /* so many times fewer galaxies, where 2 and more: slow ones, or only words are asked
                   for */
     int stamps; /* of a file; 0 = as many as there are */

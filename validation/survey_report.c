@@ -8,10 +8,10 @@
 
 /* ---- what is asked for ---- */
 
-static bool wish_is_met(const struct flaw *f, const struct trial_outcome *o) {
+static bool wish_is_met(const struct flaw *f, double snr, const struct trial_outcome *o) {
     switch (f->wish) {
     case WISH_TOLD:
-        return o->told > TOLD_NOTHING;
+        return o->told > TOLD_NOTHING || (f->wish_snr > 0.0 && snr > f->wish_snr);
     case WISH_FLAGS:
         return o->flagged == o->spoilt;
     case WISH_NO_EDGE:
@@ -28,17 +28,21 @@ static bool bias_is_small(const struct flaw *f, const struct trial_outcome *o) {
     return f->aim_m == 0.0 || fabs(o->m) < 1e-3 * f->aim_m + 2.0 * o->m_err;
 }
 
-static bool is_met(const struct flaw *f, const struct trial_outcome *o) {
-    return wish_is_met(f, o) && bias_is_small(f, o);
+static bool is_met(const struct flaw *f, double snr, const struct trial_outcome *o) {
+    return wish_is_met(f, snr, o) && bias_is_small(f, o);
 }
 
 static char *aim_text(const struct flaw *f, char *buf, size_t size) {
     static const char *const wishes[] = {"", "told", "flagged", "no advice for edge", "quiet"};
     char bias[32] = "";
+    char to[24] = "";
     if (f->aim_m > 0.0) {
         snprintf(bias, sizeof bias, "m within %g%s", f->aim_m, f->wish ? ", " : "");
     }
-    snprintf(buf, size, "%s%s", bias, wishes[f->wish]);
+    if (f->wish_snr > 0.0) {
+        snprintf(to, sizeof to, " to S/N %g", f->wish_snr);
+    }
+    snprintf(buf, size, "%s%s%s", bias, wishes[f->wish], to);
     return buf;
 }
 
@@ -90,7 +94,7 @@ static void add_row(struct table *t, const struct flaw *f, double snr, int way,
     table_number(t, o->spoilt);
     table_text(t, trial_told_text(o, told, sizeof told));
     table_text(t, aim_text(f, aim, sizeof aim));
-    table_text(t, is_met(f, o) ? "yes" : "no");
+    table_text(t, is_met(f, snr, o) ? "yes" : "no");
 }
 
 /* One line for a row of the table of flaws: at which signal-to-noise it is met. */
@@ -100,12 +104,14 @@ static void judge(struct table *t, const struct knob_values *snrs, const struct 
     char aim[80];
     char told[48];
     bool all = true;
+    const struct trial_outcome *loudest = &out[0];
     for (int way = 0; way < SURVEY_WAYS; way++) {
         size_t used = 0;
         for (int i = 0; i < snrs->n; i++) {
             const struct trial_outcome *o = &out[i * SURVEY_WAYS + way];
-            const bool good = is_met(f, o);
+            const bool good = is_met(f, snrs->v[i], o);
             all = all && good;
+            loudest = o->told > loudest->told ? o : loudest;
             used += (size_t)snprintf(text[way] + used, sizeof text[way] - used, "%s%.1f +- %.1f%s",
                                      i ? ", " : "", 1e3 * o->m, 1e3 * o->m_err, good ? "" : "!");
         }
@@ -113,7 +119,7 @@ static void judge(struct table *t, const struct knob_values *snrs, const struct 
     *met += all;
     table_meta(t, "verdict", "%s (%s): %s; mean %s; pdf-sym %s; told: %s", f->label,
                aim_text(f, aim, sizeof aim), all ? "met" : "not met", text[0], text[1],
-               trial_told_text(&out[0], told, sizeof told));
+               trial_told_text(loudest, told, sizeof told));
 }
 
 static void tabulate(struct table *t, const struct knob_values *snrs, const struct survey *s) {
