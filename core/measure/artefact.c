@@ -162,25 +162,34 @@ SHEAR_SIMD static double stand_out(const double *strip, size_t nx, size_t ny, do
     return most + (r - (1.0 - part_of_pixel)) * sky;
 }
 
-/* Is a border pixel of columns [x0, x0 + FFT_LANES) too bright beside those along the border, or
- * inside it? bright: for the former. */
-static bool border_stands_out(const artefact_pair *pair, int x0, double r, double bright) {
+/* Is border pixel (x, y) too bright beside those along the border, or inside it? bright: for the
+ * former. */
+static bool border_pixel_stands_out(const artefact_pair *pair, int x, int y, double r,
+                                    double bright) {
     const double sky = pair->ph->noise_mean;
-    const double across = bright * gain_at_border(r);
+    const double *row = pair->galaxy + (size_t)y * (size_t)pair->nx;
+    if (!(row[x] - sky > bright)) {
+        return false;
+    }
+    const double p = (1.0 - part_of_pixel) * (row[x] - sky);
+    const bool side = x == 0 || x == pair->nx - 1;
+    const double m = side ? INFINITY : 0.5 * (row[x - 1] + row[x + 1]) - sky;
+    const double q = inside_border(pair->galaxy, pair->nx, pair->ny, x, y) - sky;
+    return p - r * fmax(0.0, m) > bright ||
+           p - steepest(r) * fmax(0.0, q) > bright * gain_at_border(r);
+}
+
+/* Is one of the border's in columns [x0, x0 + FFT_LANES)? */
+static bool border_stands_out(const artefact_pair *pair, int x0, double r, double bright) {
+    const int last = pair->nx - 1;
     bool found = false;
-    for (int y = 0; y < pair->ny; y++) {
-        const double *row = pair->galaxy + (size_t)y * (size_t)pair->nx;
-        const bool end = y == 0 || y == pair->ny - 1;
-        for (int x = x0; x < x0 + FFT_LANES; x += end || x > x0 ? 1 : FFT_LANES - 1) {
-            const bool side = x == 0 || x == pair->nx - 1;
-            const double p = (1.0 - part_of_pixel) * (row[x] - sky);
-            if (row[x] - sky > bright && (end || side)) {
-                const double m = side ? INFINITY : 0.5 * (row[x - 1] + row[x + 1]) - sky;
-                const double q = inside_border(pair->galaxy, pair->nx, pair->ny, x, y) - sky;
-                found = found || p - r * fmax(0.0, m) > bright ||
-                        p - steepest(r) * fmax(0.0, q) > across;
-            }
-        }
+    for (int x = x0; x < x0 + FFT_LANES; x++) {
+        found = found || border_pixel_stands_out(pair, x, 0, r, bright) ||
+                border_pixel_stands_out(pair, x, pair->ny - 1, r, bright);
+    }
+    for (int y = 1; y < pair->ny - 1 && (x0 == 0 || x0 + FFT_LANES > last); y++) {
+        found = found || (x0 == 0 && border_pixel_stands_out(pair, 0, y, r, bright)) ||
+                (x0 + FFT_LANES > last && border_pixel_stands_out(pair, last, y, r, bright));
     }
     return found;
 }
