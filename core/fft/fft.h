@@ -23,6 +23,12 @@ enum { FFT_LANES = 8 };
 /* n, rounded up to whole groups of lanes. */
 size_t fft_padded(int n);
 
+/* The sum of a number a lane, in an order of its own: the same on every machine. */
+static inline double fft_total(const double *lanes) {
+    return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
+           ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
+}
+
 /* Eight lines: [n][FFT_LANES] each; im lies behind re in the same memory. */
 typedef struct fft_lanes {
     double *re, *im;

@@ -108,10 +108,10 @@ SHEAR_SIMD static void sum_cross(const mode_rows *rows, const double *t, size_t 
     sum_rows(rows, t, stride, last, CROSS, out, &none);
 }
 
-/* The sums of rows [first, first + FFT_LANES) to moments. */
-static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p, int first) {
-    const double ux = 2.0 * M_PI / p->nx;
-    const double uy = 2.0 * M_PI / p->ny;
+/* The moments of each row by itself. */
+SHEAR_SIMD static void moments_of_lanes(const lane_sums *sums, double ux, double uy, int first,
+                                        double (*out)[FFT_LANES]) {
+#pragma omp simd
     for (int l = 0; l < FFT_LANES; l++) {
         const double y = uy * (first + l);
         const double y2 = y * y;
@@ -120,13 +120,25 @@ static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p,
         const double x2 = ux * ux * sums->s2[l];
         const double x3 = ux * ux * ux * sums->s3[l];
         const double x4 = ux * ux * ux * ux * sums->s4[l];
-        m->m20 += x2;
-        m->m02 += y2 * s0;
-        m->m11 += x1 * y;
-        m->m4 += x4 + 2.0 * x2 * y2 + y2 * y2 * s0;
-        m->u += x4 - 6.0 * x2 * y2 + y2 * y2 * s0;
-        m->v += x3 * y - x1 * y * y2;
+        out[0][l] = x2;
+        out[1][l] = y2 * s0;
+        out[2][l] = x1 * y;
+        out[3][l] = x4 + 2.0 * x2 * y2 + y2 * y2 * s0;
+        out[4][l] = x4 - 6.0 * x2 * y2 + y2 * y2 * s0;
+        out[5][l] = x3 * y - x1 * y * y2;
     }
+}
+
+/* The sums of rows [first, first + FFT_LANES) to moments. */
+static void add_lanes(moments *m, const lane_sums *sums, const transfer_plan *p, int first) {
+    double lanes[6][FFT_LANES];
+    moments_of_lanes(sums, 2.0 * M_PI / p->nx, 2.0 * M_PI / p->ny, first, lanes);
+    m->m20 += fft_total(lanes[0]);
+    m->m02 += fft_total(lanes[1]);
+    m->m11 += fft_total(lanes[2]);
+    m->m4 += fft_total(lanes[3]);
+    m->u += fft_total(lanes[4]);
+    m->v += fft_total(lanes[5]);
 }
 
 /* T at (0, jy). */

@@ -203,8 +203,8 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     if (!as_pixels) {
         *ph = photometry_of(galaxy, noise, g->nx, g->ny, ws->strip_most);
     }
-    ws->noise_mean = levels ? photometry_level(noise, pixels) : 0.0;
-    ws->level = levels && own_means ? photometry_level(galaxy, pixels) : ws->noise_mean;
+    ws->noise_mean = levels ? photometry_level(noise, pixels, galaxy) : 0.0;
+    ws->level = levels && own_means ? photometry_level(galaxy, pixels, noise) : ws->noise_mean;
     if (levels) {
         sums.noise_origin = ws->noise_mean;
         sums.galaxy_origin = ws->level;

@@ -63,11 +63,6 @@ static bool all_finite(const double *pixels, size_t n) {
     return i == n;
 }
 
-static double total(const double *lanes) {
-    return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
-           ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
-}
-
 static double larger(double a, double b) {
     return a > b ? a : b;
 }
@@ -92,10 +87,10 @@ void photometry_end_strip(photometry_sums *s) {
 
 photometry photometry_end(const photometry_sums *s) {
     const size_t pixels = (size_t)s->nx * (size_t)s->ny;
-    const double noise_sum = total(s->noise_sum);
+    const double noise_sum = fft_total(s->noise_sum);
     const double mean = noise_sum / (double)pixels;
-    const double var = fmax(0.0, total(s->noise_squares) / (double)pixels - mean * mean);
-    photometry p = {.flux = total(s->galaxy_sum) - noise_sum +
+    const double var = fmax(0.0, fft_total(s->noise_squares) / (double)pixels - mean * mean);
+    photometry p = {.flux = fft_total(s->galaxy_sum) - noise_sum +
                             (double)pixels * (s->galaxy_origin - s->noise_origin),
                     .galaxy_finite = true,
                     .noise_finite = true,
@@ -167,11 +162,14 @@ bool photometry_is_rounding(const double *pixels, size_t n, double least, double
 }
 
 /* About a pixel, see photometry_pixel; lane by lane, the same sum on every machine. */
-SHEAR_SIMD double photometry_level(const double *pixels, size_t n) {
+SHEAR_SIMD double photometry_level(const double *pixels, size_t n, const double *next) {
     const double first = pixels[0];
     double sums[4 * FFT_LANES] = {0};
     size_t i = 0;
     for (; i + 4 * FFT_LANES <= n; i += 4 * FFT_LANES) {
+        for (size_t l = 0; l < 4 * FFT_LANES; l += 8) {
+            __builtin_prefetch(next + i + l);
+        }
 #pragma omp simd
         for (size_t l = 0; l < 4 * FFT_LANES; l++) {
             sums[l] += pixels[i + l] - first;
@@ -183,7 +181,7 @@ SHEAR_SIMD double photometry_level(const double *pixels, size_t n) {
     for (size_t l = 0; l < FFT_LANES; l++) {
         sums[l] += sums[l + FFT_LANES] + (sums[l + 2 * FFT_LANES] + sums[l + 3 * FFT_LANES]);
     }
-    return first + total(sums) / (double)n;
+    return first + fft_total(sums) / (double)n;
 }
 
 /* Sums of the border about `origin`: of each side's pixels (corners are of the rows), and of the

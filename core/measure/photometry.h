@@ -69,8 +69,9 @@ bool photometry_holds(const double *pixels, size_t n, double value);
  * a transform's pixels up to `peak` in size, or as floats, where all of the n pixels are some? */
 bool photometry_is_rounding(const double *pixels, size_t n, double least, double most, double peak);
 
-/* The mean of an image's pixels: what there is of a background in a noise stamp. */
-double photometry_level(const double *pixels, size_t n);
+/* The mean of an image's pixels: what there is of a background in a noise stamp. As many of `next`
+ * are fetched meanwhile: whoever reads them by columns afterwards does not wait. */
+double photometry_level(const double *pixels, size_t n, const double *next);
 
 /* The one-pixel border of an image [ny][nx]: its mean and variance, and the means of its right and
  * top side over those of the sides opposite. */
