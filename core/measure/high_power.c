@@ -138,10 +138,8 @@ void high_power_add(high_power *p, const high_band *b, const mode_rows *rows) {
         return;
     }
     sum_columns(rows, b, &s);
-    for (size_t l = 0; l < FFT_LANES; l++) {
-        p->edge_galaxy += 0.25 * s.edge_galaxy[l];
-        p->edge_noise += 0.25 * s.edge_noise[l];
-        p->corner_galaxy += 0.25 * s.corner_galaxy[l];
-        p->corner_noise += 0.25 * s.corner_noise[l];
-    }
+    p->edge_galaxy += 0.25 * fft_total(s.edge_galaxy);
+    p->edge_noise += 0.25 * fft_total(s.edge_noise);
+    p->corner_galaxy += 0.25 * fft_total(s.corner_galaxy);
+    p->corner_noise += 0.25 * fft_total(s.corner_noise);
 }

@@ -150,7 +150,7 @@ void moments_add(moments *m, moments *noise, const mode_rows *rows, const transf
                  const transfer *t) {
     const int first = rows->group * FFT_LANES;
     const double *middle = middle_column(p, t, first);
-    const int reach = transfer_reach(t, p, first);
+    const int reach = t->reach[rows->group];
     lane_sums sums;
     lane_sums noise_sums;
     if (noise == NULL) {
@@ -166,7 +166,7 @@ void moments_add_cross(moments *m, const mode_rows *rows, const transfer_plan *p
                        const transfer *t) {
     const int first = rows->group * FFT_LANES;
     lane_sums sums;
-    sum_cross(rows, middle_column(p, t, first), p->stride, transfer_reach(t, p, first), &sums);
+    sum_cross(rows, middle_column(p, t, first), p->stride, t->reach[rows->group], &sums);
     add_lanes(m, &sums, p, first);
 }
 

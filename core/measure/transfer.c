@@ -5,6 +5,7 @@
 #include "shear/psf.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Columns that are transformed along y together: two strips, one real and one imaginary. */
@@ -111,11 +112,13 @@ void transfer_scratch_deinit(transfer_scratch *t) {
 }
 
 bool transfer_init(transfer *t, const transfer_plan *p) {
-    *t = (transfer){.t = fft_alloc(table_size(p) * sizeof *t->t)};
-    return t->t != NULL;
+    *t = (transfer){.t = fft_alloc(table_size(p) * sizeof *t->t),
+                    .reach = malloc(p->stride / FFT_LANES * sizeof *t->reach)};
+    return t->t != NULL && t->reach != NULL;
 }
 
 void transfer_deinit(transfer *t) {
+    free(t->reach);
     fft_free(t->t);
     *t = (transfer){0};
 }
@@ -368,10 +371,12 @@ static int reach_mode(double k, int n, int max_j) {
     return last_mode(k, n, max_j - 1) + 1;
 }
 
-int transfer_reach(const transfer *t, const transfer_plan *p, int jy) {
-    const double ky = 2.0 * M_PI / p->ny * jy;
-    const double left = t->k_reach * t->k_reach - ky * ky;
-    return reach_mode(left > 0.0 ? sqrt(left) : 0.0, p->nx, t->jx);
+static void fill_reach(transfer *t, const transfer_plan *p) {
+    for (int jy = 0; jy <= t->jy; jy += FFT_LANES) {
+        const double ky = 2.0 * M_PI / p->ny * jy;
+        const double left = t->k_reach * t->k_reach - ky * ky;
+        t->reach[jy / FFT_LANES] = reach_mode(left > 0.0 ? sqrt(left) : 0.0, p->nx, t->jx);
+    }
 }
 
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
@@ -406,6 +411,7 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
     t->k_reach = find_reach(t, p);
     t->jx = reach_mode(t->k_reach, p->nx, t->jx);
     t->jy = reach_mode(t->k_reach, p->ny, t->jy);
+    fill_reach(t, p);
     end_table(t, p);
     return SHEAR_OK;
 }

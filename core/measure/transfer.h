@@ -53,6 +53,7 @@ typedef struct transfer {
     double k_cut;   /* T = 0 at |k| >= k_cut */
     double k_reach; /* and beyond it, where k^4 T is nothing beside its largest value (1e-15) */
     int jx, jy;     /* the last modes that count: <= max_jx, max_jy */
+    int *reach;     /* [jy / FFT_LANES] the last jx that counts in a group of rows or beyond */
     double *t; /* [2 max_jx + 1][stride], column max_jx + jx; whole groups of rows are filled */
 } transfer;
 bool transfer_init(transfer *t, const transfer_plan *p); /* false when memory is out */
@@ -61,9 +62,6 @@ void transfer_deinit(transfer *t);
 /* T for one PSF image. SHEAR_E_PSF, SHEAR_E_NEGATIVE, SHEAR_E_BETA. */
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
                   shear_error *err);
-
-/* The last jx that counts in row jy >= 0 or beyond; at most t->jx. */
-int transfer_reach(const transfer *t, const transfer_plan *p, int jy);
 
 /* The part of the target's power, weighted with k^4 as in M4, that lies beyond k_cut: (1 + x +
  * x^2/2) exp(-x) with x = (beta k_cut)^2. */
