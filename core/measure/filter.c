@@ -122,6 +122,14 @@ static void bound_strip(filter_map *m, int strip) {
     m->strip_y1[strip] = y0 < y1 ? y1 : 0;
 }
 
+static double sum_of(const double *values, size_t n) {
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        sum += values[i];
+    }
+    return sum;
+}
+
 void filter_map_fill(filter_map *m, double core_px, double width_px) {
     if (m->core_px == core_px && m->width_px == width_px) {
         return;
@@ -139,6 +147,7 @@ void filter_map_fill(filter_map *m, double core_px, double width_px) {
     for (int i = 0; i < strips(m); i++) {
         bound_strip(m, i);
     }
+    m->sum = sum_of(m->value, (size_t)m->nx * (size_t)m->s * (size_t)m->ny * (size_t)m->s);
 }
 
 double filter_edge_core(int nx, int ny, double width_px) {

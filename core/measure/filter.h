@@ -18,6 +18,7 @@ typedef struct filter_map {
                                  the last 8 */
     double *dx2, *row;        /* [nx s, padded] squares along x, scratch */
     double core_px, width_px; /* what it holds; NaN: nothing yet */
+    double sum;               /* of all values */
 } filter_map;
 
 bool filter_map_init(filter_map *m, int nx, int ny, int s); /* false when memory is out */

@@ -81,15 +81,18 @@ static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double wei
 }
 
 /* What the filter takes of the pixels. Where they are the fine grid, that is what the transform
- * lost of its k = 0. */
-static double removed_flux(const shear_plan *plan, const filter_map *filter, const double *galaxy,
-                           const double *noise, double lost) {
+ * lost of its k = 0, but for the two levels that were taken off (of the pair that was packed last:
+ * not with several noise stamps). */
+static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
+                           const filter_map *filter, const shear_stamps *stamps,
+                           const double *galaxy, const double *noise, double lost) {
     if (filter == NULL) {
         return 0.0;
     }
     const size_t pixels = (size_t)filter->nx * (size_t)filter->ny;
-    return plan->info.oversample == 1 && plan->settings.noise_correction
-               ? lost
+    return plan->info.oversample == 1 && plan->settings.noise_correction &&
+                   noise_planes(stamps) == 1
+               ? lost + (ws->noise_level - ws->level) * filter->sum
                : photometry_removed(filter->value, galaxy, noise, pixels);
 }
 
@@ -288,7 +291,8 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
         return row->flags != 0 ? SHEAR_OK : negative_pixel(plan, stamps, i, &s.failure, err);
     }
     row_fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
-    row->flux_removed = removed_flux(plan, s.coarse, s.galaxy, s.noise, s.ph.flux - sp.flux);
+    row->flux_removed =
+        removed_flux(plan, ws, s.coarse, stamps, s.galaxy, s.noise, s.ph.flux - sp.flux);
     spectra_take_plateau(&sp, plan, s.transfer);
     if (!s.noisy) {
         spectra_forget_noise(&sp);

@@ -51,7 +51,7 @@ SHEAR_SIMD static void pack_plain(photometry_sums *sums, size_t x0, size_t y0, s
     pack_rows(sums, NULL, PLAIN, x0, y0, y1, out);
 }
 
-SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level, double noise_mean,
+SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level, double noise_level,
                                     size_t step, int y0, int y1, fft_lanes strip) {
     for (size_t y = (size_t)y0; y < (size_t)y1; y++) {
 #pragma omp simd
@@ -59,7 +59,7 @@ SHEAR_SIMD static void filter_lanes(const double *restrict filter, double level,
             const size_t at = y * FFT_LANES + l;
             const double f = filter[y * step + l];
             strip.re[at] = f * (strip.re[at] - level);
-            strip.im[at] = f * (strip.im[at] - noise_mean);
+            strip.im[at] = f * (strip.im[at] - noise_level);
         }
     }
 }
@@ -117,7 +117,7 @@ static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const
         image_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
     }
     if (filter != NULL) {
-        filter_lanes(filter->value + st->x0, ws->level, ws->noise_mean, (size_t)g->fine_nx, st->y0,
+        filter_lanes(filter->value + st->x0, ws->level, ws->noise_level, (size_t)g->fine_nx, st->y0,
                      st->y1, ws->strip);
     }
 }
@@ -191,22 +191,31 @@ static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double 
            image_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y);
 }
 
+/* What both stamps lose before the filter: see photometry_level. */
+static void take_levels(shear_workspace *ws, const shear_geometry *g, const double *galaxy,
+                        const double *noise, bool wanted, bool own_levels) {
+    ws->level = ws->noise_level = 0.0;
+    if (wanted) {
+        const sky_level below = photometry_level(noise, g->nx, g->ny, galaxy);
+        ws->noise_level = below.own;
+        ws->level = own_levels ? photometry_level(galaxy, g->nx, g->ny, noise).own : below.mean;
+    }
+}
+
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-               const double *galaxy, const double *noise, bool own_means, int last, photometry *ph,
+               const double *galaxy, const double *noise, bool own_levels, int last, photometry *ph,
                pack_failure *failure) {
     const shear_geometry *g = &plan->info.geometry;
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
     const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
-    const size_t pixels = (size_t)g->nx * (size_t)g->ny;
     photometry_sums sums;
     photometry_begin(&sums, galaxy, noise, g->nx, g->ny, ws->strip_most);
     if (!as_pixels) {
         *ph = photometry_of(galaxy, noise, g->nx, g->ny, ws->strip_most);
     }
-    ws->noise_mean = levels ? photometry_level(noise, pixels, galaxy) : 0.0;
-    ws->level = levels && own_means ? photometry_level(galaxy, pixels, noise) : ws->noise_mean;
+    take_levels(ws, g, galaxy, noise, levels, own_levels);
     if (levels) {
-        sums.noise_origin = ws->noise_mean;
+        sums.noise_origin = ws->noise_level;
         sums.galaxy_origin = ws->level;
     }
     if (!load_pair(plan, ws, galaxy, noise, failure)) {

@@ -2,9 +2,11 @@
 #include "measure/photometry.h"
 
 #include "base/simd.h"
+#include "shear/stamp.h"
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 static void fill(double *lanes, double value) {
     for (size_t l = 0; l < FFT_LANES; l++) {
@@ -161,27 +163,102 @@ bool photometry_is_rounding(const double *pixels, size_t n, double least, double
            all_floats(pixels, n);
 }
 
-/* About a pixel, see photometry_pixel; lane by lane, the same sum on every machine. */
-SHEAR_SIMD double photometry_level(const double *pixels, size_t n, const double *next) {
-    const double first = pixels[0];
-    double sums[4 * FFT_LANES] = {0};
-    size_t i = 0;
-    for (; i + 4 * FFT_LANES <= n; i += 4 * FFT_LANES) {
-        for (size_t l = 0; l < 4 * FFT_LANES; l += 8) {
-            __builtin_prefetch(next + i + l);
+/* n rows of pixels above `origin`, added to columns [nx] and lanes. */
+static SHEAR_INLINE void add_rows(const double *rows, size_t nx, size_t n, double origin,
+                                  const double *next, double *columns, double *lanes) {
+    size_t x = 0;
+    for (; x + FFT_LANES <= nx; x += FFT_LANES) {
+        for (size_t y = 0; y < n; y++) {
+            __builtin_prefetch(next + y * nx + x);
         }
 #pragma omp simd
-        for (size_t l = 0; l < 4 * FFT_LANES; l++) {
-            sums[l] += pixels[i + l] - first;
+        for (size_t l = 0; l < FFT_LANES; l++) {
+            double sum = 0.0;
+            for (size_t y = 0; y < n; y++) {
+                sum += rows[y * nx + x + l] - origin;
+            }
+            columns[x + l] += sum;
+            lanes[l] += sum;
         }
     }
-    for (size_t l = 0; i + l < n; l++) {
-        sums[l] += pixels[i + l] - first;
+    for (; x < nx; x++) {
+        for (size_t y = 0; y < n; y++) {
+            columns[x] += rows[y * nx + x] - origin;
+            lanes[x % FFT_LANES] += rows[y * nx + x] - origin;
+        }
     }
-    for (size_t l = 0; l < FFT_LANES; l++) {
-        sums[l] += sums[l + FFT_LANES] + (sums[l + 2 * FFT_LANES] + sums[l + 3 * FFT_LANES]);
+}
+
+/* The sum of some rows, and of their columns; lane by lane, the same on every machine. */
+SHEAR_SIMD static double sum_strip(const double *rows, size_t nx, size_t n, double origin,
+                                   const double *next, double *columns) {
+    enum { AT_ONCE = 4 };
+    double lanes[FFT_LANES] = {0};
+    size_t y = 0;
+    for (; y + AT_ONCE <= n; y += AT_ONCE) {
+        add_rows(rows + y * nx, nx, AT_ONCE, origin, next + y * nx, columns, lanes);
     }
-    return first + fft_total(sums) / (double)n;
+    for (; y < n; y++) {
+        add_rows(rows + y * nx, nx, 1, origin, next + y * nx, columns, lanes);
+    }
+    return fft_total(lanes);
+}
+
+static double sum_of(const double *values, int n) {
+    double lanes[FFT_LANES] = {0};
+    for (int i = 0; i < n; i++) {
+        lanes[i % FFT_LANES] += values[i];
+    }
+    return fft_total(lanes);
+}
+
+/* A side of n pixels in strips: a quarter, a quarter, the middle pixel of an odd side, and two
+ * quarters again. */
+enum { STRIPS = 5 };
+typedef struct strips {
+    int from[STRIPS + 1];
+} strips;
+
+static strips strips_of(int n) {
+    const int quarter = n / 4;
+    const int half = n / 2;
+    return (strips){{0, quarter, half, n - half, n - quarter, n}};
+}
+
+/* The third difference of the strips' means, that of white noise with the variance of a mean of all
+ * pixels. */
+static double third_difference(const double *sums, int n, int across) {
+    const int quarter = n / 4;
+    const int half = n / 2;
+    const double n_outer = (double)across * quarter;
+    const double n_inner = (double)across * (half - quarter);
+    const double farther = (double)(n - quarter) / (n - quarter - half); /* from the centre */
+    const double third = (sums[0] - sums[4]) / n_outer - farther * (sums[1] - sums[3]) / n_inner;
+    const double variance = 2.0 / n_outer + farther * farther * 2.0 / n_inner;
+    return third / sqrt(variance * across * n);
+}
+
+sky_level photometry_level(const double *pixels, int nx, int ny, const double *next) {
+    const strips along_x = strips_of(nx);
+    const strips along_y = strips_of(ny);
+    double columns[SHEAR_MAX_SIDE];
+    double x[STRIPS];
+    double y[STRIPS];
+    double all = 0.0;
+    memset(columns, 0, (size_t)nx * sizeof *columns);
+    for (int i = 0; i < STRIPS; i++) {
+        const size_t at = (size_t)nx * (size_t)along_y.from[i];
+        y[i] = sum_strip(pixels + at, (size_t)nx, (size_t)(along_y.from[i + 1] - along_y.from[i]),
+                         pixels[0], next + at, columns);
+        all += y[i];
+    }
+    for (int i = 0; i < STRIPS; i++) {
+        x[i] = sum_of(columns + along_x.from[i], along_x.from[i + 1] - along_x.from[i]);
+    }
+    const double mean = pixels[0] + all / ((double)nx * ny);
+    const double s_x = third_difference(x, nx, ny);
+    const double s_y = third_difference(y, ny, nx);
+    return (sky_level){.mean = mean, .own = mean + sqrt(s_x * s_x + s_y * s_y)};
 }
 
 /* Sums of the border about `origin`: of each side's pixels (corners are of the rows), and of the

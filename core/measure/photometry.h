@@ -69,9 +69,19 @@ bool photometry_holds(const double *pixels, size_t n, double value);
  * a transform's pixels up to `peak` in size, or as floats, where all of the n pixels are some? */
 bool photometry_is_rounding(const double *pixels, size_t n, double least, double most, double peak);
 
-/* The mean of an image's pixels: what there is of a background in a noise stamp. As many of `next`
- * are fetched meanwhile: whoever reads them by columns afterwards does not wait. */
-double photometry_level(const double *pixels, size_t n, const double *next);
+/* What a noise stamp tells of the background under it and its galaxy. `mean` is that of its pixels.
+ * A galaxy stamp that loses it keeps its own noise and gets the mean's: power s^2 |F(k)|^2 more, F
+ * the filter's transform, s^2 the variance of a mean. The noise stamp itself would have as much
+ * less. `own`, for it, is the mean and 2^(1/2) s from it: s from the third differences of the means
+ * of four strips along each axis, which neither a gradient nor a curvature of the sky changes. With
+ * it the two stamps have the same power at every k, of white noise, and of correlated noise that is
+ * white on the scale of a quarter of the stamp. */
+typedef struct sky_level {
+    double mean, own;
+} sky_level;
+/* Sides of 8 px and more. As many pixels of `next` are fetched meanwhile: whoever reads them by
+ * columns afterwards does not wait. */
+sky_level photometry_level(const double *pixels, int nx, int ny, const double *next);
 
 /* The one-pixel border of an image [ny][nx]: its mean and variance, and the means of its right and
  * top side over those of the sides opposite. */

@@ -39,7 +39,7 @@ struct shear_workspace {
     image galaxy, noise;
     fft_lanes strip;              /* [fine_ny + 1][FFT_LANES] galaxy + i noise, some columns */
     fft_lanes lanes[3];           /* [longer side + 1][FFT_LANES] for transforms */
-    double level, noise_mean;     /* taken off the pair before the filter; 0: nothing */
+    double level, noise_level;    /* taken off the pair before the filter; 0: nothing */
     double *modes;                /* the pair, transformed along y: see pack.c */
     size_t lane_size;             /* of its parts */
     filter_map fine, coarse;      /* where the filter differs from stamp to stamp */
@@ -56,15 +56,15 @@ struct shear_workspace {
 /* The packed pair of one stamp on the fine grid, filtered, transformed along y into ws->modes for
  * the groups 0 .. last of rows of modes; and what its pixels tell (always). False where a log
  * method meets a negative pixel: (x, y), in the noise stamp if in_noise. Where a background is
- * taken off, both stamps lose the noise stamp's mean; with `own_means` (of two noise stamps) each
- * its own.
+ * taken off, the galaxy stamp loses the noise stamp's mean, and that its own level
+ * (photometry_level); with `own_levels` (of two noise stamps) so does the other.
  */
 typedef struct pack_failure {
     int x, y;
     bool in_noise;
 } pack_failure;
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-               const double *galaxy, const double *noise, bool own_means, int last, photometry *ph,
+               const double *galaxy, const double *noise, bool own_levels, int last, photometry *ph,
                pack_failure *failure);
 /* One of these groups transformed along x, too; until the next call. */
 mode_rows transform_rows(const shear_plan *plan, shear_workspace *ws, int group);

@@ -10,8 +10,12 @@
 static const double smallest_square = 1e-290;
 /* A field's denominator is this many sigma of the noise above 0, or there is no shear. */
 static const double least_signal = 5.0;
-/* Transforms round: equal pixels have powers that differ by less than this part. */
+/* Transforms round: equal stamps have powers that differ by less than this part... */
 static const double rounding = 1e-9;
+/* ... or, where a filter is before them and each loses a level of its own, by less than this one,
+ * and by this square at high k, where a filter has nothing. */
+static const double of_levels = 0.15;
+static const double of_levels_at_high_k2 = 1e-8;
 
 shear_ratio shear_ratio_of(const double x[SHEAR_N_COMPONENTS]) {
     const double noise = x[SHEAR_C_HIGH_NOISE];
@@ -201,12 +205,22 @@ static rounded round_sums(const shear_field_sums *f) {
     return r;
 }
 
-/* Galaxy and noise stamps have the same power, but for what the transform rounds. */
+/* The mean square of what galaxy and noise stamps differ by at high k, in units of the noise's;
+ * INFINITY where it has none. */
+static double difference_at_high_k(const rounded *r) {
+    const double noise2 = product(r, SHEAR_C_HIGH_NOISE, SHEAR_C_HIGH_NOISE);
+    const double both = product(r, SHEAR_C_HIGH_GALAXY, SHEAR_C_HIGH_NOISE);
+    const double galaxy2 = product(r, SHEAR_C_HIGH_GALAXY, SHEAR_C_HIGH_GALAXY);
+    return noise2 > 0.0 ? (galaxy2 - 2.0 * both + noise2) / noise2 : INFINITY;
+}
+
+/* Galaxy and noise stamps are the same. */
 static bool no_difference(const rounded *r) {
     const double d2 = product(r, SHEAR_C_D, SHEAR_C_D);
     const double noise2 = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D);
-    return noise2 > 0.0 ? d2 < rounding * rounding * noise2
-                        : r->t[SHEAR_S_COMPONENT + SHEAR_C_D] == 0.0;
+    const bool at_high_k = difference_at_high_k(r) < of_levels_at_high_k2;
+    const double part = at_high_k ? of_levels : rounding;
+    return noise2 > 0.0 ? d2 < part * part * noise2 : r->t[SHEAR_S_COMPONENT + SHEAR_C_D] == 0.0;
 }
 
 /* Why there is no shear; SHEAR_HAS_SHEAR where there may be one. */

@@ -361,6 +361,43 @@ static void add_stamp(shear_row *row, const shear_plan_info *info, const shear_s
     free(fine);
 }
 
+/* METHOD section 2: a third difference of the stamp along an axis, pixels i in [0, n) of which have
+ * the weight 1/(pixels of the strip) times 1, -c, 0, c, -1; as many times what it would be of white
+ * noise of the pixels' mean's variance. */
+static double third(const double *pixels, int nx, int ny, bool along_x) {
+    const int n = along_x ? nx : ny;
+    const int across = along_x ? ny : nx;
+    const int q = n / 4;
+    const int h = n / 2;
+    const double c = (n - q) / (double)(n - q - h);
+    double value = 0.0;
+    double squares = 0.0;
+    for (int y = 0; y < ny; y++) {
+        for (int x = 0; x < nx; x++) {
+            const int i = along_x ? x : y;
+            const int end = n - 1 - i;
+            const double w = i < q     ? 1.0 / (q * across)
+                             : i < h   ? -c / ((h - q) * across)
+                             : end < q ? -1.0 / (q * across)
+                             : end < h ? c / ((h - q) * across)
+                                       : 0.0;
+            value += w * pixels[y * nx + x];
+            squares += w * w;
+        }
+    }
+    return value / sqrt(squares * nx * ny);
+}
+
+/* What the galaxy stamp loses; `own`: what the noise stamp loses. */
+static double level_of(const double *noise, int nx, int ny, double *own) {
+    double mean = 0.0;
+    for (int i = 0; i < nx * ny; i++) {
+        mean += noise[i] / (nx * ny);
+    }
+    *own = mean + hypot(third(noise, nx, ny, true), third(noise, nx, ny, false));
+    return mean;
+}
+
 shear_row oracle_measure(const shear_plan_info *info, const shear_settings *settings,
                          const double *galaxy, const double *noise, const double *psf,
                          double *k_cut) {
@@ -371,14 +408,13 @@ shear_row oracle_measure(const shear_plan_info *info, const shear_settings *sett
     modes of_psf = modes_new(info->geometry.nx * finest / 2, info->geometry.ny * finest / 2);
     *k_cut = psf_power(info, settings, psf, &of_psf);
     double level = 0.0;
-    for (int i = 0; settings->background != SHEAR_BACKGROUND_KEEP &&
-                    info->filter != SHEAR_FILTER_NONE && i < info->geometry.nx * info->geometry.ny;
-         i++) {
-        level += noise[i] / (info->geometry.nx * info->geometry.ny);
+    double own = 0.0;
+    if (settings->background != SHEAR_BACKGROUND_KEEP && info->filter != SHEAR_FILTER_NONE) {
+        level = level_of(noise, info->geometry.nx, info->geometry.ny, &own);
     }
     add_stamp(&row, info, settings, galaxy, level, &of_psf, *k_cut, 1.0);
     if (settings->noise_correction) {
-        add_stamp(&row, info, settings, noise, level, &of_psf, *k_cut, -1.0);
+        add_stamp(&row, info, settings, noise, own, &of_psf, *k_cut, -1.0);
     }
     row.n1 = -(row.m20 - row.m02) / 2.0;
     row.n2 = -row.m11;

@@ -245,12 +245,53 @@ static void test_background(void **state) {
     }
 }
 
+/* D of the pair with `step` added to pixel k of one of its stamps, and taken from it: what a pixel
+ * of noise adds on the average. */
+static double added_by(pair *p, double *pixel, double step, double without) {
+    const double was = *pixel;
+    *pixel = was + step;
+    const double more = pair_measure(p).d;
+    *pixel = was - step;
+    const double less = pair_measure(p).d;
+    *pixel = was;
+    return 0.5 * (more + less) - without;
+}
+
+/* White noise of one variance in both stamps adds nothing to D on the average, also behind a
+ * filter, where both lose levels that the noise stamp's noise makes: D is a quadratic form of the
+ * noise, and its mean the sum over the pixels. */
+static void test_noise_adds_nothing(void **state) {
+    (void)state;
+    static const int sides[][2] = {{16, 16}, {17, 12}, {8, 19}};
+    for (int i = 0; i < 4; i++) {
+        const int nx = sides[i % 3][0];
+        const int ny = sides[i % 3][1];
+        pair p;
+        pair_init(&p, nx, ny, 15, 15, 1);
+        pair_draw(&p, 1.3, 7);
+        memset(p.noise, 0, (size_t)(nx * ny) * sizeof *p.noise);
+        pair_set(&p, "core", "3");
+        pair_set(&p, "width", "2");
+        pair_set(&p, "artefacts", "keep");
+        pair_set(&p, "interpolation", i < 3 ? "none" : "bicubic");
+        const double without = pair_measure(&p).d;
+        double galaxy = 0.0;
+        double noise = 0.0;
+        for (int k = 0; k < nx * ny; k++) {
+            galaxy += added_by(&p, &p.galaxy[k], 0.5, without);
+            noise += added_by(&p, &p.noise[k], 0.5, without);
+        }
+        assert_near(galaxy + noise, 0.0, 1e-9, galaxy, "what noise adds to D");
+        pair_deinit(&p);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_formula),        cmocka_unit_test(test_chosen_points),
         cmocka_unit_test(test_rules),          cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_core_per_stamp), cmocka_unit_test(test_removed_flux),
-        cmocka_unit_test(test_background),
+        cmocka_unit_test(test_background),     cmocka_unit_test(test_noise_adds_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

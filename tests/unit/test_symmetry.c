@@ -5,6 +5,7 @@
 #include "pair.h"
 #include "test.h"
 
+#include "measure/photometry.h"
 #include "measure/score.h"
 #include "measure/symmetry.h"
 
@@ -429,13 +430,10 @@ static void check_cross(const char *method, int nx, int ny, const char *shot_noi
     pair_set(&p, "estimator", "pdf-sym-cross");
     pair_set(&sum, "background", "keep"); /* it has lost it below */
     pair_set(&p, "shot-noise", shot_noise);
-    double mean = 0.0;
+    const sky_level level = photometry_level(p.noise, nx, ny, p.galaxy);
     for (int i = 0; i < nx * ny; i++) {
-        mean += p.noise[i] / (nx * ny);
-    }
-    for (int i = 0; i < nx * ny; i++) {
-        sum.galaxy[i] = (p.galaxy[i] - mean) + (p.noise[i] - mean);
-        sum.noise[i] = p.galaxy[i] - p.noise[i];
+        sum.galaxy[i] = (p.galaxy[i] - level.mean) + (p.noise[i] - level.own);
+        sum.noise[i] = (p.galaxy[i] - level.mean) - (p.noise[i] - level.own);
         p.galaxy[i] += background;
         p.noise[i] += background;
     }
