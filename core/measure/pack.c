@@ -123,7 +123,9 @@ static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const
 }
 
 static void clear_lanes(double *lanes, int y0, int y1) {
-    memset(lanes + (size_t)y0 * FFT_LANES, 0, (size_t)(y1 - y0) * FFT_LANES * sizeof *lanes);
+    if (y0 < y1) {
+        memset(lanes + (size_t)y0 * FFT_LANES, 0, (size_t)(y1 - y0) * FFT_LANES * sizeof *lanes);
+    }
 }
 
 /* The strip transformed along y. */
@@ -223,7 +225,7 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     }
     for (int i = 0; i * FFT_LANES < plan->info.fine_nx; i++) {
         const strip st = strip_at(plan, filter, i);
-        if (as_pixels) {
+        if (as_pixels && st.y1 - st.y0 < g->ny) {
             photometry_add(&sums, st.x0, st.skip, 0, st.y0);
             photometry_add(&sums, st.x0, st.skip, st.y1, g->ny);
         }
