@@ -12,26 +12,39 @@ enum { BLOCK = FFT_LANES * FFT_LANES };
 
 enum filtering { PLAIN, FILTERED, LEVELLED }; /* LEVELLED: what is above the sums' origins */
 
+/* A row of a strip, summed up for the photometry, times the filter's, f. */
+static SHEAR_INLINE void pack_row(photometry_sums *s, const double *f, enum filtering filtering,
+                                  size_t x0, size_t y, fft_lanes out) {
+    const double *galaxy = s->galaxy + x0 + y * (size_t)s->nx;
+    const double *noise = s->noise + x0 + y * (size_t)s->nx;
+#pragma omp simd
+    for (size_t l = 0; l < FFT_LANES; l++) {
+        const double g = galaxy[l];
+        const double n = noise[l];
+        const double factor = filtering != PLAIN ? f[l] : 1.0;
+        photometry_pixel(s, l, g, n);
+        out.re[y * FFT_LANES + l] = factor * (filtering == LEVELLED ? g - s->galaxy_origin : g);
+        out.im[y * FFT_LANES + l] = factor * (filtering == LEVELLED ? n - s->noise_origin : n);
+    }
+}
+
 /* Rows [y0, y1) of a strip of the pair, as pixels are: summed up for the photometry, times the
  * filter, side by side. One loop for all of it: with a side that is a power of two the rows of a
- * strip share so few sets of the first cache that they are gone when they are asked for again. */
+ * strip share so few sets of the first cache that they are gone when they are asked for again. Two
+ * rows as far from the centre have the same filter, which is read once. */
 static SHEAR_INLINE void pack_rows(photometry_sums *sums, const double *filter,
                                    enum filtering filtering, size_t x0, size_t y0, size_t y1,
                                    fft_lanes out) {
-    const size_t step = (size_t)sums->nx;
-    const double *galaxy = sums->galaxy + x0;
-    const double *noise = sums->noise + x0;
     photometry_sums s = *sums;
-    for (size_t y = y0; y < y1; y++) {
-#pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
-            const double f = filtering != PLAIN ? filter[x0 + y * step + l] : 1.0;
-            const double g = galaxy[y * step + l];
-            const double n = noise[y * step + l];
-            photometry_pixel(&s, l, g, n);
-            out.re[y * FFT_LANES + l] = f * (filtering == LEVELLED ? g - s.galaxy_origin : g);
-            out.im[y * FFT_LANES + l] = f * (filtering == LEVELLED ? n - s.noise_origin : n);
-        }
+    size_t y = y0;
+    for (size_t end = y1; y + 1 < end; y++, end--) {
+        const double *f = filtering != PLAIN ? filter + x0 + y * (size_t)s.nx : NULL;
+        pack_row(&s, f, filtering, x0, y, out);
+        pack_row(&s, f, filtering, x0, end - 1, out);
+    }
+    if ((y1 - y0) % 2 != 0) {
+        pack_row(&s, filtering != PLAIN ? filter + x0 + y * (size_t)s.nx : NULL, filtering, x0, y,
+                 out);
     }
     *sums = s;
 }
