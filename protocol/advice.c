@@ -8,6 +8,7 @@ static const double REMOVED_MAX = 0.01, REMOVED_SIGMA = 3.0;
 /* The step of a gradient across a stamp, as a part of the mean flux, from which its effect on the
  * shear is 10^-4: c = 1.6 10^-3 of its square without a filter, a twentieth of that with one. */
 static const double STEP_OPEN = 0.3, STEP_FILTERED = 1.0;
+static const double ROUNDING = 1e-9;
 enum { FEWEST = 10 }; /* stamps whose scatter is an error */
 static const double BORDER_SIGMA = 4.0, BORDER_FLUX = 0.02, ROUGH_MAX = 0.05;
 
@@ -125,7 +126,8 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
         shear_advice_no_noise(r, plan, buf, size) != NULL) {
         return NULL; /* white noise is no measure of the steps of correlated noise */
     }
-    if (step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
+    const bool real = fabs(r->border_step2) > ROUNDING * r->border_noise_var;
+    if (real && step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
         snprintf(buf, size,
                  "gradients lie over the stamps, beyond the noise stamps', in changing directions: "
                  "opposite sides of their borders differ by %.2g a pixel (root mean square; over a "

@@ -13,9 +13,11 @@ static const double least_signal = 5.0;
 /* Transforms round: equal stamps have powers that differ by less than this part... */
 static const double rounding = 1e-9;
 /* ... or, where a filter is before them and each loses a level of its own, by less than this one,
- * and by this square at high k, where a filter has nothing. */
+ * by this square at high k, where a filter has nothing, and by less flux than this part of a
+ * border pixel's noise: galaxies in the very noise of the noise stamps are not the same. */
 static const double of_levels = 0.15;
 static const double of_levels_at_high_k2 = 1e-8;
+static const double of_levels_in_flux = 1e-4;
 
 shear_ratio shear_ratio_of(const double x[SHEAR_N_COMPONENTS]) {
     const double noise = x[SHEAR_C_HIGH_NOISE];
@@ -214,12 +216,18 @@ static double difference_at_high_k(const rounded *r) {
     return noise2 > 0.0 ? (galaxy2 - 2.0 * both + noise2) / noise2 : INFINITY;
 }
 
+/* Do the pixels, before anything is taken off, have flux beyond what rounding makes? */
+static bool has_flux(const rounded *r, double n) {
+    const double noise = sqrt(r->t[SHEAR_S_BORDER_NOISE] / n);
+    return fabs(r->t[SHEAR_S_FLUX] / n) > of_levels_in_flux * noise && noise > 0.0;
+}
+
 /* Galaxy and noise stamps are the same. */
-static bool no_difference(const rounded *r) {
+static bool no_difference(const rounded *r, double n) {
     const double d2 = product(r, SHEAR_C_D, SHEAR_C_D);
     const double noise2 = product(r, SHEAR_C_NOISE_D, SHEAR_C_NOISE_D);
     const bool at_high_k = difference_at_high_k(r) < of_levels_at_high_k2;
-    const double part = at_high_k ? of_levels : rounding;
+    const double part = at_high_k && !has_flux(r, n) ? of_levels : rounding;
     return noise2 > 0.0 ? d2 < part * part * noise2 : r->t[SHEAR_S_COMPONENT + SHEAR_C_D] == 0.0;
 }
 
@@ -231,7 +239,7 @@ static int no_shear(const shear_result *out, const rounded *r) {
     if (r->t[SHEAR_S_W] == 0.0) {
         return SHEAR_NO_WEIGHT;
     }
-    if (no_difference(r)) {
+    if (no_difference(r, (double)out->n_used)) {
         return SHEAR_NO_DIFFERENCE;
     }
     if (out->signal <= -least_signal) {

@@ -260,6 +260,22 @@ static void noise_is_no_gradient(void **state) {
     assert_non_null(shear_advice_gradient(&r, &small, text, sizeof text));
 }
 
+/* Of stamps that are the same the steps differ by rounding, and there is no flux beside it. */
+static void rounding_is_no_gradient(void **state) {
+    (void)state;
+    shear_plan_info small = plan;
+    small.geometry.nx = small.geometry.ny = 32;
+    shear_result r = sound();
+    r.noise_level = 1.0;
+    r.mean_flux = 1e-14;
+    r.border_noise_var = 1.0;
+    r.border_step2_err = 1e-18;
+    r.border_step2 = 1e-16;
+    assert_null(shear_advice_gradient(&r, &small, text, sizeof text));
+    r.border_step2 = 1e-3;
+    assert_non_null(shear_advice_gradient(&r, &small, text, sizeof text));
+}
+
 /* A few stamps do not tell how much they scatter. */
 static void few_stamps_tell_no_gradient_and_no_shape(void **state) {
     (void)state;
@@ -340,6 +356,7 @@ int main(void) {
         cmocka_unit_test(errors_that_disagree),
         cmocka_unit_test(all_of_a_sound_result),
         cmocka_unit_test(noise_is_no_gradient),
+        cmocka_unit_test(rounding_is_no_gradient),
         cmocka_unit_test(few_stamps_tell_no_gradient_and_no_shape),
         cmocka_unit_test(reasons_have_names),
         cmocka_unit_test(reasons_in_words),

@@ -545,6 +545,27 @@ static void test_why_there_is_no_shear(void **state) {
     assert_int_equal(result_of(rows, N).why, SHEAR_NO_WEIGHT);
 }
 
+/* With a filter stamps that are the same differ by their levels, as faint galaxies in the very
+ * noise of the noise stamps do: but those have flux. */
+static void test_the_same_noise_is_not_the_same_stamps(void **state) {
+    (void)state;
+    shear_row rows[N];
+    draw_rows(rows, N, 1.0, 8);
+    for (int i = 0; i < N; i++) {
+        rows[i].d = 0.1 * rows[i].noise_d;
+        rows[i].n1 = 0.02 * rows[i].d;
+        rows[i].n2 = 0.0;
+        rows[i].high_galaxy = rows[i].high_noise * (1.0 + 1e-6);
+        rows[i].border_var_noise = 1.0;
+        rows[i].flux = 1e-9;
+    }
+    assert_int_equal(result_of(rows, N).why, SHEAR_NO_DIFFERENCE);
+    for (int i = 0; i < N; i++) {
+        rows[i].flux = 1.0;
+    }
+    assert_int_equal(result_of(rows, N).why, SHEAR_HAS_SHEAR);
+}
+
 /* The stamp that counts most, through sums in any order and text; and when it leaves. */
 static void test_influence(void **state) {
     (void)state;
@@ -698,6 +719,7 @@ int main(void) {
         cmocka_unit_test(test_influence_of_equal_stamps),
         cmocka_unit_test(test_shape),
         cmocka_unit_test(test_why_there_is_no_shear),
+        cmocka_unit_test(test_the_same_noise_is_not_the_same_stamps),
         cmocka_unit_test(test_influence),
         cmocka_unit_test(test_old_text),
         cmocka_unit_test(test_symmetry_loses_the_excess),

@@ -124,7 +124,7 @@ enum shear_no_shear {
     SHEAR_HAS_SHEAR = 0,
     SHEAR_NO_STAMPS,     /* fewer than 2 are usable */
     SHEAR_NO_WEIGHT,     /* all weights are 0 */
-    SHEAR_NO_DIFFERENCE, /* galaxy and noise stamps have the same power to the last bit */
+    SHEAR_NO_DIFFERENCE, /* galaxy and noise stamps are the same, but for rounding */
     SHEAR_NO_SIGNAL,     /* sum w D is not 5 sigma of the noise above 0 */
     SHEAR_SWAPPED,       /* the noise stamps have more power than the galaxies', beyond doubt */
     SHEAR_TOO_NARROW,  /* the galaxies are narrower than the PSF, beyond doubt: D < 0 < M20 + M02 */
