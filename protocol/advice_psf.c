@@ -120,7 +120,7 @@ void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan) {
 const char *shear_advice_other_psfs(const shear_report_file *files, size_t n, const char *first,
                                     char *buf, size_t size) {
     shear_advice_list said = {.n = 0};
-    const char *example = NULL;
+    const char *example = NULL; /* may have no path */
     size_t others = 0;
     size_t doubtful = 0;
     for (size_t i = 0; i < n; i++) {
@@ -130,10 +130,12 @@ const char *shear_advice_other_psfs(const shear_report_file *files, size_t n, co
         }
         others++;
         if (files[i].plan != NULL) {
-            shear_advice_psf(example != NULL ? &list : &said, files[i].plan);
+            shear_advice_psf(&list, files[i].plan);
         }
-        doubtful += list.n > 0 || (example == NULL && said.n > 0);
-        example = example == NULL && said.n > 0 ? files[i].path : example;
+        if (list.n > 0 && doubtful++ == 0) {
+            shear_advice_psf(&said, files[i].plan);
+            example = files[i].path;
+        }
     }
     if (doubtful == 0) {
         return NULL;

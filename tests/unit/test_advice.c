@@ -7,6 +7,7 @@
 #include "sheard/no_shear.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static char text[SHEAR_ADVICE_SIZE];
@@ -276,6 +277,25 @@ static void rounding_is_no_gradient(void **state) {
     assert_non_null(shear_advice_gradient(&r, &small, text, sizeof text));
 }
 
+/* Files of which no path is known are counted, each once, and only where they are doubtful. */
+static void other_psfs_need_no_path(void **state) {
+    (void)state;
+    enum { FILES = 3 * SHEAR_ADVICES };
+    shear_plan_info bad = plan;
+    shear_report_file files[FILES + 1] = {{.path = NULL}};
+    char expected[64];
+    bad.psf.unusable = 1;
+    bad.psf.looked_at = 2;
+    for (int i = 0; i < FILES; i++) {
+        files[i].plan = i % 3 == 2 ? &plan : &bad;
+    }
+    snprintf(expected, sizeof expected, "%d of %d files", 2 * SHEAR_ADVICES, FILES + 1);
+    const char *line = shear_advice_other_psfs(files, FILES + 1, "first", text, sizeof text);
+    assert_non_null(line);
+    assert_non_null(strstr(line, expected));
+    assert_non_null(strstr(line, "1 of 2 PSFs"));
+}
+
 /* A few stamps do not tell how much they scatter. */
 static void few_stamps_tell_no_gradient_and_no_shape(void **state) {
     (void)state;
@@ -357,6 +377,7 @@ int main(void) {
         cmocka_unit_test(all_of_a_sound_result),
         cmocka_unit_test(noise_is_no_gradient),
         cmocka_unit_test(rounding_is_no_gradient),
+        cmocka_unit_test(other_psfs_need_no_path),
         cmocka_unit_test(few_stamps_tell_no_gradient_and_no_shape),
         cmocka_unit_test(reasons_have_names),
         cmocka_unit_test(reasons_in_words),
