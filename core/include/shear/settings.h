@@ -43,7 +43,7 @@ enum shear_filter {
 enum shear_background {
     SHEAR_BACKGROUND_AUTO = 0,  /* NOISE_MEAN with a filter; without one a constant is not seen */
     SHEAR_BACKGROUND_KEEP,      /* as it is */
-    SHEAR_BACKGROUND_NOISE_MEAN /* galaxy and noise stamp lose the noise stamp's mean */
+    SHEAR_BACKGROUND_NOISE_MEAN /* both lose the noise stamp's mean (method.md, 2) */
 };
 
 enum shear_zeros {
