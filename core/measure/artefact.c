@@ -28,9 +28,10 @@ static double steepest(double ratio) {
     return ratio * fmax(4.0, ratio * ratio * ratio);
 }
 
-/* Of p - steepest q over that of p - r m, white noise. */
+/* The noise of p - steepest q over that of p - r m, as of light half as steep: what a PSF makes is
+ * no steeper, and then q has more of it than that takes off. */
 static double gain_at_border(double ratio) {
-    return hypot(1.0, steepest(ratio)) / white_gain(ratio);
+    return hypot(1.0, 0.5 * steepest(ratio)) / white_gain(ratio);
 }
 
 /* Across the border there is no mean: the pixel inside it, in a corner the darker of the two;

@@ -11,9 +11,9 @@
  * were the sky's noise 5 electrons: it is more in nearly all data. s is that of the noise stamp,
  * or, where the galaxy stamp's border scatters more (median deviation), that. Nothing depends on
  * the galaxy's shape. A border pixel is one, too, where it is that much above r max(4, r^3) q
- * instead of r m, q the pixel inside it (and as much more in the first root): the one test there is
- * in a corner, and for a streak along the border; a star some pixels outside may be as steep. Noise
- * stamps are looked at alike: what is in them biases, too.
+ * instead of r m, q the pixel inside it (half of that factor in the first root): the one test there
+ * is in a corner, and for a streak along the border; a star some pixels outside may be as steep.
+ * Noise stamps are looked at alike: what is in them biases, too.
  *
  * Where the noise stamp has no noise there is no threshold, and nothing is found.
  */
