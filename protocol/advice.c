@@ -11,6 +11,8 @@ static const double STEP_OPEN = 0.3, STEP_FILTERED = 1.0;
 static const double ROUNDING = 1e-9;
 enum { FEWEST = 10 }; /* stamps whose scatter is an error */
 static const double BORDER_SIGMA = 4.0, BORDER_FLUX = 0.02, ROUGH_MAX = 0.05;
+static const double ARTEFACT_SHARE = 0.02;
+static const int64_t ARTEFACTS_MIN = 10;
 
 const char *shear_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
                                 size_t size) {
@@ -138,6 +140,26 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
     return NULL;
 }
 
+const char *shear_advice_many_artefacts(const shear_result *r, const shear_plan_info *plan,
+                                        char *buf, size_t size) {
+    int64_t n = 0;
+    (void)plan;
+    for (unsigned bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+        n += 1u << bit == SHEAR_FLAG_ARTEFACT ? r->flagged[bit] : 0;
+    }
+    if (n < ARTEFACTS_MIN || !((double)n > ARTEFACT_SHARE * (double)r->n_stamps)) {
+        return NULL;
+    }
+    snprintf(
+        buf, size,
+        "%.2g %% of the stamps are left out for artefacts: cosmic rays in so many? else the PSF "
+        "is broader than the images' own, or the sky is a few photons a pixel, which look like "
+        "them, and then the bright galaxies are left out: give --artefacts keep, and FLAGS of "
+        "your own",
+        100.0 * (double)n / (double)r->n_stamps);
+    return buf;
+}
+
 void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan,
                       const char *top_file) {
     static const char *(*const all[SHEAR_RESULT_ADVICES])(
@@ -145,7 +167,7 @@ void shear_advice_all(shear_advice_list *list, const shear_result *r, const shea
         shear_advice_no_noise,     shear_advice_small_stamps,    shear_advice_noise_scatter,
         shear_advice_noise_level,  shear_advice_noise_unchecked, shear_advice_noise_shape,
         shear_advice_errors,       shear_advice_filter,          shear_advice_bright_border,
-        shear_advice_rough_border, shear_advice_gradient};
+        shear_advice_rough_border, shear_advice_gradient,        shear_advice_many_artefacts};
     list->n = 0;
     const char *line = shear_advice_influence(r, top_file, list->text[0], SHEAR_ADVICE_SIZE);
     if (line) {

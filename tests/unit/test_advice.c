@@ -364,6 +364,23 @@ static void reasons_in_words(void **state) {
     assert_non_null(strstr(shear_no_shear_text(&r, text, sizeof text), "15 usable stamps"));
 }
 
+static void many_artefacts(void **state) {
+    (void)state;
+    shear_result r = sound();
+    int bit = 0;
+    while (1u << bit != SHEAR_FLAG_ARTEFACT) {
+        bit++;
+    }
+    r.flagged[bit] = 20; /* of 1000 */
+    assert_null(shear_advice_many_artefacts(&r, &plan, text, sizeof text));
+    r.flagged[bit] = 26;
+    assert_non_null(shear_advice_many_artefacts(&r, &plan, text, sizeof text));
+    assert_non_null(strstr(text, "2.6 % of the stamps"));
+    r.n_stamps = 20;
+    r.flagged[bit] = 3;
+    assert_null(shear_advice_many_artefacts(&r, &plan, text, sizeof text));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_noise_level_that_matters),
@@ -379,6 +396,7 @@ int main(void) {
         cmocka_unit_test(rounding_is_no_gradient),
         cmocka_unit_test(other_psfs_need_no_path),
         cmocka_unit_test(few_stamps_tell_no_gradient_and_no_shape),
+        cmocka_unit_test(many_artefacts),
         cmocka_unit_test(reasons_have_names),
         cmocka_unit_test(reasons_in_words),
     };

@@ -71,6 +71,11 @@ const char *shear_advice_no_noise(const shear_result *r, const shear_plan_info *
 const char *shear_advice_small_stamps(const shear_result *r, const shear_plan_info *plan, char *buf,
                                       size_t size);
 
+/* More than 2 % of the galaxy stamps (and 10) have artefacts: with so many it matters which
+ * galaxies they are found in. */
+const char *shear_advice_many_artefacts(const shear_result *r, const shear_plan_info *plan,
+                                        char *buf, size_t size);
+
 /* What makes the shear wrong by more than a percent, or leaves none, beyond all that can be
  * corrected: noise stamps without noise, or with noise of another spectrum, and stamps that are too
  * small (by an estimate of more than 10 %). Static words. False: nothing of that. */
@@ -96,7 +101,7 @@ const char *shear_advice_influence(const shear_result *r, const char *top_file, 
 
 /* All that there is to say: the warnings of `shearctl measure` and of the service. */
 enum {
-    SHEAR_RESULT_ADVICES = 11,
+    SHEAR_RESULT_ADVICES = 12,
     SHEAR_PSF_ADVICES = SHEAR_N_PSF_FLAWS + 1,
     SHEAR_ADVICES = 1 + SHEAR_RESULT_ADVICES + SHEAR_PSF_ADVICES,
     SHEAR_ADVICE_SIZE = 640
