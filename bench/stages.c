@@ -62,18 +62,19 @@ static void do_along_y(scene *s) {
 static void do_pack(scene *s) {
     photometry ph;
     pack_failure failure;
-    pack_pair(s->plan, s->ws, filter_of(s), s->galaxy, s->noise, false,
-              last_group(s->plan, s->transfer), &ph, &failure);
+    pack_pair(s->plan, s->ws, filter_of(s), s->galaxy, s->noise, false, s->transfer, &ph, &failure);
 }
 
 static void do_along_x(scene *s) {
     for (int group = 0; group <= last_group(s->plan, s->transfer); group++) {
-        transform_rows(s->plan, s->ws, group);
+        if (wants_group(s->plan, s->transfer, group)) {
+            transform_rows(s->plan, s->ws, group);
+        }
     }
 }
 
 static void do_moments(scene *s) {
-    for (int group = 0; group <= last_group(s->plan, s->transfer); group++) {
+    for (int group = 0; group * FFT_LANES <= s->transfer->jy; group++) {
         const mode_rows rows = {.up = s->ws->lanes[0],
                                 .down = s->ws->lanes[2],
                                 .nx = s->plan->info.fine_nx,

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MODES = 2000 }; /* what 64 x 64 px have: the level of a stamp to 3 % */
+
 /* (2 jx/nx)^2 + (2 jy/ny)^2 >= (quarters/4)^2, in whole numbers: no rounding decides which modes
  * count. */
 static bool beyond(int64_t jx, int64_t jy, int64_t nx, int64_t ny, int64_t quarters) {
@@ -50,6 +52,16 @@ static void count_mode(high_band *b, int x, int jy) {
     *first = jx < *first ? jx : *first;
 }
 
+static void count_group(high_band *b, int group) {
+    const int first = group * FFT_LANES;
+    const int end = first + FFT_LANES < rows_of(b->ny) ? first + FFT_LANES : rows_of(b->ny);
+    for (int x = 0; x < b->nx; x++) {
+        for (int jy = first; jy < end; jy++) {
+            count_mode(b, x, jy);
+        }
+    }
+}
+
 bool high_band_init(high_band *b, int nx, int ny, bool corners_only) {
     const int rows = rows_of(ny);
     *b = (high_band){
@@ -68,10 +80,9 @@ bool high_band_init(high_band *b, int nx, int ny, bool corners_only) {
     for (int group = 0; group <= b->last_group; group++) {
         b->first_jx[group] = nx / 2 + 1;
     }
-    for (int x = 0; x < nx; x++) {
-        for (int jy = 0; jy < rows; jy++) {
-            count_mode(b, x, jy);
-        }
+    count_group(b, b->last_group);
+    for (int group = 0; group < b->last_group && b->n_edge + b->n_corner < MODES; group++) {
+        count_group(b, group);
     }
     return true;
 }
@@ -134,9 +145,6 @@ SHEAR_SIMD static void sum_columns(const mode_rows *rows, const high_band *b, la
 
 void high_power_add(high_power *p, const high_band *b, const mode_rows *rows) {
     lane_power s;
-    if (b->first_jx[rows->group] > b->nx / 2) {
-        return;
-    }
     sum_columns(rows, b, &s);
     p->edge_galaxy += 0.25 * fft_total(s.edge_galaxy);
     p->edge_noise += 0.25 * fft_total(s.edge_noise);

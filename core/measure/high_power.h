@@ -2,7 +2,9 @@
 /* measure/high_power.h: the power of a pair at the wave numbers where no galaxy has any: what is
  * left there is the noise under galaxy and noise stamp (docs/method.md, section 5). Two bands, |k|
  * from 3/4 of Nyquist to Nyquist, and the corners beyond it. Rows jy = ny/2 are left out: they
- * would cost a group of their own. Only without interpolation.
+ * would cost a group of their own. Large stamps have more modes than are needed, and not all groups
+ * of rows are read: the last one, and from the first on as many as make MODES. Only without
+ * interpolation.
  */
 #ifndef SHEAR_MEASURE_HIGH_POWER_H
 #define SHEAR_MEASURE_HIGH_POWER_H
@@ -17,7 +19,8 @@ typedef struct high_band {
     int nx, ny;
     int last_group; /* of rows */
     size_t stride;
-    int *first_jx;  /* [last_group + 1] modes of a group that count have |jx| at least this */
+    int *first_jx;  /* [last_group + 1] modes of a group that count have |jx| at least this; beyond
+                       nx/2: none counts */
     double *edge;   /* [nx][stride] of modes 3/4 of Nyquist <= |k| < Nyquist; NULL: only corners */
     double *corner; /* [nx][stride] of modes beyond */
     double n_edge, n_corner; /* modes of the whole plane in each */
@@ -36,7 +39,12 @@ static inline bool high_band_is_set(const high_band *b) {
     return b->corner != NULL;
 }
 
-/* Add what the rows of one group hold; the groups are 0 .. last_group. */
+/* Does any mode of a group count? */
+static inline bool high_band_wants(const high_band *b, int group) {
+    return high_band_is_set(b) && group <= b->last_group && b->first_jx[group] <= b->nx / 2;
+}
+
+/* Add what the rows of one such group hold. */
 void high_power_add(high_power *p, const high_band *b, const mode_rows *rows);
 
 #endif

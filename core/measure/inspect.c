@@ -137,7 +137,7 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
     int bad;
     const bool has_noise = image_load(&ws->noise, &plan->grid, noise, &bad, &bad);
-    pack_pair(plan, ws, fine, galaxy, noise, false, last_group(plan, t), &ph, &failure);
+    pack_pair(plan, ws, fine, galaxy, noise, false, t, &ph, &failure);
     copy_images(plan, ws, has_noise, fine, out);
     copy_spectra(plan, ws, t, out);
     return SHEAR_OK;

@@ -135,8 +135,8 @@ static void take_up(const shear_plan *plan, shear_workspace *ws, const shear_sta
         s->transfer = choose_transfer(plan, ws, stamps, i, &psf_flag);
     }
     if (s->transfer != NULL) {
-        s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, false,
-                              last_group(plan, s->transfer), &s->ph, &s->failure);
+        s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, false, s->transfer, &s->ph,
+                              &s->failure);
     } else {
         s->ph = photometry_of(s->galaxy, s->noise, stamps->nx, stamps->ny, ws->strip_most);
     }
@@ -220,8 +220,7 @@ static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_s
                       shear_row *row) {
     photometry ph;
     if (plan->settings.noise_correction) {
-        s->packed = pack_pair(plan, ws, s->fine, one, two, true, last_group(plan, s->transfer), &ph,
-                              &s->failure);
+        s->packed = pack_pair(plan, ws, s->fine, one, two, true, s->transfer, &ph, &s->failure);
         s->failure.in_noise = true;
     } else {
         ph = photometry_of(one, two, stamps->nx, stamps->ny, ws->strip_most);

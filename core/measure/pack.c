@@ -171,12 +171,15 @@ static void close_period(fft_lanes lanes, int n) {
     memcpy(lanes.im + end, lanes.im, FFT_LANES * sizeof *lanes.im);
 }
 
-/* A strip's modes from [jy][x] to [x][jy], the groups 0 .. last of rows. */
+/* A strip's modes from [jy][x] to [x][jy], the groups of rows that are wanted. */
 static void turn_strip(const shear_plan *plan, shear_workspace *ws, fft_lanes from, int x0,
-                       int last) {
+                       const transfer *t) {
     const size_t to = (size_t)x0 * FFT_LANES;
     close_period(from, plan->info.fine_ny);
-    for (int group = 0; group <= last; group++) {
+    for (int group = 0; group <= last_group(plan, t); group++) {
+        if (!wants_group(plan, t, group)) {
+            continue;
+        }
         const size_t up = (size_t)group * BLOCK;
         const size_t down = (size_t)plan->info.fine_ny * FFT_LANES - up;
         const fft_lanes rows = group_lanes(ws, group, UP);
@@ -218,8 +221,8 @@ static void take_levels(shear_workspace *ws, const shear_geometry *g, const doub
 }
 
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-               const double *galaxy, const double *noise, bool own_levels, int last, photometry *ph,
-               pack_failure *failure) {
+               const double *galaxy, const double *noise, bool own_levels, const transfer *t,
+               photometry *ph, pack_failure *failure) {
     const shear_geometry *g = &plan->info.geometry;
     const bool as_pixels = plan->grid.x.kind == AXIS_NONE;
     const bool levels = filter != NULL && !shear_settings_keep_background(&plan->settings);
@@ -243,9 +246,9 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
             photometry_add(&sums, st.x0, st.skip, st.y1, g->ny);
         }
         if (st.y0 < st.y1) {
-            turn_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, last);
+            turn_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, t);
         } else {
-            clear_columns(ws, st.x0, last);
+            clear_columns(ws, st.x0, last_group(plan, t));
         }
         if (as_pixels) {
             photometry_end_strip(&sums);

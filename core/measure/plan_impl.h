@@ -54,9 +54,9 @@ struct shear_workspace {
 };
 
 /* The packed pair of one stamp on the fine grid, filtered, transformed along y into ws->modes for
- * the groups 0 .. last of rows of modes; and what its pixels tell (always). False where a log
- * method meets a negative pixel: (x, y), in the noise stamp if in_noise. Where a background is
- * taken off, the galaxy stamp loses the noise stamp's mean, and that its own level
+ * the groups of rows of modes that a measurement with `t` wants; and what its pixels tell (always).
+ * False where a log method meets a negative pixel: (x, y), in the noise stamp if in_noise. Where a
+ * background is taken off, the galaxy stamp loses the noise stamp's mean, and that its own level
  * (photometry_level); with `own_levels` (of two noise stamps) so does the other.
  */
 typedef struct pack_failure {
@@ -64,13 +64,14 @@ typedef struct pack_failure {
     bool in_noise;
 } pack_failure;
 bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
-               const double *galaxy, const double *noise, bool own_levels, int last, photometry *ph,
-               pack_failure *failure);
+               const double *galaxy, const double *noise, bool own_levels, const transfer *t,
+               photometry *ph, pack_failure *failure);
 /* One of these groups transformed along x, too; until the next call. */
 mode_rows transform_rows(const shear_plan *plan, shear_workspace *ws, int group);
 /* The last group that a measurement with `t` needs: for a plateau or the noise level, all of them.
  */
 int last_group(const shear_plan *plan, const transfer *t);
+bool wants_group(const shear_plan *plan, const transfer *t, int group);
 
 /* Both maps, empty; coarse only where it is another grid. False when memory is out. */
 bool filters_init(filter_map *fine, filter_map *coarse, const shear_plan_info *info);

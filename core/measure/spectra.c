@@ -10,6 +10,11 @@ int last_group(const shear_plan *plan, const transfer *t) {
                                                                          : last;
 }
 
+bool wants_group(const shear_plan *plan, const transfer *t, int group) {
+    return plan->settings.shot_noise == SHEAR_SHOT_PLATEAU || group * FFT_LANES <= t->jy ||
+           high_band_wants(&plan->high, group);
+}
+
 static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows *rows, spectra *s) {
     const transfer_plan *p = &plan->transfer_plan;
     if (rows->group * FFT_LANES <= t->jy) {
@@ -18,7 +23,7 @@ static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows 
             moments_add_cross(&s->cross, rows, p, t);
         }
     }
-    if (high_band_is_set(&plan->high) && rows->group <= plan->high.last_group) {
+    if (high_band_wants(&plan->high, rows->group)) {
         high_power_add(&s->high, &plan->high, rows);
     }
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
@@ -30,6 +35,9 @@ static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows 
 spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
     spectra s = {0};
     for (int group = 0; group <= last_group(plan, t); group++) {
+        if (!wants_group(plan, t, group)) {
+            continue;
+        }
         const mode_rows rows = transform_rows(plan, ws, group);
         if (group == 0) { /* Z(0) = sum of galaxy + i sum of noise */
             s.flux = rows.up.re[0] - rows.up.im[0];
