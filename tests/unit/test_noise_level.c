@@ -138,6 +138,31 @@ static void test_rounding_is_no_noise(void **state) {
     assert_true(is_noise(100.0, 1.0, 1, true));
 }
 
+/* Of large stamps not all rows of modes are read, but enough: a lone pixel has the same power at
+ * each, and a wave counts in some of them, along each axis. */
+static void test_bands_of_large_stamps(void **state) {
+    (void)state;
+    static const int large[][2] = {{96, 96}, {131, 70}, {64, 256}, {256, 256}};
+    for (int k = 0; k < 4; k++) {
+        const double all = (double)large[k][0] * large[k][1];
+        pair p;
+        draw(&p, large[k], "none");
+        pair_set(&p, "artefacts", "keep");
+        memset(p.galaxy, 0, pixels_of(&p) * sizeof *p.galaxy);
+        memset(p.noise, 0, pixels_of(&p) * sizeof *p.noise);
+        p.galaxy[1000] = 2.0;
+        p.noise[77] = 1e-3;
+        const shear_row row = pair_measure(&p);
+        assert_near(row.high_galaxy, 4.0 / all, 1e-12, 4.0 / all, "galaxy");
+        assert_near(row.high_noise, 1e-6 / all, 1e-12, 1e-6 / all, "noise");
+        assert_true(row.corner_galaxy > 0.2 * row.high_galaxy);
+        pair_deinit(&p);
+        assert_true(measure_wave(large[k], large[k][0] / 2 - 2, 1).high_galaxy > 0.0);
+        assert_true(measure_wave(large[k], 1, (large[k][1] - 1) / 2).high_galaxy > 0.0);
+        assert_true(measure_wave(large[k], large[k][0] / 3, large[k][1] / 6).high_galaxy < 1e-20);
+    }
+}
+
 /* Pairs whose galaxies have `planes` noise stamps each. */
 enum { NX = 24, NY = 20, PIXELS = NX * NY, PAIRS = 2, MOST = 5 };
 typedef struct scene {
@@ -709,6 +734,7 @@ int main(void) {
         cmocka_unit_test(test_noise_has_its_own_moments),
         cmocka_unit_test(test_rounding_is_no_noise),
         cmocka_unit_test(test_bands),
+        cmocka_unit_test(test_bands_of_large_stamps),
         cmocka_unit_test(test_planes_are_averaged),
         cmocka_unit_test(test_every_plane_is_looked_at),
         cmocka_unit_test(test_errors_contain_the_level),
