@@ -232,8 +232,9 @@ static int ask(reader *r, const reader_request *request, const char *what, reade
     reply->error.message[sizeof reply->error.message - 1] = '\0';
     reply->error.advice[sizeof reply->error.advice - 1] = '\0';
     const bool full = reply->code == SHEAR_E_FULL;
-    if ((full || reply->code == SHEAR_OK) && scratch_check(&r->scratch, full, &why) != SHEAR_OK) {
-        return evict(r, &why, err);
+    const int room = scratch_check(&r->scratch, full, &why);
+    if (room != SHEAR_OK && (full || reply->code == SHEAR_OK || room == SHEAR_E_FORMAT)) {
+        return evict(r, &why, err); /* what never fits is the cause, whatever the reader found */
     }
     return reply->code == SHEAR_OK ? SHEAR_OK : failed_answer(reply, err);
 }
