@@ -141,7 +141,10 @@ static void job_drop(void *context) {
 static void on_request(void *context, const server_request *r) {
     fixture *f = context;
     const int method = r->request->method;
-    f->handles[f->n++] = r->handle;
+    if (f->n < FX_REQUESTS) {
+        f->handles[f->n] = r->handle;
+    }
+    f->n++;
     if (method == SHEAR_METHOD_METRICS) {
         reply_text(f, r->handle, 1);
         return;
