@@ -91,8 +91,10 @@ static void a_noise_level_that_cannot_be_checked(void **state) {
  * -2304 9 2.25 / (4 pi 6.75^3) = -12.07 a stamp. */
 static void noise_stamps_without_noise(void **state) {
     (void)state;
-    const shear_plan_info wide = {
-        .interpolation = SHEAR_INTERP_NONE, .r_psf_px = 1.5, .beta_px = 3.0, .geometry = {48, 48}};
+    const shear_plan_info wide = {.interpolation = SHEAR_INTERP_NONE,
+                                  .r_psf_px = 1.5,
+                                  .beta_px = 3.0,
+                                  .geometry = {.nx = 48, .ny = 48}};
     shear_result r = sound();
     shear_cause cause;
     r.noise_level = r.noise_level_err = r.noise_shape = r.noise_shape_err = NAN;
