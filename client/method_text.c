@@ -47,7 +47,7 @@ static void print_filter(const struct method *m, FILE *out) {
 static void print_background(const struct method *m, FILE *out) {
     const char *words = !filters(m)          ? "left in: without a filter it changes nothing"
                         : m->background_kept ? "kept: it ends at the filter's edge"
-                                             : "the noise stamps' mean is taken off both stamps";
+                                             : "the noise stamps' level is taken off both stamps";
     shear_text_line(out, "background", "%s", words);
 }
 

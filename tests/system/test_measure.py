@@ -177,7 +177,7 @@ class Report(ToolTest):
         field = Field(n=128, nx=64, ny=64, sigma=2.0)
         told = lines(field)
         self.assertRegex(told["filter"], r"^core [\d.]+ px \(found: it leaves the galaxies whole\), width 3\S* px$")
-        self.assertEqual(told["background"], "the noise stamps' mean is taken off both stamps")
+        self.assertEqual(told["background"], "the noise stamps' level is taken off both stamps")
         self.assertEqual(told["artefacts"], "none found")
         self.assertRegex(told["level"], r"^noise [01]\.\d+ \+- 0\.0\d+ times the noise stamps' variance, read off beyond 3/4")
         self.assertRegex(told["influence"], r"^128 stamps count as 1[12]\d\.\d equal ones; stamp \d+ counts most, with ")

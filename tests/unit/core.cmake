@@ -22,6 +22,7 @@ if(NOT SHEAR_SANITIZE) # whose malloc keeps no statistics
 endif()
 core_test(plateau)
 core_test(noise_level)
+core_test(field_level)
 core_test(psf)
 core_test(psf_quality)
 core_test(filter)
