@@ -42,7 +42,7 @@ static int make_pattern(store *s, shear_error *err) {
     const store_learned learned = {NULL, "00000000000000000000000000000001", SHEAR_BLOCK};
     const store_work work = {.sums = sums,
                              .result = "{\"g1\":0.0123,\"g2\":-0.0045,\"g1_err\":0.001}",
-                             .catalogue = "/survey/out/field-0000000.csv",
+                             .catalog = "/survey/out/field-0000000.csv",
                              .elapsed_us = 1000,
                              .now_ms = 2};
     int code = sums == NULL ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory")
@@ -77,10 +77,10 @@ static const char *const statements[] = {
     "WITH RECURSIVE n(i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM n WHERE i < ?1)"
     " INSERT INTO jobs(id, state, outcome, origin, priority, forced, owner, attempts, attempt,"
     "  created_ms, started_ms, finished_ms, n_stamps, n_used, elapsed_us, field, field_asked,"
-    "  source, settings, content, result, catalogue)"
+    "  source, settings, content, result, catalog)"
     " SELECT i, state, outcome, origin, priority, forced, owner, attempts, attempt, i, i, i,"
     "  n_stamps, n_used, elapsed_us, printf('field-%07d', (i - 1) % ?2),"
-    "  printf('field-%07d', (i - 1) % ?2), source, settings, printf('%032x', i), result, catalogue"
+    "  printf('field-%07d', (i - 1) % ?2), source, settings, printf('%032x', i), result, catalog"
     "  FROM n, jobs j WHERE j.id = 1",
     "WITH RECURSIVE n(i) AS (SELECT 2 UNION ALL SELECT i + 1 FROM n WHERE i < ?1)"
     " INSERT INTO attempts(job, number, started_ms, ended_ms, ending) SELECT i, 1, i, i, 1 FROM n",

@@ -29,9 +29,9 @@ static void cut_ending(char *name, const char *ending) {
 /* "in/stamps.fits.gz" -> "DIRECTORY/stamps.shear.fits"; malloc'd, or NULL */
 static char *path_in(const char *directory, const char *input) {
     const char *slash = strrchr(input, '/');
-    char *base = strdup(slash ? slash + 1 : input);
+    char *base = strdup(slash != NULL ? slash + 1 : input);
     char *path = NULL;
-    if (!base) {
+    if (base == NULL) {
         return NULL;
     }
     cut_ending(base, ".gz");
@@ -45,9 +45,9 @@ static char *path_in(const char *directory, const char *input) {
     return path;
 }
 
-/* What a catalogue is named after. */
+/* What a catalog is named after. */
 static const char *base_path(const shear_input *input) {
-    return input->path ? input->path : input->parts[SHEAR_PART_GALAXY].path;
+    return input->path != NULL ? input->path : input->parts[SHEAR_PART_GALAXY].path;
 }
 
 static bool same_file(const struct stat *st, const char *path) {
@@ -56,16 +56,16 @@ static bool same_file(const struct stat *st, const char *path) {
 }
 
 static bool reads_file(const shear_input *input, const struct stat *st) {
-    bool reads = input->path && same_file(st, input->path);
-    for (int i = 0; i < SHEAR_N_PARTS && !input->path; i++) {
-        reads = reads || (input->parts[i].path && same_file(st, input->parts[i].path));
+    bool reads = input->path != NULL && same_file(st, input->path);
+    for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
+        reads = reads || (input->parts[i].path != NULL && same_file(st, input->parts[i].path));
     }
     return reads;
 }
 
-/* The catalogue's place is there already: may it be replaced? */
-static int check_existing(const char *path, const struct stat *st,
-                          const struct measure_input *inputs, size_t n, bool force) {
+/* The catalog's place is there already: may it be replaced? */
+static int check_existing(const char *path, const struct stat *st, const measure_input *inputs,
+                          size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
         if (reads_file(inputs[i].source, st)) {
             message_fail(NULL, "--catalog %s: that is one of the input files", path);
@@ -97,53 +97,53 @@ static int unwritable(const char *directory) {
 
 static int check_parent(const char *path) {
     char *copy = strdup(path); /* dirname may write to it */
-    if (!copy) {
+    if (copy == NULL) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }
     const char *parent = dirname(copy);
     int why = unwritable(parent);
-    if (why) {
+    if (why != 0) {
         message_fail("choose a directory that you may write to",
                      "--catalog %s: cannot write in %s: %s", path, parent, strerror(why));
     }
     free(copy);
-    return why ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+    return why != 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
-static int check_path(const char *path, const struct measure_input *inputs, size_t n, bool force) {
+static int check_path(const char *path, const measure_input *inputs, size_t n, bool force) {
     struct stat st;
     if (stat(path, &st) == 0) {
         int code = check_existing(path, &st, inputs, n, force);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
     }
     return check_parent(path);
 }
 
-static int check_all(const struct measure_input *inputs, size_t n, bool force) {
+static int check_all(const measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
-        if (!inputs[i].catalog) {
+        if (inputs[i].catalog == NULL) {
             continue;
         }
         for (size_t j = 0; j < i; j++) {
-            if (inputs[j].catalog && strcmp(inputs[j].catalog, inputs[i].catalog) == 0) {
+            if (inputs[j].catalog != NULL && strcmp(inputs[j].catalog, inputs[i].catalog) == 0) {
                 message_fail("measure them in separate runs, or rename one",
-                             "--catalog: %s and %s would share the catalogue %s", inputs[j].path,
+                             "--catalog: %s and %s would share the catalog %s", inputs[j].path,
                              inputs[i].path, inputs[i].catalog);
                 return EXIT_CODE_USAGE;
             }
         }
         int code = check_path(inputs[i].catalog, inputs, n, force);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
     }
     return EXIT_CODE_DONE;
 }
 
-int catalog_paths_resolve(struct measure_input *inputs, size_t n, const char *out, bool force) {
+int catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool force) {
     bool directory = is_directory(out);
     size_t length = strlen(out);
     if (!directory && (n > 1 || length == 0 || out[length - 1] == '/')) {
@@ -156,7 +156,7 @@ int catalog_paths_resolve(struct measure_input *inputs, size_t n, const char *ou
     for (size_t i = 0; i < n; i++) {
         if (measure_input_is_wanted(&inputs[i])) {
             inputs[i].catalog = directory ? path_in(out, base_path(inputs[i].source)) : strdup(out);
-            if (!inputs[i].catalog) {
+            if (inputs[i].catalog == NULL) {
                 message_fail(NULL, "out of memory");
                 return EXIT_CODE_OTHER;
             }

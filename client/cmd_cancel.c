@@ -3,7 +3,7 @@
 #include "job_action.h"
 
 static int run(int argc, char **argv) {
-    return job_action_run(&cmd_cancel, SHEAR_METHOD_CANCEL, argc, argv);
+    return job_action_run(&cmd_cancel, SHEARD_METHOD_CANCEL, argc, argv);
 }
 
 const struct command cmd_cancel = {

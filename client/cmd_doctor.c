@@ -23,7 +23,7 @@ static int handle(int value, void *context) {
     return EXIT_CODE_DONE;
 }
 
-static void print_line(const shear_finding *f) {
+static void print_line(const sheard_finding *f) {
     static const char *const names[] = {"OK", "WARN", "FAIL"};
     static const char *const styles[] = {STYLE_GOOD, STYLE_DOUBT, STYLE_BAD};
     const bool colours = style_on(stdout);
@@ -36,10 +36,10 @@ static void print_line(const shear_finding *f) {
     fflush(stdout);
 }
 
-static void print_json(const shear_finding *f) {
+static void print_json(const sheard_finding *f) {
     char *text = NULL;
     shear_error err = {0};
-    if (shear_finding_json(&text, f, &err)) {
+    if (sheard_finding_json(&text, f, &err) != 0) {
         message_error(&err);
         return;
     }
@@ -47,14 +47,14 @@ static void print_json(const shear_finding *f) {
     free(text);
 }
 
-void doctor_say(struct doctor *d, const char *subject, int level, const char *remedy,
-                const char *format, ...) {
+void doctor_say(doctor *d, const char *subject, int level, const char *remedy, const char *format,
+                ...) {
     char message[1024];
     va_list args;
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
-    const shear_finding finding = {subject, level, message, remedy ? remedy : ""};
+    const sheard_finding finding = {subject, level, message, remedy != NULL ? remedy : ""};
     d->worst = level > d->worst ? level : d->worst;
     if (d->service.json) {
         print_json(&finding);
@@ -64,17 +64,17 @@ void doctor_say(struct doctor *d, const char *subject, int level, const char *re
 }
 
 /* The socket of the configuration, where nobody names another one. */
-static void choose_socket(struct doctor *d) {
+static void choose_socket(doctor *d) {
     const char *environment = getenv("SHEARD_SOCKET");
     const bool named =
-        d->service.socket != connection_default_path() || (environment && *environment);
-    if (!named && d->socket && *d->socket) {
+        d->service.socket != connection_default_path() || (environment != NULL && *environment);
+    if (!named && d->socket != NULL && *d->socket) {
         d->service.socket = d->socket;
     }
 }
 
 /* With the service's eyes, where it answers. */
-static void look(struct doctor *d) {
+static void look(doctor *d) {
     if (d->reached) {
         doctor_take_paths(d);
     }
@@ -83,10 +83,10 @@ static void look(struct doctor *d) {
         doctor_check_told(d);
     } else {
         const struct passwd *me = getpwuid(geteuid());
-        doctor_say(d, "view", SHEAR_FINDING_WARN,
+        doctor_say(d, "view", SHEARD_FINDING_WARN,
                    "start the service, and run doctor again: then it is asked",
                    "no service tells what it sees: what follows is seen with the eyes of %s",
-                   me ? me->pw_name : "this user");
+                   me != NULL ? me->pw_name : "this user");
         doctor_check_disks(d);
     }
     if (!d->reached || !doctor_check_probe(d)) {
@@ -95,10 +95,10 @@ static void look(struct doctor *d) {
 }
 
 static int run(int argc, char **argv) {
-    struct doctor d = {.config = NULL};
+    doctor d = {.config = NULL};
     const int code = service_parse_operands(&cmd_doctor, argc, argv, options, handle, &d.config,
                                             &d.service, "", 0, 0);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     doctor_check_program(&d);
@@ -106,14 +106,14 @@ static int run(int argc, char **argv) {
     doctor_check_socket(&d);
     doctor_check_service(&d);
     look(&d);
-    shear_reply_deinit(&d.status, SHEAR_METHOD_STATUS);
+    sheard_reply_deinit(&d.status, SHEARD_METHOD_STATUS);
     service_close(&d.service);
     free(d.program);
     free(d.state_dir);
     free(d.socket);
     free(d.spool);
     free(d.roots);
-    return d.worst == SHEAR_FINDING_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+    return d.worst == SHEARD_FINDING_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
 const struct command cmd_doctor = {

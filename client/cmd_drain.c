@@ -4,13 +4,13 @@
 
 #include <inttypes.h>
 
-static void print(const shear_reply *reply) {
+static void print(const sheard_reply *reply) {
     printf("%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
-           shear_server_state_name(reply->drain.state), reply->drain.running, reply->drain.queued);
+           sheard_server_state_name(reply->drain.state), reply->drain.running, reply->drain.queued);
 }
 
 static int run(int argc, char **argv) {
-    return service_query(&cmd_drain, SHEAR_METHOD_DRAIN, print, argc, argv);
+    return service_query(&cmd_drain, SHEARD_METHOD_DRAIN, print, argc, argv);
 }
 
 const struct command cmd_drain = {

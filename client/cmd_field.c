@@ -24,7 +24,7 @@ static const struct option options[] = {
 
 struct field {
     struct service service;
-    shear_params params;
+    sheard_params params;
     bool jobs;
 };
 
@@ -39,7 +39,7 @@ static int handle(int value, void *context) {
         return options_int("after", optarg, 0, INT64_MAX, &f->params.field.after);
     case OPT_LIMIT:
         f->jobs = true;
-        return options_int("limit", optarg, 1, SHEAR_MSG_FIELDS_PAGE, &f->params.field.limit);
+        return options_int("limit", optarg, 1, SHEARD_MSG_FIELDS_PAGE, &f->params.field.limit);
     default:
         f->jobs = true;
         return EXIT_CODE_DONE;
@@ -47,36 +47,35 @@ static int handle(int value, void *context) {
 }
 
 /* "12 counted, 2 to come (running: 31, 32)" */
-static void print_jobs(const shear_msg_field_row *row) {
+static void print_jobs(const sheard_msg_field_row *row) {
     char running[200] = "";
     size_t used = 0;
     for (size_t i = 0; i < row->n_running && used < sizeof running - 24; i++) {
         const int n = snprintf(running + used, sizeof running - used, "%s%" PRId64,
-                               i ? ", " : " (running: ", row->running[i]);
+                               i != 0 ? ", " : " (running: ", row->running[i]);
         used += n > 0 ? (size_t)n : 0;
     }
     if (row->unfinished > 0) {
         shear_text_line(stdout, "jobs", "%" PRId64 " counted, %" PRId64 " to come%s%s", row->jobs,
-                        row->unfinished, running, used ? ")" : "");
+                        row->unfinished, running, used != 0 ? ")" : "");
     } else {
         shear_text_line(stdout, "jobs", "%" PRId64 " counted", row->jobs);
     }
 }
 
-static int print_contributions(const shear_msg_field_row *row, bool utc) {
-    static const struct text_column columns[] = {{"ENTRY", 'r'},   {"JOB", 'r'},
-                                                 {"USED", 'r'},    {"OF", 'r'},
-                                                 {"COUNTED", 'l'}, {"CHECKSUM", 'l'}};
-    struct text_table *t = text_table_new(columns, sizeof columns / sizeof *columns);
+static int print_contributions(const sheard_msg_field_row *row, bool utc) {
+    static const text_column columns[] = {{"ENTRY", 'r'}, {"JOB", 'r'},     {"USED", 'r'},
+                                          {"OF", 'r'},    {"COUNTED", 'l'}, {"CHECKSUM", 'l'}};
+    text_table *t = text_table_new(columns, sizeof columns / sizeof *columns);
     for (size_t i = 0; i < row->n_contributions; i++) {
-        const shear_msg_contribution *c = &row->contributions[i];
+        const sheard_msg_contribution *c = &row->contributions[i];
         char time[HUMAN_SIZE];
         text_table_cell(t, NULL, "%" PRId64, c->id);
         text_table_cell(t, NULL, "%" PRId64, c->job);
         text_table_cell(t, NULL, "%" PRId64, c->n_used);
         text_table_cell(t, NULL, "%" PRId64, c->n_stamps);
         text_table_cell(t, NULL, "%s", human_time(c->counted_ms, utc, time));
-        text_table_cell(t, STYLE_DIM, "%s", c->checksum ? c->checksum : "-");
+        text_table_cell(t, STYLE_DIM, "%s", c->checksum != NULL ? c->checksum : "-");
     }
     const int code = text_table_render(t, stdout, 2, style_on(stdout), style_columns(1, 0));
     text_table_free(t);
@@ -87,22 +86,22 @@ static int print_contributions(const shear_msg_field_row *row, bool utc) {
     return code;
 }
 
-static int print_row(const struct field *f, const shear_msg_field_result *result,
-                     const shear_msg_field_row *row) {
+static int print_row(const struct field *f, const sheard_msg_field_result *result,
+                     const sheard_msg_field_row *row) {
     char name[256];
     char time[HUMAN_SIZE];
     printf("field %s%s\n", message_clean(result->field, name, sizeof name),
            row->partial ? "  (partial: more is to come)" : "");
     print_jobs(row);
     shear_text_print(row->report, row->reason, stdout);
-    if (!row->report && row->reason) {
+    if (row->report == NULL && row->reason != NULL) {
         shear_text_line(stdout, "reason", "%s", row->reason);
     }
-    if (row->culprit.job) {
-        shear_text_line(stdout, "culprit",
-                        "job %" PRId64 " (%s): shearctl retract %" PRId64 " takes it back",
-                        row->culprit.job, row->culprit.file ? row->culprit.file : "forgotten",
-                        row->culprit.job);
+    if (row->culprit.job != 0) {
+        shear_text_line(
+            stdout, "culprit", "job %" PRId64 " (%s): shearctl retract %" PRId64 " takes it back",
+            row->culprit.job, row->culprit.file != NULL ? row->culprit.file : "forgotten",
+            row->culprit.job);
     }
     shear_text_line(stdout, "updated", "%s", human_time(row->updated_ms, f->service.utc, time));
     shear_text_line(stdout, "digest", "%s", row->digest);
@@ -110,9 +109,9 @@ static int print_row(const struct field *f, const shear_msg_field_result *result
                                                : EXIT_CODE_DONE;
 }
 
-static int print(const struct field *f, const shear_msg_field_result *result) {
+static int print(const struct field *f, const sheard_msg_field_result *result) {
     int code = EXIT_CODE_DONE;
-    for (size_t i = 0; !code && i < result->n_rows; i++) {
+    for (size_t i = 0; code == SHEAR_OK && i < result->n_rows; i++) {
         code = print_row(f, result, &result->rows[i]);
     }
     fflush(stdout);
@@ -126,23 +125,23 @@ static int print(const struct field *f, const shear_msg_field_result *result) {
 
 static int run(int argc, char **argv) {
     struct field f = {.jobs = false};
-    shear_reply reply = {0};
-    shear_params_init(&f.params, SHEAR_METHOD_FIELD);
+    sheard_reply reply = {0};
+    sheard_params_init(&f.params, SHEARD_METHOD_FIELD);
     int code = service_parse_operands(&cmd_field, argc, argv, options, handle, &f, &f.service,
                                       "field", 1, 1);
-    code = code ? code : service_open(&f.service);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&f.service);
+    if (code != SHEAR_OK) {
         return code;
     }
     f.params.field.field = argv[optind];
     if (!f.jobs && f.service.json) {
         f.params.field.limit = 0; /* else its files tell in which range PSF radii and cores are */
     }
-    code = service_answer(&f.service, SHEAR_METHOD_FIELD, &f.params, &reply);
-    if (!code && !f.service.json) {
+    code = service_answer(&f.service, SHEARD_METHOD_FIELD, &f.params, &reply);
+    if (code == SHEAR_OK && !f.service.json) {
         code = print(&f, &reply.field);
     }
-    shear_reply_deinit(&reply, SHEAR_METHOD_FIELD);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_FIELD);
     service_close(&f.service);
     return code;
 }

@@ -22,7 +22,7 @@ static const struct option options[] = {
 
 struct fields {
     struct service service;
-    shear_params params;
+    sheard_params params;
     int64_t limit; /* fields that are still to be listed */
     bool brief;
 };
@@ -42,7 +42,7 @@ static int handle(int value, void *context) {
 }
 
 /* A field that has several rows is named once. */
-static void print_names(const shear_msg_field_page *page) {
+static void print_names(const sheard_msg_field_page *page) {
     char name[256];
     for (size_t i = 0; i < page->n_fields; i++) {
         if (i == 0 || strcmp(page->fields[i].field, page->fields[i - 1].field) != 0) {
@@ -51,8 +51,8 @@ static void print_names(const shear_msg_field_page *page) {
     }
 }
 
-static void show_page(const struct fields *f, const shear_msg_field_page *page,
-                      struct text_table *table) {
+static void show_page(const struct fields *f, const sheard_msg_field_page *page,
+                      text_table *table) {
     if (f->service.json) {
         return;
     }
@@ -66,46 +66,46 @@ static void show_page(const struct fields *f, const shear_msg_field_page *page,
 }
 
 /* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
-static int list(struct fields *f, struct text_table *table, char **cursor) {
+static int list(struct fields *f, text_table *table, char **cursor) {
     int code = EXIT_CODE_DONE;
     bool empty = false; /* a page: no progress would be made */
-    shear_msg_fields *p = &f->params.fields;
+    sheard_msg_fields *p = &f->params.fields;
     do {
-        shear_reply reply = {0};
-        p->limit = f->limit < SHEAR_MSG_FIELDS_PAGE ? f->limit : SHEAR_MSG_FIELDS_PAGE;
-        code = service_answer(&f->service, SHEAR_METHOD_FIELDS, &f->params, &reply);
+        sheard_reply reply = {0};
+        p->limit = f->limit < SHEARD_MSG_FIELDS_PAGE ? f->limit : SHEARD_MSG_FIELDS_PAGE;
+        code = service_answer(&f->service, SHEARD_METHOD_FIELDS, &f->params, &reply);
         free(*cursor);
         *cursor = NULL;
-        if (!code) {
+        if (code == SHEAR_OK) {
             show_page(f, &reply.fields, table);
             f->limit -= (int64_t)reply.fields.n_fields;
             empty = reply.fields.n_fields == 0;
-            *cursor = reply.fields.cursor ? strdup(reply.fields.cursor) : NULL;
+            *cursor = reply.fields.cursor != NULL ? strdup(reply.fields.cursor) : NULL;
             p->cursor = *cursor;
-            shear_reply_deinit(&reply, SHEAR_METHOD_FIELDS);
+            sheard_reply_deinit(&reply, SHEARD_METHOD_FIELDS);
         }
-    } while (!code && *cursor && !empty && f->limit > 0);
+    } while (code == SHEAR_OK && *cursor != NULL && !empty && f->limit > 0);
     return code;
 }
 
 static int run(int argc, char **argv) {
     struct fields f = {.limit = INT64_MAX};
-    shear_params_init(&f.params, SHEAR_METHOD_FIELDS);
+    sheard_params_init(&f.params, SHEARD_METHOD_FIELDS);
     int code =
         service_parse_operands(&cmd_fields, argc, argv, options, handle, &f, &f.service, "", 0, 1);
-    code = code ? code : service_open(&f.service);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&f.service);
+    if (code != SHEAR_OK) {
         return code;
     }
     char *cursor = NULL;
-    struct text_table *table = field_table_new();
+    text_table *table = field_table_new();
     f.params.fields.prefix = optind < argc && argv[optind][0] ? argv[optind] : NULL;
     code = list(&f, table, &cursor);
-    if (!code && !f.service.json && !f.brief) {
+    if (code == SHEAR_OK && !f.service.json && !f.brief) {
         code = text_table_print(table, stdout);
     }
     fflush(stdout);
-    if (!code && cursor && !f.service.json) {
+    if (code == SHEAR_OK && cursor != NULL && !f.service.json) {
         message_note("there are more fields: --cursor %s goes on with them", cursor);
     }
     text_table_free(table);

@@ -17,7 +17,7 @@ static const struct option options[] = {
 
 struct forget {
     struct service service;
-    shear_params params;
+    sheard_params params;
     bool yes;
 };
 
@@ -33,17 +33,18 @@ static int handle(int value, void *context) {
 
 /* Not yet: what would be gone. */
 static int tell(struct forget *f) {
-    shear_params p;
-    shear_reply reply = {0};
+    sheard_params p;
+    sheard_reply reply = {0};
     char name[256];
     int64_t jobs = 0;
-    shear_params_init(&p, SHEAR_METHOD_FIELD);
-    p.field = (shear_msg_field){.field = f->params.forget.field, .digest = f->params.forget.digest};
+    sheard_params_init(&p, SHEARD_METHOD_FIELD);
+    p.field =
+        (sheard_msg_field){.field = f->params.forget.field, .digest = f->params.forget.digest};
     const bool json = f->service.json;
     f->service.json = false;
-    const int code = service_answer(&f->service, SHEAR_METHOD_FIELD, &p, &reply);
+    const int code = service_answer(&f->service, SHEARD_METHOD_FIELD, &p, &reply);
     f->service.json = json;
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     for (size_t i = 0; i < reply.field.n_rows; i++) {
@@ -52,31 +53,31 @@ static int tell(struct forget *f) {
     message_fail("--yes does it",
                  "this would take back %" PRId64 " contributions to field %s, in %zu results", jobs,
                  message_clean(reply.field.field, name, sizeof name), reply.field.n_rows);
-    shear_reply_deinit(&reply, SHEAR_METHOD_FIELD);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_FIELD);
     return EXIT_CODE_USAGE;
 }
 
 static int forget(struct forget *f) {
-    shear_reply reply = {0};
+    sheard_reply reply = {0};
     char name[256];
-    const int code = service_answer(&f->service, SHEAR_METHOD_FORGET, &f->params, &reply);
-    if (!code && !f->service.json) {
-        const shear_msg_forgotten *r = &reply.forget;
+    const int code = service_answer(&f->service, SHEARD_METHOD_FORGET, &f->params, &reply);
+    if (code == SHEAR_OK && !f->service.json) {
+        const sheard_msg_forgotten *r = &reply.forget;
         printf("field %s forgotten: %" PRId64 " results of %" PRId64 " contributions, %" PRId64
                " jobs retracted\n",
                message_clean(r->field, name, sizeof name), r->rows, r->contributions, r->jobs);
     }
-    shear_reply_deinit(&reply, SHEAR_METHOD_FORGET);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_FORGET);
     return code;
 }
 
 static int run(int argc, char **argv) {
     struct forget f = {.yes = false};
-    shear_params_init(&f.params, SHEAR_METHOD_FORGET);
+    sheard_params_init(&f.params, SHEARD_METHOD_FORGET);
     int code = service_parse_operands(&cmd_forget, argc, argv, options, handle, &f, &f.service,
                                       "field", 1, 1);
-    code = code ? code : service_open(&f.service);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&f.service);
+    if (code != SHEAR_OK) {
         return code;
     }
     f.params.forget.field = argv[optind];

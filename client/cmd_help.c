@@ -15,7 +15,7 @@ static void refer_to_settings(FILE *out) {
 
 static int explain(const char *name, void (*settings)(FILE *out)) {
     const struct command *command = command_find(name);
-    if (!command) {
+    if (command == NULL) {
         return EXIT_CODE_USAGE;
     }
     command_print_usage(command, settings, stdout);

@@ -28,7 +28,7 @@ static const struct option options[] = {
 
 struct jobs {
     struct service service;
-    shear_params params;
+    sheard_params params;
     int64_t limit; /* jobs that are still to be listed */
     bool brief;
 };
@@ -38,11 +38,12 @@ static int set_states(const char *text, unsigned *states) {
     for (const char *at = text; *at; at += *at == ',') {
         const size_t n = strcspn(at, ",");
         int state = 0;
-        while (state < SHEAR_N_JOB_STATES && !(strlen(shear_job_state_name(state)) == n &&
-                                               strncmp(at, shear_job_state_name(state), n) == 0)) {
+        while (state < SHEARD_N_JOB_STATES &&
+               !(strlen(sheard_job_state_name(state)) == n &&
+                 strncmp(at, sheard_job_state_name(state), n) == 0)) {
             state++;
         }
-        if (state == SHEAR_N_JOB_STATES) {
+        if (state == SHEARD_N_JOB_STATES) {
             message_fail("queued, running, waiting, done, failed, cancelled, retracted",
                          "--state %s: \"%.*s\" is no state of a job", text, (int)n, at);
             return EXIT_CODE_USAGE;
@@ -60,7 +61,7 @@ static int set_owner(const char *text, int64_t *owner) {
         return EXIT_CODE_DONE;
     }
     const struct passwd *user = getpwnam(text);
-    if (user) {
+    if (user != NULL) {
         *owner = user->pw_uid;
         return EXIT_CODE_DONE;
     }
@@ -92,8 +93,7 @@ static int handle(int value, void *context) {
     }
 }
 
-static void show_page(const struct jobs *j, const shear_msg_job_page *page,
-                      struct text_table *table) {
+static void show_page(const struct jobs *j, const sheard_msg_job_page *page, text_table *table) {
     const int64_t now = human_now_ms();
     for (size_t i = 0; i < page->n_jobs && !j->service.json; i++) {
         if (j->brief) {
@@ -105,44 +105,44 @@ static void show_page(const struct jobs *j, const shear_msg_job_page *page,
 }
 
 /* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
-static int list(struct jobs *j, struct text_table *table, char **cursor) {
+static int list(struct jobs *j, text_table *table, char **cursor) {
     int code = EXIT_CODE_DONE;
     bool empty = false; /* a page: no progress would be made */
     do {
-        shear_reply reply = {0};
-        j->params.jobs.limit = j->limit < SHEAR_MSG_JOBS_PAGE ? j->limit : SHEAR_MSG_JOBS_PAGE;
-        code = service_answer(&j->service, SHEAR_METHOD_JOBS, &j->params, &reply);
+        sheard_reply reply = {0};
+        j->params.jobs.limit = j->limit < SHEARD_MSG_JOBS_PAGE ? j->limit : SHEARD_MSG_JOBS_PAGE;
+        code = service_answer(&j->service, SHEARD_METHOD_JOBS, &j->params, &reply);
         free(*cursor);
         *cursor = NULL;
-        if (!code) {
+        if (code == SHEAR_OK) {
             show_page(j, &reply.jobs, table);
             j->limit -= (int64_t)reply.jobs.n_jobs;
             empty = reply.jobs.n_jobs == 0;
-            *cursor = reply.jobs.cursor ? strdup(reply.jobs.cursor) : NULL;
+            *cursor = reply.jobs.cursor != NULL ? strdup(reply.jobs.cursor) : NULL;
             j->params.jobs.cursor = *cursor;
-            shear_reply_deinit(&reply, SHEAR_METHOD_JOBS);
+            sheard_reply_deinit(&reply, SHEARD_METHOD_JOBS);
         }
-    } while (!code && *cursor && !empty && j->limit > 0);
+    } while (code == SHEAR_OK && *cursor != NULL && !empty && j->limit > 0);
     return code;
 }
 
 static int run(int argc, char **argv) {
     struct jobs j = {.limit = DEFAULT_LIMIT};
-    shear_params_init(&j.params, SHEAR_METHOD_JOBS);
+    sheard_params_init(&j.params, SHEARD_METHOD_JOBS);
     int code =
         service_parse_operands(&cmd_jobs, argc, argv, options, handle, &j, &j.service, "", 0, 0);
-    code = code ? code : service_open(&j.service);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&j.service);
+    if (code != SHEAR_OK) {
         return code;
     }
     char *cursor = NULL;
-    struct text_table *table = job_table_new();
+    text_table *table = job_table_new();
     code = list(&j, table, &cursor);
-    if (!code && !j.service.json && !j.brief) {
+    if (code == SHEAR_OK && !j.service.json && !j.brief) {
         code = text_table_print(table, stdout);
     }
     fflush(stdout);
-    if (!code && cursor && !j.service.json) {
+    if (code == SHEAR_OK && cursor != NULL && !j.service.json) {
         message_note("there are more jobs: --cursor %s goes on with them, --limit lists more",
                      cursor);
     }

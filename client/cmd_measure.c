@@ -32,7 +32,7 @@ static const struct option own_options[] = {
 enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
 static int handle(int value, const char *argument, void *context) {
-    struct measure_options *o = context;
+    measure_options *o = context;
     int64_t number = 0;
     int code = EXIT_CODE_DONE;
     if (part_options_is(value)) {
@@ -67,23 +67,23 @@ static int handle(int value, const char *argument, void *context) {
     return code;
 }
 
-static int check_options(struct measure_options *o, char **files, int n_files) {
+static int check_options(measure_options *o, char **files, int n_files) {
     const int code = part_options_settle(&o->parts, &cmd_measure, files, n_files);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
-    if (o->jackknife && o->settings.estimator != SHEAR_ESTIMATOR_MEAN) {
+    if (o->jackknife != 0 && o->settings.estimator != SHEAR_ESTIMATOR_MEAN) {
         message_fail("leave one of the two out", "--jackknife is for --estimator mean only");
         return EXIT_CODE_USAGE;
     }
-    if (o->field && !o->field[0]) {
+    if (o->field != NULL && !o->field[0]) {
         message_fail(NULL, "--field: the name is empty");
         return EXIT_CODE_USAGE;
     }
     return EXIT_CODE_DONE;
 }
 
-static int parse(int argc, char **argv, struct measure_options *o) {
+static int parse(int argc, char **argv, measure_options *o) {
     struct settings_parse p = {.command = &cmd_measure,
                                .own = own_options,
                                .n_own = N_OWN,
@@ -91,18 +91,18 @@ static int parse(int argc, char **argv, struct measure_options *o) {
                                .context = o,
                                .settings = &o->settings};
     const int code = settings_parse(&p, argc, argv);
-    return code ? code : check_options(o, argv + optind, argc - optind);
+    return code != SHEAR_OK ? code : check_options(o, argv + optind, argc - optind);
 }
 
-static int print_json(const struct measure_group *g, const struct measure_options *o) {
+static int print_json(const struct measure_group *g, const measure_options *o) {
     shear_error err = {0};
     char *text = NULL;
-    shear_report_file *files = calloc(g->n, sizeof *files);
-    if (!files) {
+    sheard_report_file *files = calloc(g->n, sizeof *files);
+    if (files == NULL) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }
-    shear_report report = {
+    sheard_report report = {
         .field = g->field,
         .result = &g->result,
         .settings = &o->settings,
@@ -113,30 +113,30 @@ static int print_json(const struct measure_group *g, const struct measure_option
         .estimators = &g->estimators,
         .seconds = g->seconds,
     };
-    const struct measure_input *top = measure_group_top(g);
-    report.top_file = top ? top->path : NULL;
+    const measure_input *top = measure_group_top(g);
+    report.top_file = top != NULL ? top->path : NULL;
     report.has_truth = measure_group_truth(g, &report.true_g1, &report.true_g2);
     for (size_t i = 0; i < g->n; i++) {
-        const struct measure_input *input = g->inputs[i];
+        const measure_input *input = g->inputs[i];
         if (input->measured) {
             const shear_run_report *run = &input->report;
-            files[report.n_files++] = (shear_report_file){
+            files[report.n_files++] = (sheard_report_file){
                 input->path,        input->checksum, input->info.name, run->result.n_stamps,
                 run->result.n_used, &run->plan,      run->seconds};
         }
     }
-    int code = shear_report_json(&text, &report, &err);
-    if (code) {
+    int code = sheard_report_json(&text, &report, &err);
+    if (code != SHEAR_OK) {
         message_error(&err);
     } else {
         puts(text);
     }
     free(text);
     free(files);
-    return code ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+    return code != SHEAR_OK ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
-static int show(const struct measure_group *g, const struct measure_options *o) {
+static int show(const struct measure_group *g, const measure_options *o) {
     int code = EXIT_CODE_DONE;
     if (o->json) {
         code = print_json(g, o);
@@ -151,7 +151,7 @@ static int show(const struct measure_group *g, const struct measure_options *o) 
 }
 
 /* A warning for every duplicate, with the field that it would have been counted to. */
-static void warn_duplicates(struct measure_input *inputs, size_t n, struct measure_group *groups,
+static void warn_duplicates(measure_input *inputs, size_t n, struct measure_group *groups,
                             size_t n_groups) {
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; inputs[i].duplicate && k < n_groups; k++) {
@@ -164,7 +164,7 @@ static void warn_duplicates(struct measure_input *inputs, size_t n, struct measu
     }
 }
 
-static int measure_groups(struct measure_input *inputs, size_t n, const struct measure_options *o) {
+static int measure_groups(measure_input *inputs, size_t n, const measure_options *o) {
     struct measure_group *groups = NULL;
     size_t n_groups = 0;
     int shown = EXIT_CODE_DONE;
@@ -174,22 +174,22 @@ static int measure_groups(struct measure_input *inputs, size_t n, const struct m
     }
     warn_duplicates(inputs, n, groups, n_groups);
     for (size_t i = 0; i < n_groups && !progress_interrupted(); i++) {
-        if (measure_group_run(&groups[i], o) && show(&groups[i], o)) {
+        if (measure_group_run(&groups[i], o) && show(&groups[i], o) != 0) {
             shown = EXIT_CODE_OTHER;
         }
     }
     measure_groups_free(groups, n_groups);
-    if (progress_interrupted() || shown) {
+    if (progress_interrupted() || shown != 0) {
         return EXIT_CODE_OTHER;
     }
     return measure_inputs_exit_code(inputs, n);
 }
 
 static int measure_inputs(const shear_input *sources, const char *const *names, size_t n,
-                          const struct measure_options *o) {
+                          const measure_options *o) {
     int code = EXIT_CODE_DONE;
-    struct measure_input *inputs = calloc(n, sizeof *inputs);
-    if (!inputs) {
+    measure_input *inputs = calloc(n, sizeof *inputs);
+    if (inputs == NULL) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }
@@ -198,19 +198,19 @@ static int measure_inputs(const shear_input *sources, const char *const *names, 
         inputs[i].path = names[i];
     }
     measure_inputs_open(inputs, n, o->field);
-    if (o->catalog) {
+    if (o->catalog != NULL) {
         code = catalog_paths_resolve(inputs, n, o->catalog, o->force);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = measure_groups(inputs, n, o);
     }
     measure_inputs_free(inputs, n);
     return code;
 }
 
-static int measure_files(char **paths, size_t n, const struct measure_options *o) {
+static int measure_files(char **paths, size_t n, const measure_options *o) {
     shear_input *sources = calloc(n, sizeof *sources);
-    if (!sources) {
+    if (sources == NULL) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }
@@ -222,12 +222,12 @@ static int measure_files(char **paths, size_t n, const struct measure_options *o
     return code;
 }
 
-static int measure_parts(const struct measure_options *o) {
+static int measure_parts(const measure_options *o) {
     char text[SHEAR_INPUT_TEXT_SIZE];
-    struct part_input parts;
+    part_input parts;
     shear_error err = {0};
     int code = part_input_init(&parts, &o->parts, false, &err);
-    if (code) {
+    if (code != SHEAR_OK) {
         message_error(&err);
         code = code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
     } else {
@@ -239,10 +239,10 @@ static int measure_parts(const struct measure_options *o) {
 }
 
 static int run(int argc, char **argv) {
-    struct measure_options o = {0};
+    measure_options o = {0};
     shear_settings_init(&o.settings);
     int code = parse(argc, argv, &o);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     return part_options_any(&o.parts) ? measure_parts(&o)
@@ -272,7 +272,7 @@ const struct command cmd_measure = {
         "                          delta method)\n"
         "  --catalog OUT.fits      write the result of every stamp there; or into an existing\n"
         "                          directory, as DIRECTORY/BASE.shear.fits for each input\n"
-        "  --force                 replace catalogues that exist\n" PART_OPTIONS_HELP
+        "  --force                 replace catalogs that exist\n" PART_OPTIONS_HELP
         "  --json                  one JSON object per field and line, instead of a table\n"
         "  --quiet                 no progress bar, no warnings\n"
         "\n"

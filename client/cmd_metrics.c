@@ -2,12 +2,12 @@
 /* shearctl metrics. */
 #include "service_query.h"
 
-static void print(const shear_reply *reply) {
+static void print(const sheard_reply *reply) {
     fputs(reply->metrics.text, stdout);
 }
 
 static int run(int argc, char **argv) {
-    return service_query(&cmd_metrics, SHEAR_METHOD_METRICS, print, argc, argv);
+    return service_query(&cmd_metrics, SHEARD_METHOD_METRICS, print, argc, argv);
 }
 
 const struct command cmd_metrics = {

@@ -14,12 +14,12 @@
 enum { MAX_THREADS = 1024, MAX_OPTIONS = 64 };
 enum { OPT_THREADS = 256, OPT_FORCE, OPT_QUIET, OPT_TABLE = 1024 };
 
-struct mock_options {
+typedef struct mock_options {
     shear_mock_spec spec;
     shear_mock_write_options write;
     const char *path;
     bool quiet;
-};
+} mock_options;
 
 static const struct option own_options[] = {
     {"threads", required_argument, NULL, OPT_THREADS},
@@ -35,18 +35,18 @@ static void fill_options(struct option *options, size_t room) {
     memset(options, 0, room * sizeof *options);
     memcpy(options, own_options, sizeof own_options);
     for (size_t i = 0; i < n && N_OWN + i + 1 < room; i++) {
-        options[N_OWN + i] =
-            (struct option){table[i].name, table[i].metavar ? required_argument : no_argument, NULL,
-                            OPT_TABLE + (int)i};
+        options[N_OWN + i] = (struct option){
+            table[i].name, table[i].metavar != NULL ? required_argument : no_argument, NULL,
+            OPT_TABLE + (int)i};
     }
 }
 
-static int handle(int value, struct mock_options *o) {
+static int handle(int value, mock_options *o) {
     if (value >= OPT_TABLE) {
         size_t n = 0;
         shear_error err = {0};
         const char *name = shear_mock_options(&n)[value - OPT_TABLE].name;
-        if (shear_mock_set(&o->spec, name, optarg, &err)) {
+        if (shear_mock_set(&o->spec, name, optarg, &err) != 0) {
             message_error(&err);
             return EXIT_CODE_USAGE;
         }
@@ -69,7 +69,7 @@ static int handle(int value, struct mock_options *o) {
     return code;
 }
 
-static int parse(int argc, char **argv, struct mock_options *o) {
+static int parse(int argc, char **argv, mock_options *o) {
     struct option options[MAX_OPTIONS];
     fill_options(options, MAX_OPTIONS);
     opterr = 0;
@@ -79,7 +79,7 @@ static int parse(int argc, char **argv, struct mock_options *o) {
             return options_bad(&cmd_mock, value, argv, options);
         }
         int code = handle(value, o);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
     }
@@ -103,7 +103,7 @@ static const char *turned(int rotate) {
     }
 }
 
-static void print_report(const struct mock_options *o, const shear_mock_info *info) {
+static void print_report(const mock_options *o, const shear_mock_info *info) {
     const shear_mock_spec *s = &o->spec;
     struct stat st = {0};
     char path[512];
@@ -120,14 +120,14 @@ static int exit_code(int code) {
     return code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
 }
 
-static int write_field(struct mock_options *o, const shear_mock *m) {
+static int write_field(mock_options *o, const shear_mock *m) {
     shear_error err = {0};
     struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin("mock");
     o->write.progress = progress_callback;
     o->write.context = progress;
     int code = shear_mock_write(m, o->path, &o->write, &err);
     progress_end(progress);
-    if (code) {
+    if (code != SHEAR_OK) {
         message_error(&err);
         return exit_code(code);
     }
@@ -136,16 +136,16 @@ static int write_field(struct mock_options *o, const shear_mock *m) {
 }
 
 static int run(int argc, char **argv) {
-    struct mock_options o = {0};
+    mock_options o = {0};
     shear_error err = {0};
     shear_mock *m = NULL;
     shear_mock_spec_init(&o.spec);
     int code = parse(argc, argv, &o);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     code = shear_mock_new(&m, &o.spec, &err);
-    if (code) {
+    if (code != SHEAR_OK) {
         message_error(&err);
         return exit_code(code);
     }
@@ -217,7 +217,7 @@ const struct command cmd_mock = {
         "  --field NAME            the field's name (default: the file's)\n"
         "  --layout cube|mosaic    of the stamps (default cube)\n"
         "  --bitpix -32|-64        float or double pixels (default -32)\n"
-        "  --no-r-gal              leave R_GAL out of the catalogue (default no)\n"
+        "  --no-r-gal              leave R_GAL out of the catalog (default no)\n"
         "  --force                 replace a file that exists\n"
         "  --threads N             worker threads (default: all cores); the file does not depend "
         "on\n"

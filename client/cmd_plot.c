@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl plot: a picture of a field file or of a result catalogue. */
+/* shearctl plot: a picture of a field file or of a result catalog. */
 #include "command.h"
 #include "measure_input.h"
 #include "message.h"
@@ -22,16 +22,16 @@ static const struct option own_options[] = {
 };
 enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
-struct plot_command {
+typedef struct plot_command {
     const char *path;
     const char *out; /* or NULL: by the input's name */
     bool force;
     bool stamps_given, settings_given; /* only good for a field file */
-    struct plot_options options;
-};
+    plot_options options;
+} plot_command;
 
 static int handle(int value, const char *argument, void *context) {
-    struct plot_command *c = context;
+    plot_command *c = context;
     int64_t number = 0;
     int code = EXIT_CODE_DONE;
     switch (value) {
@@ -55,7 +55,7 @@ static int handle(int value, const char *argument, void *context) {
     return code;
 }
 
-static int check_options(struct plot_command *c, int argc, char **argv) {
+static int check_options(plot_command *c, int argc, char **argv) {
     if (argc - optind != 1) {
         message_fail("\"shearctl help plot\"", "plot: expected one file, got %d", argc - optind);
         return EXIT_CODE_USAGE;
@@ -64,7 +64,7 @@ static int check_options(struct plot_command *c, int argc, char **argv) {
     return EXIT_CODE_DONE;
 }
 
-static int parse(int argc, char **argv, struct plot_command *c) {
+static int parse(int argc, char **argv, plot_command *c) {
     struct settings_parse p = {.command = &cmd_plot,
                                .own = own_options,
                                .n_own = N_OWN,
@@ -74,7 +74,7 @@ static int parse(int argc, char **argv, struct plot_command *c) {
                                .settings = &c->options.settings};
     const int code = settings_parse(&p, argc, argv);
     c->settings_given = p.given;
-    return code ? code : check_options(c, argc, argv);
+    return code != SHEAR_OK ? code : check_options(c, argc, argv);
 }
 
 /* The input's base name without .gz, .fz, .fits, in the current directory, ".png" added. The
@@ -82,7 +82,7 @@ static int parse(int argc, char **argv, struct plot_command *c) {
 static char *default_output(const char *path) {
     static const char *const endings[] = {".gz", ".fz", ".fits", ".fit"};
     const char *slash = strrchr(path, '/');
-    const char *base = slash ? slash + 1 : path;
+    const char *base = slash != NULL ? slash + 1 : path;
     size_t length = strlen(base);
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         const size_t ending = strlen(endings[i]);
@@ -94,11 +94,11 @@ static char *default_output(const char *path) {
     return asprintf(&out, "%.*s.png", (int)length, base) < 0 ? NULL : out;
 }
 
-/* Options that a catalogue has no use for are a misunderstanding, to be told of. */
-static int refuse_field_options(const struct plot_command *c) {
+/* Options that a catalog has no use for are a misunderstanding, to be told of. */
+static int refuse_field_options(const plot_command *c) {
     if (c->stamps_given || c->settings_given) {
         message_fail("plot the field file to see its stamps, or leave these options out",
-                     "%s is a catalogue: it has no stamps, and was measured with settings of its "
+                     "%s is a catalog: it has no stamps, and was measured with settings of its "
                      "own",
                      c->path);
         return EXIT_CODE_USAGE;
@@ -106,22 +106,21 @@ static int refuse_field_options(const struct plot_command *c) {
     return EXIT_CODE_DONE;
 }
 
-static int draw_catalog(shear_figure **figure, const struct plot_command *c,
-                        const shear_error *as_field) {
+static int draw_catalog(shear_figure **figure, const plot_command *c, const shear_error *as_field) {
     shear_error err = {0};
     shear_catalog_table *table = NULL;
-    if (shear_catalog_read(&table, c->path, &err)) {
+    if (shear_catalog_read(&table, c->path, &err) != 0) {
         if (err.code != SHEAR_E_FORMAT) {
             message_error(&err);
             return measure_failure_of(err.code, false);
         }
         message_fail("\"shearctl validate\" tells what is in a field file",
-                     "%s is neither a field file (%s) nor a result catalogue (%s)", c->path,
+                     "%s is neither a field file (%s) nor a result catalog (%s)", c->path,
                      as_field->message, err.message);
         return EXIT_CODE_INPUT;
     }
     int code = refuse_field_options(c);
-    if (!code && plot_catalog(figure, table, &err)) {
+    if (code == SHEAR_OK && plot_catalog(figure, table, &err) != 0) {
         message_error(&err);
         code = measure_failure_of(err.code, false);
     }
@@ -130,17 +129,17 @@ static int draw_catalog(shear_figure **figure, const struct plot_command *c,
 }
 
 /* What opens decides what the file is. */
-static int draw(shear_figure **figure, const struct plot_command *c) {
+static int draw(shear_figure **figure, const plot_command *c) {
     shear_error err = {0};
     shear_field *field = NULL;
     if (shear_field_open(&field, c->path, &err) == SHEAR_E_FORMAT) {
         return draw_catalog(figure, c, &err);
     }
-    if (field && plot_sheet(figure, field, &c->options, &err)) {
+    if (field != NULL && plot_sheet(figure, field, &c->options, &err) != 0) {
         shear_prefix(&err, err.code, "%s", c->path);
     }
     shear_field_close(field);
-    if (err.code) {
+    if (err.code != 0) {
         message_error(&err);
     }
     return measure_failure_of(err.code, false);
@@ -154,16 +153,16 @@ static bool is_input(const char *out, const char *path) {
            a.st_ino == b.st_ino;
 }
 
-static int save(shear_figure *figure, const struct plot_command *c) {
+static int save(shear_figure *figure, const plot_command *c) {
     shear_error err = {0};
-    char *out = c->out ? strdup(c->out) : default_output(c->path);
+    char *out = c->out != NULL ? strdup(c->out) : default_output(c->path);
     int code = EXIT_CODE_OTHER;
-    if (!out) {
+    if (out == NULL) {
         message_fail(NULL, "out of memory");
     } else if (is_input(out, c->path)) {
         message_fail("-o names another file", "%s is the input itself", out);
         code = EXIT_CODE_USAGE;
-    } else if (shear_figure_save(figure, out, c->force, &err)) {
+    } else if (shear_figure_save(figure, out, c->force, &err) != 0) {
         if (err.code == SHEAR_E_EXISTS) {
             message_fail("--force replaces it, -o names another", "%s", err.message);
         } else {
@@ -178,14 +177,14 @@ static int save(shear_figure *figure, const struct plot_command *c) {
 }
 
 static int run(int argc, char **argv) {
-    struct plot_command c = {.options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
+    plot_command c = {.options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
     shear_settings_init(&c.options.settings);
     int code = parse(argc, argv, &c);
     shear_figure *figure = NULL;
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = draw(&figure, &c);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = save(figure, &c);
     }
     shear_figure_free(figure);
@@ -194,14 +193,14 @@ static int run(int argc, char **argv) {
 
 const struct command cmd_plot = {
     .name = "plot",
-    .summary = "draw a picture (PNG) of a field file or of a result catalogue",
+    .summary = "draw a picture (PNG) of a field file or of a result catalog",
     .usage =
         "usage: shearctl plot [options] FILE\n"
         "\n"
         "Of a field file: a sheet with some of its stamps, a row each, through every step of\n"
         "the measurement (galaxy, noise, interpolated, filtered, noise-corrected power\n"
         "spectrum, the same with the target PSF), and a row with the PSF, its transfer and\n"
-        "the plan. Of a result catalogue (shearctl measure --catalog): the distributions of\n"
+        "the plan. Of a result catalog (shearctl measure --catalog): the distributions of\n"
         "the estimator's terms, the shear with its errors, the flags and the stamps' S/N.\n"
         "\n"
         "The path of the picture is printed.\n"

@@ -11,8 +11,8 @@ static void print_list(const char *title, const char *const *names, size_t n) {
     }
 }
 
-static void print(const shear_reply *reply) {
-    const shear_msg_reloaded *r = &reply->reload;
+static void print(const sheard_reply *reply) {
+    const sheard_msg_reloaded *r = &reply->reload;
     print_list("changed:", r->changed, r->n_changed);
     print_list("needs a restart:", r->restart, r->n_restart);
     print_list("warning:", r->warnings, r->n_warnings);
@@ -22,7 +22,7 @@ static void print(const shear_reply *reply) {
 }
 
 static int run(int argc, char **argv) {
-    return service_query(&cmd_reload, SHEAR_METHOD_RELOAD, print, argc, argv);
+    return service_query(&cmd_reload, SHEARD_METHOD_RELOAD, print, argc, argv);
 }
 
 const struct command cmd_reload = {

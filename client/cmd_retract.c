@@ -3,7 +3,7 @@
 #include "job_action.h"
 
 static int run(int argc, char **argv) {
-    return job_action_run(&cmd_retract, SHEAR_METHOD_RETRACT, argc, argv);
+    return job_action_run(&cmd_retract, SHEARD_METHOD_RETRACT, argc, argv);
 }
 
 const struct command cmd_retract = {

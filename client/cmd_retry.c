@@ -3,7 +3,7 @@
 #include "job_action.h"
 
 static int run(int argc, char **argv) {
-    return job_action_run(&cmd_retry, SHEAR_METHOD_RETRY, argc, argv);
+    return job_action_run(&cmd_retry, SHEARD_METHOD_RETRY, argc, argv);
 }
 
 const struct command cmd_retry = {

@@ -8,18 +8,18 @@
 static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
 
 static int show(struct service *s, const char *name) {
-    shear_params p;
-    shear_reply reply = {0};
-    shear_params_init(&p, SHEAR_METHOD_JOB);
+    sheard_params p;
+    sheard_reply reply = {0};
+    sheard_params_init(&p, SHEARD_METHOD_JOB);
     int code = service_job_id(name, &p.id.id);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
-    code = service_answer(s, SHEAR_METHOD_JOB, &p, &reply);
-    if (!code && !s->json) {
+    code = service_answer(s, SHEARD_METHOD_JOB, &p, &reply);
+    if (code == SHEAR_OK && !s->json) {
         job_text_print(&reply.job, s->utc, stdout);
     }
-    shear_reply_deinit(&reply, SHEAR_METHOD_JOB);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_JOB);
     return code;
 }
 
@@ -27,11 +27,11 @@ static int run(int argc, char **argv) {
     struct service s;
     int code =
         service_parse_operands(&cmd_show, argc, argv, options, NULL, NULL, &s, "job", 1, INT_MAX);
-    code = code ? code : service_open(&s);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&s);
+    if (code != SHEAR_OK) {
         return code;
     }
-    struct service_tally tally = {0};
+    service_tally tally = {0};
     for (int i = optind; i < argc && service_goes_on(&tally); i++) {
         service_count(&tally, show(&s, argv[i]));
     }

@@ -16,9 +16,9 @@ static const struct option options[] = {
 };
 
 static int handle(int value, void *context) {
-    shear_msg_shutdown *what = context;
+    sheard_msg_shutdown *what = context;
     if (value == OPT_NOW) {
-        what->mode = SHEAR_SHUTDOWN_NOW;
+        what->mode = SHEARD_SHUTDOWN_NOW;
     } else if (!human_parse_duration(optarg, &what->timeout_s)) {
         message_fail(NULL, "--timeout %s: expected a time, as 90, 500ms, 5min, 2h", optarg);
         return EXIT_CODE_USAGE;
@@ -28,39 +28,39 @@ static int handle(int value, void *context) {
 
 /* Is the socket systemd's? A client that asks now and then would undo the stop. */
 static bool is_activated(struct service *s) {
-    shear_rpc_error error;
-    shear_reply reply = {0};
-    const bool known = connection_call(s->connection, SHEAR_METHOD_STATUS, NULL, s->reply_timeout_s,
-                                       &reply, NULL, &error) == CONNECTION_OK;
+    sheard_rpc_error error;
+    sheard_reply reply = {0};
+    const bool known = connection_call(s->connection, SHEARD_METHOD_STATUS, NULL,
+                                       s->reply_timeout_s, &reply, NULL, &error) == CONNECTION_OK;
     const bool activated = known && reply.status.activated;
-    shear_reply_deinit(&reply, SHEAR_METHOD_STATUS);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_STATUS);
     return activated;
 }
 
 static int run(int argc, char **argv) {
     struct service s;
-    shear_params p;
-    shear_reply reply = {0};
-    shear_params_init(&p, SHEAR_METHOD_SHUTDOWN);
+    sheard_params p;
+    sheard_reply reply = {0};
+    sheard_params_init(&p, SHEARD_METHOD_SHUTDOWN);
     int code = service_parse_operands(&cmd_shutdown, argc, argv, options, handle, &p.shutdown, &s,
                                       "", 0, 0);
-    code = code ? code : service_open(&s);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&s);
+    if (code != SHEAR_OK) {
         return code;
     }
     const bool comes_back = !s.json && is_activated(&s);
-    code = service_answer(&s, SHEAR_METHOD_SHUTDOWN, &p, &reply);
-    if (!code && !s.json) {
+    code = service_answer(&s, SHEARD_METHOD_SHUTDOWN, &p, &reply);
+    if (code == SHEAR_OK && !s.json) {
         printf("%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
-               shear_server_state_name(reply.shutdown.state), reply.shutdown.running,
+               sheard_server_state_name(reply.shutdown.state), reply.shutdown.running,
                reply.shutdown.queued);
     }
-    if (!code && comes_back) {
+    if (code == SHEAR_OK && comes_back) {
         puts(
             "systemd keeps the socket: the next client, or dropped file, starts the service again; "
             "\"systemctl stop sheard.service\" stops both");
     }
-    shear_reply_deinit(&reply, SHEAR_METHOD_SHUTDOWN);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_SHUTDOWN);
     service_close(&s);
     return code;
 }

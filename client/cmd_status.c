@@ -8,18 +8,18 @@ static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
 
 static int run(int argc, char **argv) {
     struct service s;
-    shear_reply reply = {0};
+    sheard_reply reply = {0};
     int code = service_parse_operands(&cmd_status, argc, argv, options, NULL, NULL, &s, "", 0, 0);
-    code = code ? code : service_open(&s);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&s);
+    if (code != SHEAR_OK) {
         return code;
     }
-    code = service_answer(&s, SHEAR_METHOD_STATUS, NULL, &reply);
-    if (!code && !s.json) {
+    code = service_answer(&s, SHEARD_METHOD_STATUS, NULL, &reply);
+    if (code == SHEAR_OK && !s.json) {
         status_text_brief(&reply.status, style_on(stdout), stdout);
         status_text_rest(&reply.status, s.utc, stdout);
     }
-    shear_reply_deinit(&reply, SHEAR_METHOD_STATUS);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_STATUS);
     service_close(&s);
     return code;
 }

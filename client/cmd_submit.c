@@ -28,7 +28,7 @@ static const struct option own_options[] = {
 enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
 struct submit {
-    struct submission_options what;
+    submission_options what;
     bool wait, quiet;
     double timeout_s;
     struct service service;
@@ -40,7 +40,7 @@ struct submit {
 
 static int set_setting(int value, struct submit *o) {
     shear_error err = {0};
-    if (settings_options_handle(value, optarg, &o->what.settings, o->what.given, &err)) {
+    if (settings_options_handle(value, optarg, &o->what.settings, o->what.given, &err) != 0) {
         message_error(&err);
         return EXIT_CODE_USAGE;
     }
@@ -57,7 +57,7 @@ static int set_timeout(struct submit *o) {
 
 static int handle(int value, void *context) {
     struct submit *o = context;
-    struct submission_options *what = &o->what;
+    submission_options *what = &o->what;
     if (settings_options_is(value)) {
         return set_setting(value, o);
     }
@@ -68,7 +68,7 @@ static int handle(int value, void *context) {
     switch (value) {
     case OPT_PRIORITY:
         what->has_priority = true;
-        return options_int("priority", optarg, -SHEAR_MSG_PRIORITY_MAX, SHEAR_MSG_PRIORITY_MAX,
+        return options_int("priority", optarg, -SHEARD_MSG_PRIORITY_MAX, SHEARD_MSG_PRIORITY_MAX,
                            &what->priority);
     case OPT_TIMEOUT:
         return set_timeout(o);
@@ -94,10 +94,10 @@ static int contradiction(const char *text) {
 
 static int check(struct submit *o, char **files, int n) {
     const int code = part_options_settle(&o->what.parts, &cmd_submit, files, n);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
-    if (o->what.key && n > 1) {
+    if (o->what.key != NULL && n > 1) {
         return contradiction("a --key stands for one job: give one file with it");
     }
     if (!isnan(o->timeout_s) && !o->wait) {
@@ -106,11 +106,11 @@ static int check(struct submit *o, char **files, int n) {
     return EXIT_CODE_DONE;
 }
 
-static void print_accepted(const shear_msg_submitted *submitted) {
+static void print_accepted(const sheard_msg_submitted *submitted) {
     char source[4200];
     char clean[4200];
-    const shear_msg_job *job = &submitted->job;
-    printf("job %" PRId64 " %s%s: %s\n", job->id, shear_job_state_name(job->state),
+    const sheard_msg_job *job = &submitted->job;
+    printf("job %" PRId64 " %s%s: %s\n", job->id, sheard_job_state_name(job->state),
            submitted->known ? " (known by its key)" : "",
            message_clean(job_source_text(job, source, sizeof source), clean, sizeof clean));
     fflush(stdout);
@@ -123,10 +123,10 @@ static void refuse(struct submit *o, int code) {
 
 /* Send one. False: nothing more can be sent. */
 static bool send_one(struct submit *o, const struct submission *what, const char *name) {
-    shear_rpc_error error = {0};
-    shear_reply reply = {0};
+    sheard_rpc_error error = {0};
+    sheard_reply reply = {0};
     char *text = NULL;
-    const int status = connection_call(o->service.connection, SHEAR_METHOD_SUBMIT, &what->params,
+    const int status = connection_call(o->service.connection, SHEARD_METHOD_SUBMIT, &what->params,
                                        o->service.reply_timeout_s, &reply, &text, &error);
     if (status == CONNECTION_OK) {
         o->ids[o->n_ids++] = reply.submit.job.id;
@@ -136,14 +136,14 @@ static bool send_one(struct submit *o, const struct submission *what, const char
             puts(text);
             fflush(stdout);
         }
-        shear_reply_deinit(&reply, SHEAR_METHOD_SUBMIT);
+        sheard_reply_deinit(&reply, SHEARD_METHOD_SUBMIT);
         free(text);
         return true;
     }
     char said[sizeof error.message];
     snprintf(said, sizeof said, "%s", error.message);
-    snprintf(error.message, sizeof error.message, "%.200s%s%.270s", name ? name : "",
-             name ? ": " : "", said);
+    snprintf(error.message, sizeof error.message, "%.200s%s%.270s", name != NULL ? name : "",
+             name != NULL ? ": " : "", said);
     refuse(o, service_say(status, &error));
     return status == CONNECTION_REFUSED && !error.retry;
 }
@@ -153,7 +153,7 @@ static void send_all(struct submit *o, char **names, size_t n) {
     for (size_t i = 0; going && i < n; i++) {
         struct submission what;
         const int code = submission_init(&what, names[i], &o->what);
-        if (code) {
+        if (code != SHEAR_OK) {
             refuse(o, code);
         } else {
             going = send_one(o, &what, names[i]);
@@ -165,7 +165,7 @@ static void send_all(struct submit *o, char **names, size_t n) {
     }
 }
 
-static void ended(void *context, const shear_msg_job *job) {
+static void ended(void *context, const sheard_msg_job *job) {
     job_results_add(context, job);
     job_complain(job);
 }
@@ -173,22 +173,22 @@ static void ended(void *context, const shear_msg_job *job) {
 /* With --json: each job as `shearctl show` gives it. */
 static int print_jobs(struct submit *o) {
     int code = EXIT_CODE_DONE;
-    for (size_t i = 0; !code && i < o->n_ids; i++) {
-        shear_params p = {.id = {.id = o->ids[i]}};
-        code = service_answer(&o->service, SHEAR_METHOD_JOB, &p, NULL);
+    for (size_t i = 0; code == SHEAR_OK && i < o->n_ids; i++) {
+        sheard_params p = {.id = {.id = o->ids[i]}};
+        code = service_answer(&o->service, SHEARD_METHOD_JOB, &p, NULL);
     }
     return code;
 }
 
 static int wait_for_all(struct submit *o) {
-    struct text_table *table = job_results_new();
-    struct follow_options how = {.timeout_s = o->timeout_s, .quiet = o->quiet, .context = table};
+    text_table *table = job_results_new();
+    follow_options how = {.timeout_s = o->timeout_s, .quiet = o->quiet, .context = table};
     how.ended = o->service.json ? NULL : ended;
     int code = follow_jobs(&o->service, o->ids, o->n_ids, &how);
     if (o->service.json && code != EXIT_CODE_OTHER && code != EXIT_CODE_UNREACHABLE) {
         const int printed = print_jobs(o);
-        code = printed ? printed : code;
-    } else if (text_table_rows(table) > 0 && text_table_print(table, stdout)) {
+        code = printed != 0 ? printed : code;
+    } else if (text_table_rows(table) > 0 && text_table_print(table, stdout) != 0) {
         code = EXIT_CODE_OTHER;
     }
     text_table_free(table);
@@ -197,7 +197,7 @@ static int wait_for_all(struct submit *o) {
 
 static int submit(struct submit *o, char **names, size_t n) {
     int code = service_open(&o->service);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     send_all(o, names, n);
@@ -220,14 +220,14 @@ static int run(int argc, char **argv) {
     settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
     shear_settings_init(&o.what.settings);
     int code = service_parse(&cmd_submit, argc, argv, options, handle, &o, &o.service);
-    code = code ? code : check(&o, argv + optind, argc - optind);
-    if (code) {
+    code = code != SHEAR_OK ? code : check(&o, argv + optind, argc - optind);
+    if (code != SHEAR_OK) {
         return code;
     }
     const bool by_parts = part_options_any(&o.what.parts);
     const size_t n = by_parts ? 1 : (size_t)(argc - optind);
     o.ids = calloc(n, sizeof *o.ids);
-    if (!o.ids) {
+    if (o.ids == NULL) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }

@@ -25,13 +25,13 @@ static const struct option own_options[] = {
 };
 enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
-struct validate_options {
+typedef struct validate_options {
     shear_settings settings;
     bool json, quiet;
-};
+} validate_options;
 
 static int handle(int value, const char *argument, void *context) {
-    struct validate_options *o = context;
+    validate_options *o = context;
     (void)argument;
     if (value == OPT_JSON) {
         o->json = true;
@@ -41,7 +41,7 @@ static int handle(int value, const char *argument, void *context) {
     return EXIT_CODE_DONE;
 }
 
-static int parse(int argc, char **argv, struct validate_options *o) {
+static int parse(int argc, char **argv, validate_options *o) {
     struct settings_parse p = {.command = &cmd_validate,
                                .own = own_options,
                                .n_own = N_OWN,
@@ -49,7 +49,7 @@ static int parse(int argc, char **argv, struct validate_options *o) {
                                .context = o,
                                .settings = &o->settings};
     const int code = settings_parse(&p, argc, argv);
-    if (!code && optind >= argc) {
+    if (code == SHEAR_OK && optind >= argc) {
         message_fail("\"shearctl help validate\"", "validate: which files?");
         return EXIT_CODE_USAGE;
     }
@@ -66,7 +66,7 @@ static double pedestal_above(double lowest) {
 
 /* A background that the filter would cut an edge into: its mean is beyond doubt, and no small part
  * of what a pixel scatters. */
-static bool has_background(const shear_verdict *v) {
+static bool has_background(const sheard_verdict *v) {
     static const double sigma = 4.0;
     static const double part = 0.1;
     return v->plan->filter != SHEAR_FILTER_NONE && shear_settings_keep_background(v->settings) &&
@@ -79,7 +79,7 @@ static const char subtract_background[] =
     "--background noise-mean";
 
 /* What to do about a file that would measure. */
-static const char *advice_for(const shear_verdict *v) {
+static const char *advice_for(const sheard_verdict *v) {
     if (has_background(v)) {
         return subtract_background;
     }
@@ -90,9 +90,9 @@ static const char *advice_for(const shear_verdict *v) {
 }
 
 /* The verdict on a file whose every stamp has been seen; the words go to *words. */
-static void judge(shear_verdict *v, shear_error *words) {
+static void judge(sheard_verdict *v, shear_error *words) {
     int64_t n = v->field->n_stamps;
-    shear_cause cause;
+    sheard_cause cause;
     if (v->negative.count > 0) {
         char advice[200];
         snprintf(
@@ -107,16 +107,16 @@ static void judge(shear_verdict *v, shear_error *words) {
     } else if (v->n_measurable < 2) {
         shear_fail(words, SHEAR_E_FORMAT, "a field's shear needs two usable stamps at least",
                    "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
-    } else if (v->measured && shear_cause_of(&v->result, v->plan, &cause)) {
+    } else if (v->measured && sheard_cause_of(&v->result, v->plan, &cause)) {
         shear_fail(words, SHEAR_E_FORMAT, cause.advice, "%s: %s", cause.words,
                    v->result.valid ? "the shear is biased" : "no shear could be measured");
     } else if (v->measured && !v->result.valid) {
         char text[400];
         char advice[400];
-        shear_no_shear_advice(&v->result, advice, sizeof advice);
+        sheard_no_shear_advice(&v->result, advice, sizeof advice);
         shear_fail(words, SHEAR_E_FORMAT, has_background(v) ? subtract_background : advice,
                    "%s: no shear could be measured",
-                   shear_no_shear_text(&v->result, text, sizeof text));
+                   sheard_no_shear_text(&v->result, text, sizeof text));
     } else {
         v->good = true;
         shear_fail(words, SHEAR_OK, advice_for(v),
@@ -124,14 +124,14 @@ static void judge(shear_verdict *v, shear_error *words) {
     }
 }
 
-static int show(const shear_verdict *v, bool json) {
+static int show(const sheard_verdict *v, bool json) {
     char *text = NULL;
     shear_error err = {0};
     if (!json) {
         verdict_text_print(v, stdout);
         return EXIT_CODE_DONE;
     }
-    if (shear_verdict_json(&text, v, &err)) {
+    if (sheard_verdict_json(&text, v, &err) != 0) {
         message_error(&err);
         return EXIT_CODE_OTHER;
     }
@@ -141,44 +141,44 @@ static int show(const shear_verdict *v, bool json) {
 }
 
 /* Open, plan, scan: as far as it goes. Returns an error code, with words for the verdict. */
-static int look_into(const struct validate_options *o, shear_field **field, shear_plan **plan,
-                     shear_verdict *v, shear_error *words) {
+static int look_into(const validate_options *o, shear_field **field, shear_plan **plan,
+                     sheard_verdict *v, shear_error *words) {
     int code = shear_field_open(field, v->path, words);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     v->field = shear_field_get_info(*field);
     code = shear_plan_for_field(plan, &o->settings, *field, words);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     v->plan = shear_plan_get_info(*plan);
     struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
     code = field_scan(*field, *plan, progress, v, words);
     progress_end(progress);
-    return code ? code : shear_field_need_name(v->field, v->path, words);
+    return code != SHEAR_OK ? code : shear_field_need_name(v->field, v->path, words);
 }
 
 /* One file; *good says how it fared. Returns an exit code for what is not the file's fault. */
-static int validate(const char *path, const struct validate_options *o, bool *good) {
+static int validate(const char *path, const validate_options *o, bool *good) {
     shear_field *field = NULL;
     shear_plan *plan = NULL;
     shear_error words = {0};
-    shear_verdict v = {.path = path, .settings = &o->settings};
-    shear_advice_list doubts = {.n = 0};
+    sheard_verdict v = {.path = path, .settings = &o->settings};
+    sheard_advice_list doubts = {.n = 0};
     int code = look_into(o, &field, &plan, &v, &words);
     int result = EXIT_CODE_OTHER;
     if (code == SHEAR_E_CANCELLED || code == SHEAR_E_NOMEM || code == SHEAR_E_INTERNAL) {
         message_error(&words);
         goto done;
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         judge(&v, &words);
     }
     if (v.measured) {
-        shear_advice_all(&doubts, &v.result, v.plan, NULL);
-    } else if (v.plan) {
-        shear_advice_psf(&doubts, v.plan);
+        sheard_advice_all(&doubts, &v.result, v.plan, NULL);
+    } else if (v.plan != NULL) {
+        sheard_advice_psf(&doubts, v.plan);
     }
     v.warnings = doubts.lines;
     v.n_warnings = doubts.n;
@@ -193,10 +193,10 @@ done:
 }
 
 static int run(int argc, char **argv) {
-    struct validate_options o = {0};
+    validate_options o = {0};
     shear_settings_init(&o.settings);
     int code = parse(argc, argv, &o);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     int n_good = 0;
@@ -204,7 +204,7 @@ static int run(int argc, char **argv) {
     for (int i = optind; i < argc; i++) {
         bool good = false;
         code = validate(argv[i], &o, &good);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
         n_good += good;

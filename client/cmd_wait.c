@@ -19,7 +19,7 @@ static const struct option options[] = {
 };
 
 static int handle(int value, void *context) {
-    struct follow_options *o = context;
+    follow_options *o = context;
     if (value == OPT_QUIET) {
         o->quiet = true;
     } else if (!human_parse_duration(optarg, &o->timeout_s)) {
@@ -30,21 +30,21 @@ static int handle(int value, void *context) {
 }
 
 /* A row on standard output, and what went wrong on standard error. */
-static void ended(void *context, const shear_msg_job *job) {
+static void ended(void *context, const sheard_msg_job *job) {
     job_results_add(context, job);
     job_complain(job);
 }
 
-static int wait_for(struct service *s, const int64_t *ids, size_t n, struct follow_options *o) {
-    struct text_table *table = job_results_new();
+static int wait_for(struct service *s, const int64_t *ids, size_t n, follow_options *o) {
+    text_table *table = job_results_new();
     o->print = true;
     o->context = table;
     o->ended = s->json ? NULL : ended;
     int code = service_open(s);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = follow_jobs(s, ids, n, o);
     }
-    if (text_table_rows(table) > 0 && text_table_print(table, stdout)) {
+    if (text_table_rows(table) > 0 && text_table_print(table, stdout) != 0) {
         code = EXIT_CODE_OTHER;
     }
     text_table_free(table);
@@ -54,22 +54,22 @@ static int wait_for(struct service *s, const int64_t *ids, size_t n, struct foll
 
 static int run(int argc, char **argv) {
     struct service s;
-    struct follow_options o = {.timeout_s = NAN};
+    follow_options o = {.timeout_s = NAN};
     int code =
         service_parse_operands(&cmd_wait, argc, argv, options, handle, &o, &s, "jobs", 1, INT_MAX);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const size_t n = (size_t)(argc - optind);
     int64_t *ids = calloc(n, sizeof *ids);
-    if (!ids) {
+    if (ids == NULL) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }
-    for (size_t i = 0; !code && i < n; i++) {
+    for (size_t i = 0; code == SHEAR_OK && i < n; i++) {
         code = service_job_id(argv[optind + (int)i], &ids[i]);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = wait_for(&s, ids, n, &o);
     }
     free(ids);

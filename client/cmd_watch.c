@@ -46,12 +46,12 @@ static int handle(int value, void *context) {
 /* ---- Lines, where there is no terminal ---- */
 
 static int print_one(struct watch *w) {
-    struct watch_view view;
-    shear_rpc_error error = {0};
+    watch_view view;
+    sheard_rpc_error error = {0};
     int code = service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
-    if (!code && w->service.json) {
+    if (code == SHEAR_OK && w->service.json) {
         watch_view_json(&view, stdout);
-    } else if (!code) {
+    } else if (code == SHEAR_OK) {
         code = watch_view_print(&view, stdout, false, 0);
         putchar('\n');
         fflush(stdout);
@@ -62,9 +62,10 @@ static int print_one(struct watch *w) {
 
 static int print_many(struct watch *w) {
     int code = service_open(&w->service);
-    for (int64_t i = 1; !code; i++) {
+    for (int64_t i = 1; code == SHEAR_OK; i++) {
         code = print_one(w);
-        if (code || i == w->count || ferror(stdout) || screen_sleep(w->interval_s)) {
+        if (code != SHEAR_OK || i == w->count || ferror(stdout) != 0 ||
+            screen_sleep(w->interval_s)) {
             break;
         }
     }
@@ -76,10 +77,10 @@ static int print_many(struct watch *w) {
 /* One picture, or why there is none, as text. */
 static void compose(struct watch *w, FILE *out) {
     char time[HUMAN_SIZE];
-    shear_rpc_error error = {0};
-    struct watch_view view;
+    sheard_rpc_error error = {0};
+    watch_view view;
     int status = CONNECTION_OK;
-    if (!w->service.connection) {
+    if (w->service.connection == NULL) {
         status = connection_open(&w->service.connection, w->service.socket,
                                  w->service.reply_timeout_s, &error);
     }
@@ -104,11 +105,11 @@ static bool draw(struct watch *w) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    if (!out) {
+    if (out == NULL) {
         return false;
     }
     compose(w, out);
-    const bool good = fclose(out) == 0 && text;
+    const bool good = fclose(out) == 0 && text != NULL;
     if (good) {
         screen_draw(text);
     }
@@ -118,7 +119,7 @@ static bool draw(struct watch *w) {
 
 static int live(struct watch *w) {
     int code = service_open(&w->service);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     screen_begin();
@@ -132,7 +133,7 @@ static int live(struct watch *w) {
         }
     }
     screen_end();
-    if (code) {
+    if (code != SHEAR_OK) {
         message_fail(NULL, "out of memory");
     }
     return code;
@@ -142,7 +143,7 @@ static int run(int argc, char **argv) {
     struct watch w = {.interval_s = 1.0, .jobs = DEFAULT_JOBS};
     int code =
         service_parse_operands(&cmd_watch, argc, argv, options, handle, &w, &w.service, "", 0, 0);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     code = !w.service.json && screen_possible() ? live(&w) : print_many(&w);

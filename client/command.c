@@ -11,7 +11,7 @@ enum { MAX_COMMANDS = 32 };
 const struct command *command_find(const char *name) {
     const char *names[MAX_COMMANDS + 1] = {NULL};
     size_t n = 0;
-    for (const struct command *const *c = command_table(); *c && n < MAX_COMMANDS; c++) {
+    for (const struct command *const *c = command_table(); *c != NULL && n < MAX_COMMANDS; c++) {
         if (strcmp((*c)->name, name) == 0) {
             return *c;
         }
@@ -19,7 +19,7 @@ const struct command *command_find(const char *name) {
     }
     const char *nearest = options_nearest(name, names);
     char hint[96] = "\"shearctl help\" lists the subcommands";
-    if (nearest) {
+    if (nearest != NULL) {
         snprintf(hint, sizeof hint, "did you mean \"shearctl %s\"?", nearest);
     }
     message_fail(hint, "unknown subcommand \"%s\"", name);

@@ -29,11 +29,11 @@ static void field(FILE *out, const char *text, size_t n) {
 /* "none bilinear bicubic" of a setting; "a b" of a metavar "a|b". */
 static void choices(FILE *out, const char *option, const char *metavar, size_t length) {
     const shear_setting_def *def = shear_settings_find(option);
-    if (def && def->type == SHEAR_T_CHOICE && strncmp(metavar, def->metavar, length) == 0) {
+    if (def != NULL && def->type == SHEAR_T_CHOICE && strncmp(metavar, def->metavar, length) == 0) {
         for (const char *const *c = def->choices; *c; c++) {
             fprintf(out, "%s%s", c == def->choices ? "" : " ", *c);
         }
-    } else if (memchr(metavar, '|', length)) {
+    } else if (memchr(metavar, '|', length) != NULL) {
         for (size_t i = 0; i < length; i++) {
             fputc(metavar[i] == '|' ? ' ' : metavar[i], out);
         }
@@ -62,13 +62,13 @@ static void print_option(const char *command, const char *flag, size_t length, c
 static void print_line(const char *command, const char *line, FILE *out) {
     const size_t n = strcspn(line, "\n");
     const char *gap = strstr(line + 2, "  ");
-    const bool has_help = gap && gap < line + n;
+    const bool has_help = gap != NULL && gap < line + n;
     const size_t flags = has_help ? (size_t)(gap - line) : n;
     const char *help = has_help ? gap : line[n] ? line + n + 1 : "";
     for (const char *at = line; (at = strstr(at, "--")) && at < line + flags; at += 2) {
         size_t length = (size_t)(line + flags - at);
         const char *comma = memchr(at, ',', length);
-        if (comma && strncmp(comma, ", --", 4) == 0) {
+        if (comma != NULL && strncmp(comma, ", --", 4) == 0) {
             length = (size_t)(comma - at);
         }
         print_option(command, at, length, help, out);
@@ -81,7 +81,7 @@ void completion_options(const char *name, const char *usage, FILE *out) {
             print_line(name, line, out);
         }
         const char *end = strchr(line, '\n');
-        line = end ? end + 1 : line + strlen(line);
+        line = end != NULL ? end + 1 : line + strlen(line);
     }
     fprintf(out, "option|%s|--help|||explain this subcommand\n", name);
 }
@@ -92,7 +92,7 @@ static void print_command(const struct command *c, FILE *out) {
     const char *line = c->usage + strlen("usage: shearctl ") + strlen(c->name);
     const char *end = line + strcspn(line, "\n");
     const char *at = strstr(line, options);
-    at = at && at < end ? at + strlen(options) : line;
+    at = at != NULL && at < end ? at + strlen(options) : line;
     fprintf(out, "command|%s|", c->name);
     at += strspn(at, " ");
     field(out, at, at < end ? (size_t)(end - at) : 0);
@@ -104,10 +104,10 @@ int completion_data_print(FILE *out) {
         char *text = NULL;
         size_t size = 0;
         FILE *usage = open_memstream(&text, &size);
-        if (usage) {
+        if (usage != NULL) {
             command_print_usage(*c, settings_options_help, usage);
         }
-        if (!usage || fclose(usage) != 0 || !text) {
+        if (usage == NULL || fclose(usage) != 0 || text == NULL) {
             message_fail(NULL, "out of memory");
             free(text);
             return EXIT_CODE_OTHER;

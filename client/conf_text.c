@@ -7,7 +7,7 @@
 
 static const char *next_line(const char *line) {
     const char *end = strchr(line, '\n');
-    return end ? end + 1 : line + strlen(line);
+    return end != NULL ? end + 1 : line + strlen(line);
 }
 
 /* The line is "[section]". */
@@ -30,7 +30,7 @@ static const char *value_of(const char *line, const char *key) {
 static char *collect(const char *at) {
     size_t used = 0;
     char *value = calloc(1, strlen(at) + 2);
-    while (value) {
+    while (value != NULL) {
         at += strspn(at, " ");
         size_t n = strcspn(at, "\n");
         const char *next = next_line(at);
@@ -57,7 +57,7 @@ char *conf_text_value(const char *text, const char *section, const char *key) {
             inside = is_section(line, section);
         }
         const char *value = inside ? value_of(line, key) : NULL;
-        if (value) {
+        if (value != NULL) {
             return collect(value);
         }
     }

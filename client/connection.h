@@ -25,23 +25,23 @@ enum connection_status {
 struct connection;
 
 /* Called for each notification that comes while waiting for something else. */
-typedef void connection_listener(void *context, const shear_message *notice);
+typedef void connection_listener(void *context, const sheard_message *notice);
 
 /* Connect, say hello and check the version, all within `timeout_s`. *c is NULL on errors. */
 int connection_open(struct connection **c, const char *path, double timeout_s,
-                    shear_rpc_error *error);
+                    sheard_rpc_error *error);
 void connection_close(struct connection *c); /* NULL is accepted */
 
 /* What the service said to hello. */
-const shear_msg_welcome *connection_welcome(const struct connection *c);
+const sheard_msg_welcome *connection_welcome(const struct connection *c);
 
 void connection_listen(struct connection *c, connection_listener *listener, void *context);
 
-/* Ask and wait for the answer. `params` as in shear_request_line. Any of *reply (to be given to
- * shear_reply_deinit) and *text (the result as it came, one line, to be freed) may be NULL. After
+/* Ask and wait for the answer. `params` as in sheard_request_line. Any of *reply (to be given to
+ * sheard_reply_deinit) and *text (the result as it came, one line, to be freed) may be NULL. After
  * anything but OK and REFUSED the connection is of no more use. */
-int connection_call(struct connection *c, int method, const shear_params *params, double timeout_s,
-                    shear_reply *reply, char **text, shear_rpc_error *error);
+int connection_call(struct connection *c, int method, const sheard_params *params, double timeout_s,
+                    sheard_reply *reply, char **text, sheard_rpc_error *error);
 
 /* "/run/sheard/sheard.sock", or what the environment variable SHEARD_SOCKET says. */
 const char *connection_default_path(void);

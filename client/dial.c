@@ -29,10 +29,10 @@ double dial_now(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-int dial_fail(shear_rpc_error *error, int status, const char *advice, const char *format, ...) {
+int dial_fail(sheard_rpc_error *error, int status, const char *advice, const char *format, ...) {
     memset(error, 0, sizeof *error);
-    error->code = SHEAR_RPC_UNKNOWN;
-    snprintf(error->advice, sizeof error->advice, "%s", advice ? advice : "");
+    error->code = SHEARD_RPC_UNKNOWN;
+    snprintf(error->advice, sizeof error->advice, "%s", advice != NULL ? advice : "");
     va_list args;
     va_start(args, format);
     vsnprintf(error->message, sizeof error->message, format, args);
@@ -40,12 +40,12 @@ int dial_fail(shear_rpc_error *error, int status, const char *advice, const char
     return status;
 }
 
-static int interrupted(shear_rpc_error *error) {
+static int interrupted(sheard_rpc_error *error) {
     return dial_fail(error, CONNECTION_INTERRUPTED, NULL, "interrupted");
 }
 
 /* Until `events` (or a hang-up) on fd; fd -1: only time passes. */
-static int wait_for(int fd, short events, double deadline, shear_rpc_error *error) {
+static int wait_for(int fd, short events, double deadline, sheard_rpc_error *error) {
     for (;;) {
         if (progress_interrupted()) {
             return interrupted(error);
@@ -74,13 +74,13 @@ static void name_group(const char *path, char *buf, size_t size) {
     buf[0] = '\0';
     if (stat(path, &st) == 0) {
         const struct group *g = getgrgid(st.st_gid);
-        if (g) {
+        if (g != NULL) {
             snprintf(buf, size, " (%s)", g->gr_name);
         }
     }
 }
 
-static int say_why(const char *path, int why, shear_rpc_error *error) {
+static int say_why(const char *path, int why, sheard_rpc_error *error) {
     char group[96];
     char advice[240];
     switch (why) {
@@ -107,7 +107,7 @@ static int say_why(const char *path, int why, shear_rpc_error *error) {
     }
 }
 
-int dial_connect(const char *path, double deadline, int *fd, shear_rpc_error *error) {
+int dial_connect(const char *path, double deadline, int *fd, sheard_rpc_error *error) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     *fd = -1;
     if (strlen(path) >= sizeof address.sun_path) {
@@ -144,7 +144,7 @@ int dial_connect(const char *path, double deadline, int *fd, shear_rpc_error *er
     return CONNECTION_OK;
 }
 
-int dial_send(int fd, const char *bytes, size_t n, double deadline, shear_rpc_error *error) {
+int dial_send(int fd, const char *bytes, size_t n, double deadline, sheard_rpc_error *error) {
     while (n > 0) {
         const ssize_t sent = send(fd, bytes, n, MSG_NOSIGNAL);
         if (sent > 0) {
@@ -166,7 +166,7 @@ int dial_send(int fd, const char *bytes, size_t n, double deadline, shear_rpc_er
 }
 
 int dial_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
-                 shear_rpc_error *error) {
+                 sheard_rpc_error *error) {
     for (;;) {
         const ssize_t got = recv(fd, buf, size, 0);
         if (got > 0) {

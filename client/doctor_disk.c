@@ -20,21 +20,21 @@ static const int64_t too_little_bytes = INT64_C(100) << 20;
 static const double clock_tolerance_s = 2.0; /* some file systems have whole seconds */
 enum { CIFS_MAGIC = (int)0xFF534D42 };       /* not in linux/magic.h of all versions */
 
-void doctor_say_room(struct doctor *d, const char *subject, const char *path, int64_t left) {
+void doctor_say_room(doctor *d, const char *subject, const char *path, int64_t left) {
     char bytes[HUMAN_SIZE];
     human_bytes(left, bytes);
     if (left < little_bytes) {
-        doctor_say(d, subject, left < too_little_bytes ? SHEAR_FINDING_FAIL : SHEAR_FINDING_WARN,
+        doctor_say(d, subject, left < too_little_bytes ? SHEARD_FINDING_FAIL : SHEARD_FINDING_WARN,
                    "make room on that disk", "%s: only %s free", path, bytes);
     } else {
-        doctor_say(d, subject, SHEAR_FINDING_OK, NULL, "%s: %s free", path, bytes);
+        doctor_say(d, subject, SHEARD_FINDING_OK, NULL, "%s: %s free", path, bytes);
     }
 }
 
-static void check_room(struct doctor *d, const char *subject, const char *path) {
+static void check_room(doctor *d, const char *subject, const char *path) {
     struct statvfs fs;
     if (statvfs(path, &fs) != 0) {
-        doctor_say(d, subject, SHEAR_FINDING_WARN, "run doctor as root or as the service's user",
+        doctor_say(d, subject, SHEARD_FINDING_WARN, "run doctor as root or as the service's user",
                    "%s cannot be looked at: %s", path, strerror(errno));
         return;
     }
@@ -42,37 +42,36 @@ static void check_room(struct doctor *d, const char *subject, const char *path) 
 }
 
 /* The database's write-ahead log needs shared memory that no network file system has. */
-void doctor_check_local(struct doctor *d, const char *path) {
+void doctor_check_local(doctor *d, const char *path) {
     struct statfs fs;
     if (statfs(path, &fs) != 0) {
         return; /* check_room has said why */
     }
     if (fs.f_type == NFS_SUPER_MAGIC || fs.f_type == SMB_SUPER_MAGIC ||
         (int)fs.f_type == CIFS_MAGIC) {
-        doctor_say(d, "state", SHEAR_FINDING_FAIL, "put state_dir on a local disk",
+        doctor_say(d, "state", SHEARD_FINDING_FAIL, "put state_dir on a local disk",
                    "%s is on a network file system", path);
     }
 }
 
-static bool check_directory(struct doctor *d, const char *subject, const char *path,
-                            struct stat *st) {
+static bool check_directory(doctor *d, const char *subject, const char *path, struct stat *st) {
     if (stat(path, st) != 0) {
         const bool hidden = errno == EACCES;
-        doctor_say(d, subject, hidden ? SHEAR_FINDING_WARN : SHEAR_FINDING_FAIL,
+        doctor_say(d, subject, hidden ? SHEARD_FINDING_WARN : SHEARD_FINDING_FAIL,
                    hidden ? "run doctor as root or as the service's user"
                           : "start the service once as its own user, or: systemd-tmpfiles --create",
                    "%s: %s", path, strerror(errno));
         return false;
     }
     if (!S_ISDIR(st->st_mode)) {
-        doctor_say(d, subject, SHEAR_FINDING_FAIL, "move it out of the way",
+        doctor_say(d, subject, SHEARD_FINDING_FAIL, "move it out of the way",
                    "%s is not a directory", path);
         return false;
     }
     return true;
 }
 
-static void check_folders(struct doctor *d) {
+static void check_folders(doctor *d) {
     static const char *const names[] = {"incoming", "active", "done", "failed"};
     struct stat spool;
     if (!check_directory(d, "spool", d->spool, &spool)) {
@@ -88,7 +87,7 @@ static void check_folders(struct doctor *d) {
             continue;
         }
         if (st.st_dev != spool.st_dev) {
-            doctor_say(d, "spool", SHEAR_FINDING_FAIL,
+            doctor_say(d, "spool", SHEARD_FINDING_FAIL,
                        "all four folders must be on the disk of the spool",
                        "%s is on another file system", path);
         } else if (doctor_try_write(d, "spool", path)) {
@@ -96,7 +95,7 @@ static void check_folders(struct doctor *d) {
         }
     }
     if (good == sizeof names / sizeof *names) {
-        doctor_say(d, "spool", SHEAR_FINDING_OK, NULL,
+        doctor_say(d, "spool", SHEARD_FINDING_OK, NULL,
                    "incoming, active, done and failed are there, and can be written to");
     }
 }
@@ -109,54 +108,54 @@ static bool is_locked(const struct stat *st) {
     bool found = false;
     FILE *locks = fopen("/proc/locks", "re");
     snprintf(inode, sizeof inode, ":%ju ", (uintmax_t)st->st_ino);
-    while (locks && !found && fgets(line, sizeof line, locks)) {
-        found = strstr(line, "FLOCK") && strstr(line, inode);
+    while (locks != NULL && !found && fgets(line, sizeof line, locks) != NULL) {
+        found = strstr(line, "FLOCK") != NULL && strstr(line, inode) != NULL;
     }
-    if (locks) {
+    if (locks != NULL) {
         fclose(locks);
     }
     return found;
 }
 
 /* A daemon holds a lock on its spool for as long as it runs. */
-static void check_lock(struct doctor *d) {
+static void check_lock(doctor *d) {
     char path[4400];
     struct stat st;
     snprintf(path, sizeof path, "%s/.lock", d->spool);
     const bool there = stat(path, &st) == 0;
     const bool locked = there && is_locked(&st);
     if (!there && errno != ENOENT) {
-        doctor_say(d, "lock", SHEAR_FINDING_WARN, "run doctor as root or as the service's user",
+        doctor_say(d, "lock", SHEARD_FINDING_WARN, "run doctor as root or as the service's user",
                    "%s cannot be looked at: %s", path, strerror(errno));
     } else if (!locked && d->reached) {
-        doctor_say(d, "lock", SHEAR_FINDING_WARN,
+        doctor_say(d, "lock", SHEARD_FINDING_WARN,
                    "does the service that answers use another configuration?",
                    "nobody holds the lock of the spool, though the service runs");
     } else if (locked && !d->reached) {
-        doctor_say(d, "lock", SHEAR_FINDING_WARN,
+        doctor_say(d, "lock", SHEARD_FINDING_WARN,
                    "look for a service that is stuck or has another socket: systemctl status "
                    "sheard",
                    "the spool is locked, though no service answers");
     } else {
-        doctor_say(d, "lock", SHEAR_FINDING_OK, NULL, "the spool is %s",
+        doctor_say(d, "lock", SHEARD_FINDING_OK, NULL, "the spool is %s",
                    locked ? "locked by its service" : "not locked");
     }
 }
 
 /* The times of a file server decide when a file has stood still. */
-void doctor_check_clock(struct doctor *d) {
+void doctor_check_clock(doctor *d) {
     char path[4400];
     struct stat st;
     snprintf(path, sizeof path, "%s/incoming", d->spool);
     const int fd = doctor_scratch_file(path);
     if (fd < 0 || write(fd, "x", 1) != 1 || fstat(fd, &st) != 0) {
-        doctor_say(d, "clock", SHEAR_FINDING_WARN, "run doctor as someone who may drop files",
+        doctor_say(d, "clock", SHEARD_FINDING_WARN, "run doctor as someone who may drop files",
                    "the clock of the spool's file system cannot be read: %s", strerror(errno));
     } else {
         const int64_t theirs_ms = (int64_t)st.st_mtim.tv_sec * 1000 + st.st_mtim.tv_nsec / 1000000;
         const double off = (double)(human_now_ms() - theirs_ms) / 1000.0;
         const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
-        doctor_say(d, "clock", good ? SHEAR_FINDING_OK : SHEAR_FINDING_WARN,
+        doctor_say(d, "clock", good ? SHEARD_FINDING_OK : SHEARD_FINDING_WARN,
                    good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",
                    "the spool's file system is %.1f s %s this machine's clock",
                    off < 0 ? -off : off, off < 0 ? "before" : "behind");
@@ -166,57 +165,57 @@ void doctor_check_clock(struct doctor *d) {
     }
 }
 
-static void check_root(struct doctor *d, const char *path) {
+static void check_root(doctor *d, const char *path) {
     struct stat st;
     const int error = stat(path, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
     if (error != 0) {
-        doctor_say(d, "data root", SHEAR_FINDING_WARN,
+        doctor_say(d, "data root", SHEARD_FINDING_WARN,
                    "mount it, or make it; jobs beneath it wait until it is there", "%s: %s", path,
                    strerror(error));
     } else if (access(path, R_OK | X_OK) != 0) {
-        doctor_say(d, "data root", SHEAR_FINDING_WARN, "ask for read permission on it",
+        doctor_say(d, "data root", SHEARD_FINDING_WARN, "ask for read permission on it",
                    "%s: you may not read it, so no file in it will be measured for you", path);
     } else {
-        doctor_say(d, "data root", SHEAR_FINDING_OK, NULL, "%s is readable for you", path);
+        doctor_say(d, "data root", SHEARD_FINDING_OK, NULL, "%s is readable for you", path);
     }
 }
 
-void doctor_say_no_roots(struct doctor *d) {
-    doctor_say(d, "data root", SHEAR_FINDING_WARN,
+void doctor_say_no_roots(doctor *d) {
+    doctor_say(d, "data root", SHEARD_FINDING_WARN,
                "set [access] data_roots, if files are to be submitted by name",
                "none: files are taken from the watch folder alone");
 }
 
-static void check_roots(struct doctor *d) {
-    if (!d->roots || !*d->roots) {
+static void check_roots(doctor *d) {
+    if (d->roots == NULL || !*d->roots) {
         doctor_say_no_roots(d);
         return;
     }
     for (char *at = d->roots; at;) {
         char *comma = strstr(at, ", ");
-        if (comma) {
+        if (comma != NULL) {
             *comma = '\0';
         }
         check_root(d, at);
-        at = comma ? comma + 2 : NULL;
+        at = comma != NULL ? comma + 2 : NULL;
     }
 }
 
-void doctor_check_disks(struct doctor *d) {
+void doctor_check_disks(doctor *d) {
     struct stat st;
-    if (d->state_dir && check_directory(d, "state", d->state_dir, &st)) {
+    if (d->state_dir != NULL && check_directory(d, "state", d->state_dir, &st)) {
         check_room(d, "state", d->state_dir);
         if (doctor_try_write(d, "state", d->state_dir)) {
-            doctor_say(d, "state", SHEAR_FINDING_OK, NULL, "%s can be written to", d->state_dir);
+            doctor_say(d, "state", SHEARD_FINDING_OK, NULL, "%s can be written to", d->state_dir);
         }
         doctor_check_local(d, d->state_dir);
     }
-    if (d->spool && d->has_spool) {
+    if (d->spool != NULL && d->has_spool) {
         check_folders(d);
         check_lock(d);
         doctor_check_clock(d);
     }
-    if (d->state_dir) { /* the configuration is known */
+    if (d->state_dir != NULL) { /* the configuration is known */
         check_roots(d);
     }
 }

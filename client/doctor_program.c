@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 static int ask(const char *config, const char *program, const char *what, char **text) {
-    const char *argv[] = {program, what, config ? "--config" : NULL, config, NULL};
+    const char *argv[] = {program, what, config != NULL ? "--config" : NULL, config, NULL};
     return run_program(argv, text);
 }
 
@@ -22,7 +22,7 @@ static const char *line_with(const char *text, const char *word, const char *oth
     while (*text) {
         const size_t n = strcspn(text, "\n");
         snprintf(buf, size, "%.*s", (int)n, text);
-        if (strstr(buf, word) && (!other || !strstr(buf, other))) {
+        if (strstr(buf, word) != NULL && (other == NULL || strstr(buf, other) == NULL)) {
             return buf;
         }
         text += n + (text[n] == '\n');
@@ -30,70 +30,72 @@ static const char *line_with(const char *text, const char *word, const char *oth
     return NULL;
 }
 
-static void check_version(struct doctor *d, const char *program) {
+static void check_version(doctor *d, const char *program) {
     char *text = NULL;
     const int code = ask(NULL, program, "--version", &text);
-    if (code != 0 || !text) {
-        doctor_say(d, "program", SHEAR_FINDING_FAIL, "install sheard again",
+    if (code != 0 || text == NULL) {
+        doctor_say(d, "program", SHEARD_FINDING_FAIL, "install sheard again",
                    "%s cannot be run (exit code %d)", program, code);
-    } else if (!strstr(text, SHEAR_VERSION_STRING)) {
-        doctor_say(d, "program", SHEAR_FINDING_WARN,
+    } else if (strstr(text, SHEAR_VERSION_STRING) == NULL) {
+        doctor_say(d, "program", SHEARD_FINDING_WARN,
                    "install shearctl and sheard of the same release", "%s is %.*s, shearctl is %s",
                    program, (int)strcspn(text, "\n"), text, SHEAR_VERSION_STRING);
     } else {
-        doctor_say(d, "program", SHEAR_FINDING_OK, NULL, "%s, %.*s", program,
+        doctor_say(d, "program", SHEARD_FINDING_OK, NULL, "%s, %.*s", program,
                    (int)strcspn(text, "\n"), text);
     }
     free(text);
 }
 
-void doctor_check_config(struct doctor *d) {
+void doctor_check_config(doctor *d) {
     char line[400];
     char *text = NULL;
-    if (!d->program) {
+    if (d->program == NULL) {
         return;
     }
     if (d->told && access(d->config, R_OK) != 0) {
-        doctor_say(d, "config", SHEAR_FINDING_WARN, "run doctor as root",
+        doctor_say(d, "config", SHEARD_FINDING_WARN, "run doctor as root",
                    "%s, which the service uses, cannot be read by you: %s", d->config,
                    strerror(errno));
         return;
     }
     const int code = ask(d->config, d->program, "--check-config", &text);
-    const char *said = text ? text : "";
-    const char *name = d->config ? d->config : "the configuration";
+    const char *said = text != NULL ? text : "";
+    const char *name = d->config != NULL ? d->config : "the configuration";
     if (code != 0) {
         const char *why = line_with(said, "error", NULL, line, sizeof line);
-        doctor_say(d, "config", SHEAR_FINDING_FAIL,
+        doctor_say(d, "config", SHEARD_FINDING_FAIL,
                    "correct the file; sheard --check-config tells all that is wrong in it",
-                   "%s is not valid: %s", name, why ? why : "no reason was given");
-    } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line)) {
+                   "%s is not valid: %s", name, why != NULL ? why : "no reason was given");
+    } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line) !=
+               NULL) {
         /* of the data roots, the service's own word comes later */
-        doctor_say(d, "config", SHEAR_FINDING_WARN, "sheard --check-config tells more", "%s", line);
+        doctor_say(d, "config", SHEARD_FINDING_WARN, "sheard --check-config tells more", "%s",
+                   line);
     } else {
-        doctor_say(d, "config", SHEAR_FINDING_OK, NULL, "%s is valid", name);
+        doctor_say(d, "config", SHEARD_FINDING_OK, NULL, "%s is valid", name);
     }
     free(text);
 }
 
-static void read_config(struct doctor *d) {
+static void read_config(doctor *d) {
     char *text = NULL;
-    if (ask(d->config, d->program, "--print-config", &text) == 0 && text) {
+    if (ask(d->config, d->program, "--print-config", &text) == 0 && text != NULL) {
         d->state_dir = conf_text_value(text, "daemon", "state_dir");
         d->socket = conf_text_value(text, "daemon", "socket");
         d->spool = conf_text_value(text, "spool", "directory");
         d->roots = conf_text_value(text, "access", "data_roots");
         char *enabled = conf_text_value(text, "spool", "enabled");
-        d->has_spool = enabled && strcmp(enabled, "true") == 0;
+        d->has_spool = enabled != NULL && strcmp(enabled, "true") == 0;
         free(enabled);
     }
     free(text);
 }
 
-void doctor_check_program(struct doctor *d) {
+void doctor_check_program(doctor *d) {
     d->program = run_program_find("sheard");
-    if (!d->program) {
-        doctor_say(d, "program", SHEAR_FINDING_WARN,
+    if (d->program == NULL) {
+        doctor_say(d, "program", SHEARD_FINDING_WARN,
                    "install sheard, or run doctor where the service runs",
                    "sheard is not installed here: its configuration cannot be looked at");
         return;

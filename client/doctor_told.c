@@ -10,12 +10,12 @@
 #include <unistd.h>
 
 static char *copy(const char *text) {
-    return text ? strdup(text) : NULL;
+    return text != NULL ? strdup(text) : NULL;
 }
 
-void doctor_take_paths(struct doctor *d) {
-    const shear_msg_status *s = &d->status.status;
-    if (!s->config || !s->state_dir) {
+void doctor_take_paths(doctor *d) {
+    const sheard_msg_status *s = &d->status.status;
+    if (s->config == NULL || s->state_dir == NULL) {
         return; /* of an older release: it does not tell */
     }
     free(d->state_dir);
@@ -26,35 +26,35 @@ void doctor_take_paths(struct doctor *d) {
     d->spool = copy(s->spool.path);
     d->has_spool = s->spool.path != NULL;
     d->roots = NULL;
-    if (!d->config) {
+    if (d->config == NULL) {
         d->config = s->config;
     } else if (strcmp(d->config, s->config) != 0) {
-        doctor_say(d, "config", SHEAR_FINDING_WARN,
+        doctor_say(d, "config", SHEARD_FINDING_WARN,
                    "leave --config out to look at the one of the service that answers",
                    "the service that answers was configured by %s", s->config);
     }
 }
 
-static void tell_root(struct doctor *d, const shear_msg_root *r) {
+static void tell_root(doctor *d, const sheard_msg_root *r) {
     if (r->missing) {
-        doctor_say(d, "data root", SHEAR_FINDING_WARN,
+        doctor_say(d, "data root", SHEARD_FINDING_WARN,
                    "mount it, or make it, where the service sees it (home-data.conf, where it is "
                    "beneath /home); jobs beneath it wait",
-                   "%s", r->reason ? r->reason : r->path);
+                   "%s", r->reason != NULL ? r->reason : r->path);
     } else if (access(r->path, R_OK | X_OK) != 0) {
-        doctor_say(d, "data root", SHEAR_FINDING_WARN, "ask for read permission on it",
+        doctor_say(d, "data root", SHEARD_FINDING_WARN, "ask for read permission on it",
                    "%s is there for the service, but you may not read it, so no file in it will "
                    "be measured for you",
                    r->path);
     } else {
-        doctor_say(d, "data root", SHEAR_FINDING_OK, NULL,
+        doctor_say(d, "data root", SHEARD_FINDING_OK, NULL,
                    "%s is there for the service, and readable for you", r->path);
     }
 }
 
-static void tell_disk(struct doctor *d, const shear_msg_disk *disk) {
-    if (disk->problem) {
-        doctor_say(d, disk->use, SHEAR_FINDING_FAIL,
+static void tell_disk(doctor *d, const sheard_msg_disk *disk) {
+    if (disk->problem != NULL) {
+        doctor_say(d, disk->use, SHEARD_FINDING_FAIL,
                    "see that it is there, and that the service may write to it", "%s: %s",
                    disk->path, disk->problem);
     } else {
@@ -62,13 +62,13 @@ static void tell_disk(struct doctor *d, const shear_msg_disk *disk) {
     }
 }
 
-void doctor_check_told(struct doctor *d) {
-    const shear_msg_status *s = &d->status.status;
+void doctor_check_told(doctor *d) {
+    const sheard_msg_status *s = &d->status.status;
     for (size_t i = 0; i < s->n_disks; i++) {
         tell_disk(d, &s->disks[i]);
     }
     doctor_check_local(d, s->state_dir);
-    if (s->spool.path) {
+    if (s->spool.path != NULL) {
         doctor_check_clock(d);
     }
     for (size_t i = 0; i < s->n_roots; i++) {
@@ -81,18 +81,19 @@ void doctor_check_told(struct doctor *d) {
 
 /* ---- can it measure? ---- */
 
-static void tell_probe(struct doctor *d, const shear_msg_probed *p) {
+static void tell_probe(doctor *d, const sheard_msg_probed *p) {
     if (!p->ok) {
-        doctor_say(d, "probe", SHEAR_FINDING_FAIL, p->advice,
+        doctor_say(d, "probe", SHEARD_FINDING_FAIL, p->advice,
                    "the service cannot measure a tiny field of its own: %s%s%s%s",
-                   p->message ? p->message : "no reason was given", p->code ? " [" : "",
-                   p->code ? p->code : "", p->code ? "]" : "");
+                   p->message != NULL ? p->message : "no reason was given",
+                   p->code != NULL ? " [" : "", p->code != NULL ? p->code : "",
+                   p->code != NULL ? "]" : "");
         return;
     }
-    doctor_say(d, "probe", SHEAR_FINDING_OK, NULL,
+    doctor_say(d, "probe", SHEARD_FINDING_OK, NULL,
                "the service measures: g1 %+.5f (is %+.5f), g2 %+.5f (is %+.5f), %.2f s", p->g1,
                p->true_g1, p->g2, p->true_g2, p->seconds);
-    doctor_say(d, "sandbox", p->landlock ? SHEAR_FINDING_OK : SHEAR_FINDING_WARN,
+    doctor_say(d, "sandbox", p->landlock ? SHEARD_FINDING_OK : SHEARD_FINDING_WARN,
                p->landlock ? NULL
                            : "boot with landlock among the security modules (lsm=landlock,...)",
                "%s%s",
@@ -102,18 +103,18 @@ static void tell_probe(struct doctor *d, const shear_msg_probed *p) {
                p->namespaces ? ", and see no other process (namespaces)" : "");
 }
 
-bool doctor_check_probe(struct doctor *d) {
-    shear_rpc_error error = {0};
-    shear_reply reply = {0};
-    const int status = connection_call(d->service.connection, SHEAR_METHOD_PROBE, NULL,
+bool doctor_check_probe(doctor *d) {
+    sheard_rpc_error error = {0};
+    sheard_reply reply = {0};
+    const int status = connection_call(d->service.connection, SHEARD_METHOD_PROBE, NULL,
                                        d->service.reply_timeout_s, &reply, NULL, &error);
     if (status == CONNECTION_OK) {
         tell_probe(d, &reply.probe);
-        shear_reply_deinit(&reply, SHEAR_METHOD_PROBE);
+        sheard_reply_deinit(&reply, SHEARD_METHOD_PROBE);
         return true;
     }
-    const bool old = status == CONNECTION_REFUSED && error.code == SHEAR_RPC_UNKNOWN_METHOD;
-    doctor_say(d, "probe", old ? SHEAR_FINDING_WARN : SHEAR_FINDING_FAIL,
+    const bool old = status == CONNECTION_REFUSED && error.code == SHEARD_RPC_UNKNOWN_METHOD;
+    doctor_say(d, "probe", old ? SHEARD_FINDING_WARN : SHEARD_FINDING_FAIL,
                old ? "install one release, and restart the service" : error.advice,
                old ? "the service is too old to be asked whether it can measure"
                    : "the service does not tell whether it can measure: %s",

@@ -55,7 +55,7 @@ static int try_as(const struct passwd *user, const char *directory) {
     return WEXITSTATUS(status);
 }
 
-bool doctor_try_write(struct doctor *d, const char *subject, const char *directory) {
+bool doctor_try_write(doctor *d, const char *subject, const char *directory) {
     struct stat st = {0};
     const struct passwd *user = other_user();
     const int error = try_as(user, directory);
@@ -71,7 +71,8 @@ bool doctor_try_write(struct doctor *d, const char *subject, const char *directo
                   : "if the service is to run as somebody else, run doctor as that user or as root",
              user != NULL ? user->pw_name : service_user, directory);
     doctor_say(d, subject,
-               ours || error == EROFS || error == ENOSPC ? SHEAR_FINDING_FAIL : SHEAR_FINDING_WARN,
+               ours || error == EROFS || error == ENOSPC ? SHEARD_FINDING_FAIL
+                                                         : SHEARD_FINDING_WARN,
                remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
                user != NULL ? user->pw_name : "you", strerror(error),
                owner != NULL ? owner->pw_name : "nobody who is known");

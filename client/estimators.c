@@ -10,26 +10,26 @@ bool estimators_wanted(int64_t n_stamps, int estimator) {
 }
 
 int estimators_solve(const shear_field_sums *sums, const shear_symmetry *terms,
-                     const shear_result *chosen, shear_report_estimators *out, shear_error *err) {
+                     const shear_result *chosen, sheard_report_estimators *out, shear_error *err) {
     int code = SHEAR_OK;
-    *out = (shear_report_estimators){.n = 0};
+    *out = (sheard_report_estimators){.n = 0};
     shear_field_result(sums, &out->of[0]);
-    if (!terms || !out->of[0].valid || out->of[0].n_used < ESTIMATORS_MIN) {
+    if (terms == NULL || !out->of[0].valid || out->of[0].n_used < ESTIMATORS_MIN) {
         return SHEAR_OK;
     }
     out->of[1] = *chosen;
     if (!shear_estimator_is_symmetric(chosen->estimator)) {
         code = shear_estimate(SHEAR_ESTIMATOR_PDF_SYM, sums, terms, &out->of[1], err);
     }
-    out->n = !code && out->of[1].valid ? SHEAR_REPORT_ESTIMATORS : 0;
+    out->n = code == SHEAR_OK && out->of[1].valid ? SHEARD_REPORT_ESTIMATORS : 0;
     return code;
 }
 
-double estimators_ratio(const shear_report_estimators *e) {
+double estimators_ratio(const sheard_report_estimators *e) {
     return hypot(e->of[0].g1_err, e->of[0].g2_err) / hypot(e->of[1].g1_err, e->of[1].g2_err);
 }
 
-char *estimators_words(const shear_report_estimators *e, char *buf, size_t size) {
+char *estimators_words(const sheard_report_estimators *e, char *buf, size_t size) {
     static const double alike = 1.05; /* what errors of 200 stamps can tell */
     const double ratio = estimators_ratio(e);
     const double times = fmax(ratio, 1.0 / ratio);

@@ -18,13 +18,13 @@ bool estimators_wanted(int64_t n_stamps, int estimator);
  * or pdf-sym where that is the mean. out->n is 0 where `terms` is NULL, fewer than ESTIMATORS_MIN
  * stamps are used, or one of the two has no shear. SHEAR_E_NOMEM. */
 int estimators_solve(const shear_field_sums *sums, const shear_symmetry *terms,
-                     const shear_result *chosen, shear_report_estimators *out, shear_error *err);
+                     const shear_result *chosen, sheard_report_estimators *out, shear_error *err);
 
 /* The error of the first over that of the second, of both components. */
-double estimators_ratio(const shear_report_estimators *e);
+double estimators_ratio(const sheard_report_estimators *e);
 
 /* "pdf-sym's error is 2.1 times smaller: as if there were 4.4 times as many galaxies". Returns buf.
  */
-char *estimators_words(const shear_report_estimators *e, char *buf, size_t size);
+char *estimators_words(const sheard_report_estimators *e, char *buf, size_t size);
 
 #endif

@@ -28,7 +28,7 @@ struct scan {
     weight_check weights;
     shear_block_sums under_way;
     shear_field_sums *sums;
-    shear_verdict *v;
+    sheard_verdict *v;
 };
 
 struct pixels {
@@ -78,7 +78,7 @@ static void levels_add(struct levels *l, const struct pixels *noise) {
     l->var += noise->var;
 }
 
-static void levels_tell(const struct levels *l, shear_verdict *v) {
+static void levels_tell(const struct levels *l, sheard_verdict *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
     v->noise_mean = l->first + mean; /* 0/0 where there are none */
@@ -86,8 +86,8 @@ static void levels_tell(const struct levels *l, shear_verdict *v) {
     v->noise_rms = sqrt(l->var / l->n);
 }
 
-static void fault_add(shear_fault *f, int64_t index) {
-    if (f->count < SHEAR_FAULT_SAMPLES) {
+static void fault_add(sheard_fault *f, int64_t index) {
+    if (f->count < SHEARD_FAULT_SAMPLES) {
         f->first[f->count] = index;
     }
     f->count++;
@@ -107,23 +107,23 @@ static int look_at_stamp(struct scan *s, const shear_stamps *t, int i, unsigned 
     struct pixels noise = look_at_noise(t, i, bad);
     shear_row row;
     int code = shear_examine(s->plan, s->ws, t, i, &row, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     *flags = row.flags;
     if (!has_artefact(row.flags)) {
         s->v->lowest_pixel = fmin(s->v->lowest_pixel, fmin(galaxy.lowest, noise.lowest));
     }
-    if (!row.flags) {
+    if (row.flags == 0) {
         levels_add(&s->levels, &noise);
     }
-    if (!row.flags && s->is_log && fmin(galaxy.lowest, noise.lowest) + s->pedestal < 0.0) {
+    if (row.flags == 0 && s->is_log && fmin(galaxy.lowest, noise.lowest) + s->pedestal < 0.0) {
         fault_add(&s->v->negative, t->first + i);
     }
     return SHEAR_OK;
 }
 
-static void count_flags(shear_verdict *v, unsigned flags, int64_t index) {
+static void count_flags(sheard_verdict *v, unsigned flags, int64_t index) {
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
         if (flags & (1u << bit)) {
             fault_add(&v->flags[bit], index);
@@ -146,7 +146,7 @@ static int scan_block(struct scan *s, shear_error *err) {
     unsigned flags[MAX_BLOCK];
     for (int i = 0; i < t->count; i++) {
         int code = look_at_stamp(s, t, i, &flags[i], err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
     }
@@ -154,7 +154,7 @@ static int scan_block(struct scan *s, shear_error *err) {
      * instead. */
     if (s->v->negative.count == 0) {
         int code = shear_measure_batch(s->plan, t, 0, NULL, s->rows, err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
         for (int i = 0; i < t->count; i++) {
@@ -164,7 +164,7 @@ static int scan_block(struct scan *s, shear_error *err) {
     }
     for (int i = 0; i < t->count; i++) {
         count_flags(s->v, flags[i], t->first + i);
-        if (!flags[i]) {
+        if (flags[i] == 0) {
             weight_check_add(&s->weights, t, i);
         }
     }
@@ -187,13 +187,13 @@ static int scan_all(struct scan *s, shear_field *field, struct progress *progres
         int64_t left = total - first;
         int count = left < s->block->capacity ? (int)left : s->block->capacity;
         int code = shear_field_read(field, first, count, s->block, err);
-        if (!code) {
+        if (code == SHEAR_OK) {
             code = scan_block(s, err);
         }
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
-        if (progress_callback(progress, first + count, total)) {
+        if (progress_callback(progress, first + count, total) != 0) {
             return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
         }
     }
@@ -203,13 +203,13 @@ static int scan_all(struct scan *s, shear_field *field, struct progress *progres
 static int scan_init(struct scan *s, const shear_field_info *info, shear_error *err) {
     shear_block_sums_init(&s->under_way);
     int code = shear_field_sums_new(&s->sums, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = shear_block_new(&s->block, info, block_capacity(info), err);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         s->rows = calloc((size_t)s->block->capacity, sizeof *s->rows);
-        code = s->rows ? shear_workspace_new(&s->ws, s->plan, err)
-                       : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+        code = s->rows != NULL ? shear_workspace_new(&s->ws, s->plan, err)
+                               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
     return code;
 }
@@ -233,7 +233,7 @@ static void tell_for(shear_result *r, int estimator) {
 }
 
 int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
-               shear_verdict *v, shear_error *err) {
+               sheard_verdict *v, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const shear_plan_info *resolved = shear_plan_get_info(plan);
     struct scan s = {.plan = plan, .v = v};
@@ -241,10 +241,10 @@ int field_scan(shear_field *field, const shear_plan *plan, struct progress *prog
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;
     int code = scan_init(&s, info, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = scan_all(&s, field, progress, err);
     }
-    v->scanned = !code;
+    v->scanned = code == SHEAR_OK;
     v->measured = v->scanned && v->negative.count == 0;
     levels_tell(&s.levels, v);
     const rank_relation relation = weight_check_relation(&s.weights);

@@ -6,7 +6,7 @@
 #include "sheard/messages.h"
 #include "text_table.h"
 
-struct text_table *field_table_new(void);
-void field_table_add(struct text_table *table, const shear_msg_summary *field, int64_t now_ms);
+text_table *field_table_new(void);
+void field_table_add(text_table *table, const sheard_msg_summary *field, int64_t now_ms);
 
 #endif

@@ -16,13 +16,13 @@ static const double poll_s = 1.0;
 
 struct follow {
     struct service *service;
-    const struct follow_options *options;
-    struct follow_entry *entries; /* [n] */
+    const follow_options *options;
+    follow_entry *entries; /* [n] */
     size_t n;
     struct progress *progress;
     bool notified; /* notifications come */
     double deadline;
-    struct follow_tally tally;
+    follow_tally tally;
 };
 
 static void show(const struct follow *f) {
@@ -36,11 +36,11 @@ static void show(const struct follow *f) {
     progress_show(f->progress, label, sum.done, sum.total, sum.rate);
 }
 
-static void on_notice(void *context, const shear_message *m) {
+static void on_notice(void *context, const sheard_message *m) {
     struct follow *f = context;
-    if (m->notice == SHEAR_NOTICE_JOB_CHANGED) {
+    if (m->notice == SHEARD_NOTICE_JOB_CHANGED) {
         follow_note_job(f->entries, f->n, &m->params.job_changed.job);
-    } else if (m->notice == SHEAR_NOTICE_JOB_PROGRESS) {
+    } else if (m->notice == SHEARD_NOTICE_JOB_PROGRESS) {
         follow_note_progress(f->entries, f->n, m->params.job_progress.id,
                              &m->params.job_progress.progress);
     }
@@ -48,7 +48,7 @@ static void on_notice(void *context, const shear_message *m) {
 }
 
 static size_t chunk_at(const struct follow *f, size_t first) {
-    return f->n - first < SHEAR_MSG_LIST_MAX ? f->n - first : SHEAR_MSG_LIST_MAX;
+    return f->n - first < SHEARD_MSG_LIST_MAX ? f->n - first : SHEARD_MSG_LIST_MAX;
 }
 
 /* Notifications are for the bar only: without them it is drawn from what wait answers. A service
@@ -56,28 +56,28 @@ static size_t chunk_at(const struct follow *f, size_t first) {
 static void subscribe(struct follow *f, const int64_t *ids) {
     f->notified = true;
     connection_listen(f->service->connection, on_notice, f);
-    for (size_t first = 0; f->notified && first < f->n; first += SHEAR_MSG_LIST_MAX) {
-        shear_rpc_error error = {0};
-        shear_params p;
-        shear_params_init(&p, SHEAR_METHOD_SUBSCRIBE);
+    for (size_t first = 0; f->notified && first < f->n; first += SHEARD_MSG_LIST_MAX) {
+        sheard_rpc_error error = {0};
+        sheard_params p;
+        sheard_params_init(&p, SHEARD_METHOD_SUBSCRIBE);
         p.subscribe.jobs = ids + first;
         p.subscribe.n_jobs = chunk_at(f, first);
         p.subscribe.progress = true;
         f->notified =
-            connection_call(f->service->connection, SHEAR_METHOD_SUBSCRIBE, &p,
+            connection_call(f->service->connection, SHEARD_METHOD_SUBSCRIBE, &p,
                             f->service->reply_timeout_s, NULL, NULL, &error) == CONNECTION_OK;
     }
 }
 
-static void count(struct follow *f, const shear_msg_waited *waited) {
+static void count(struct follow *f, const sheard_msg_waited *waited) {
     for (size_t i = 0; i < waited->n_jobs; i++) {
-        const shear_msg_job *job = &waited->jobs[i];
-        f->tally.done += job->state == SHEAR_JOB_DONE;
-        f->tally.failed += job->state == SHEAR_JOB_FAILED;
+        const sheard_msg_job *job = &waited->jobs[i];
+        f->tally.done += job->state == SHEARD_JOB_DONE;
+        f->tally.failed += job->state == SHEARD_JOB_FAILED;
         f->tally.cancelled +=
-            job->state == SHEAR_JOB_CANCELLED || job->state == SHEAR_JOB_RETRACTED;
-        f->tally.unfinished += !shear_job_state_is_final(job->state);
-        if (f->options->ended) {
+            job->state == SHEARD_JOB_CANCELLED || job->state == SHEARD_JOB_RETRACTED;
+        f->tally.unfinished += !sheard_job_state_is_final(job->state);
+        if (f->options->ended != NULL) {
             f->options->ended(f->options->context, job);
         }
     }
@@ -85,16 +85,16 @@ static void count(struct follow *f, const shear_msg_waited *waited) {
 
 /* One wait request. *again: neither are the jobs finished nor is the time over. */
 static int wait_once(struct follow *f, const int64_t *ids, size_t n, bool *again) {
-    shear_rpc_error error = {0};
-    shear_reply reply = {0};
+    sheard_rpc_error error = {0};
+    sheard_reply reply = {0};
     char *text = NULL;
-    shear_params p;
+    sheard_params p;
     const double slice = progress_visible(f->progress) && !f->notified ? poll_s : slice_s;
     const double left = fmax(0.0, f->deadline - dial_now());
-    shear_params_init(&p, SHEAR_METHOD_WAIT);
-    p.wait = (shear_msg_wait){.ids = ids, .n_ids = n, .timeout_s = fmin(slice, left)};
+    sheard_params_init(&p, SHEARD_METHOD_WAIT);
+    p.wait = (sheard_msg_wait){.ids = ids, .n_ids = n, .timeout_s = fmin(slice, left)};
     const int status =
-        connection_call(f->service->connection, SHEAR_METHOD_WAIT, &p,
+        connection_call(f->service->connection, SHEARD_METHOD_WAIT, &p,
                         p.wait.timeout_s + f->service->reply_timeout_s, &reply, &text, &error);
     *again = false;
     if (status == CONNECTION_OK) {
@@ -109,7 +109,7 @@ static int wait_once(struct follow *f, const int64_t *ids, size_t n, bool *again
             }
             count(f, &reply.wait);
         }
-        shear_reply_deinit(&reply, SHEAR_METHOD_WAIT);
+        sheard_reply_deinit(&reply, SHEARD_METHOD_WAIT);
     }
     free(text);
     if (status == CONNECTION_INTERRUPTED) {
@@ -122,26 +122,25 @@ static int wait_once(struct follow *f, const int64_t *ids, size_t n, bool *again
 
 static int wait_all(struct follow *f, const int64_t *ids) {
     int code = EXIT_CODE_DONE;
-    for (size_t first = 0; !code && first < f->n; first += SHEAR_MSG_LIST_MAX) {
+    for (size_t first = 0; code == SHEAR_OK && first < f->n; first += SHEARD_MSG_LIST_MAX) {
         bool again = true;
-        while (!code && again) {
+        while (code == SHEAR_OK && again) {
             code = wait_once(f, ids + first, chunk_at(f, first), &again);
         }
     }
-    return code ? code : follow_exit_code(&f->tally);
+    return code != SHEAR_OK ? code : follow_exit_code(&f->tally);
 }
 
-int follow_jobs(struct service *s, const int64_t *ids, size_t n,
-                const struct follow_options *options) {
+int follow_jobs(struct service *s, const int64_t *ids, size_t n, const follow_options *options) {
     struct follow f = {.service = s, .options = options, .n = n};
     f.deadline = isnan(options->timeout_s) ? (double)INFINITY : dial_now() + options->timeout_s;
     f.entries = calloc(n, sizeof *f.entries);
-    if (!f.entries) {
+    if (f.entries == NULL) {
         message_fail(NULL, "out of memory");
         return EXIT_CODE_OTHER;
     }
     for (size_t i = 0; i < n; i++) {
-        f.entries[i] = (struct follow_entry){.id = ids[i], .progress = {.total = -1, .rate = NAN}};
+        f.entries[i] = (follow_entry){.id = ids[i], .progress = {.total = -1, .rate = NAN}};
     }
     f.progress = options->quiet ? progress_begin_quiet() : progress_begin("jobs");
     if (progress_visible(f.progress)) {

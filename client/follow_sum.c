@@ -5,20 +5,20 @@
 
 #include <math.h>
 
-struct follow_sum follow_sum(const struct follow_entry *entries, size_t n) {
+struct follow_sum follow_sum(const follow_entry *entries, size_t n) {
     struct follow_sum sum = {.total = -1};
     double known = 0.0;
     size_t n_known = 0;
     for (size_t i = 0; i < n; i++) {
-        const struct follow_entry *e = &entries[i];
-        const bool final = shear_job_state_is_final(e->state);
+        const follow_entry *e = &entries[i];
+        const bool final = sheard_job_state_is_final(e->state);
         sum.finished += final;
         if (e->progress.total >= 0) {
             known += (double)e->progress.total;
             n_known++;
             sum.done += final ? e->progress.total : e->progress.done;
         }
-        if (e->state == SHEAR_JOB_RUNNING && isfinite(e->progress.rate)) {
+        if (e->state == SHEARD_JOB_RUNNING && isfinite(e->progress.rate)) {
             sum.rate += e->progress.rate;
         }
     }
@@ -28,7 +28,7 @@ struct follow_sum follow_sum(const struct follow_entry *entries, size_t n) {
     return sum;
 }
 
-static struct follow_entry *find(struct follow_entry *entries, size_t n, int64_t id) {
+static follow_entry *find(follow_entry *entries, size_t n, int64_t id) {
     for (size_t i = 0; i < n; i++) {
         if (entries[i].id == id) {
             return &entries[i];
@@ -37,24 +37,24 @@ static struct follow_entry *find(struct follow_entry *entries, size_t n, int64_t
     return NULL;
 }
 
-void follow_note_job(struct follow_entry *entries, size_t n, const shear_msg_job *job) {
-    struct follow_entry *e = find(entries, n, job->id);
-    if (e && !shear_job_state_is_final(e->state)) {
+void follow_note_job(follow_entry *entries, size_t n, const sheard_msg_job *job) {
+    follow_entry *e = find(entries, n, job->id);
+    if (e != NULL && !sheard_job_state_is_final(e->state)) {
         e->state = job->state;
         e->progress = job->progress;
     }
 }
 
-void follow_note_progress(struct follow_entry *entries, size_t n, int64_t id,
-                          const shear_msg_progress *progress) {
-    struct follow_entry *e = find(entries, n, id);
-    if (e && !shear_job_state_is_final(e->state)) {
-        e->state = SHEAR_JOB_RUNNING;
+void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
+                          const sheard_msg_progress *progress) {
+    follow_entry *e = find(entries, n, id);
+    if (e != NULL && !sheard_job_state_is_final(e->state)) {
+        e->state = SHEARD_JOB_RUNNING;
         e->progress = *progress;
     }
 }
 
-int follow_exit_code(const struct follow_tally *t) {
+int follow_exit_code(const follow_tally *t) {
     if (t->unfinished > 0) {
         return EXIT_CODE_TIMED_OUT;
     }

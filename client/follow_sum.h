@@ -5,11 +5,11 @@
 
 #include "sheard/messages.h"
 
-struct follow_entry {
+typedef struct follow_entry {
     int64_t id;
     int state;
-    shear_msg_progress progress;
-};
+    sheard_msg_progress progress;
+} follow_entry;
 
 struct follow_sum {
     size_t finished;
@@ -18,19 +18,19 @@ struct follow_sum {
 };
 
 /* Jobs whose stamps are not counted yet are taken to have as many as the others have on average. */
-struct follow_sum follow_sum(const struct follow_entry *entries, size_t n);
+struct follow_sum follow_sum(const follow_entry *entries, size_t n);
 
 /* What a notification or an answer says of a job that is among entries[n]. A final state stays. */
-void follow_note_job(struct follow_entry *entries, size_t n, const shear_msg_job *job);
-void follow_note_progress(struct follow_entry *entries, size_t n, int64_t id,
-                          const shear_msg_progress *progress);
+void follow_note_job(follow_entry *entries, size_t n, const sheard_msg_job *job);
+void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
+                          const sheard_msg_progress *progress);
 
 /* How jobs ended. */
-struct follow_tally {
+typedef struct follow_tally {
     size_t done, failed, cancelled, unfinished;
-};
+} follow_tally;
 
 /* What a command that waited for them exits with. */
-int follow_exit_code(const struct follow_tally *tally);
+int follow_exit_code(const follow_tally *tally);
 
 #endif

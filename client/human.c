@@ -18,7 +18,7 @@ static char *nothing(char buf[HUMAN_SIZE]) {
 char *human_time(int64_t ms, bool utc, char buf[HUMAN_SIZE]) {
     const time_t t = (time_t)(ms / 1000);
     struct tm parts;
-    if (ms <= 0 || !(utc ? gmtime_r(&t, &parts) : localtime_r(&t, &parts)) ||
+    if (ms <= 0 || (utc ? gmtime_r(&t, &parts) : localtime_r(&t, &parts)) == NULL ||
         strftime(buf, HUMAN_SIZE, utc ? "%Y-%m-%d %H:%M:%SZ" : "%Y-%m-%d %H:%M:%S", &parts) == 0) {
         return nothing(buf);
     }

@@ -23,22 +23,22 @@ int input_path_absolute(const char *name, char **path, shear_error *err) {
     *path = NULL;
     if (name[0] == '/') {
         *path = strdup(name);
-        return *path ? SHEAR_OK : no_memory(err);
+        return *path != NULL ? SHEAR_OK : no_memory(err);
     }
     const char *slash = strrchr(name, '/');
-    const char *last = slash ? slash + 1 : name;
+    const char *last = slash != NULL ? slash + 1 : name;
     if (!*last || strcmp(last, ".") == 0 || strcmp(last, "..") == 0) {
         return shear_fail(err, SHEAR_E_IO, NULL, "%s is not the name of a file", name);
     }
-    char *parent = slash ? strndup(name, (size_t)(slash - name)) : strdup(".");
-    if (!parent) {
+    char *parent = slash != NULL ? strndup(name, (size_t)(slash - name)) : strdup(".");
+    if (parent == NULL) {
         return no_memory(err);
     }
     char *real = realpath(parent, NULL);
     const int code =
-        real ? join(real, last, path, err)
-             : shear_fail(err, SHEAR_E_IO, "check the path",
-                          "%s: its directory cannot be found: %s", name, strerror(errno));
+        real != NULL ? join(real, last, path, err)
+                     : shear_fail(err, SHEAR_E_IO, "check the path",
+                                  "%s: its directory cannot be found: %s", name, strerror(errno));
     free(real);
     free(parent);
     return code;
@@ -49,16 +49,16 @@ static int read_hdu(const char *name, const char *text, shear_input_part *part, 
     const size_t n = strlen(text);
     if (strspn(text, "0123456789") != n) {
         part->extname = text;
-        return n <= SHEAR_MSG_EXTNAME_MAX
+        return n <= SHEARD_MSG_EXTNAME_MAX
                    ? SHEAR_OK
                    : shear_fail(err, SHEAR_E_SETTING, NULL,
                                 "%s: the name of an HDU has at most %d characters", name,
-                                SHEAR_MSG_EXTNAME_MAX);
+                                SHEARD_MSG_EXTNAME_MAX);
     }
-    const long value = n < 6 ? strtol(text, NULL, 10) : SHEAR_MSG_HDU_MAX + 1L;
-    if (value > SHEAR_MSG_HDU_MAX) {
+    const long value = n < 6 ? strtol(text, NULL, 10) : SHEARD_MSG_HDU_MAX + 1L;
+    if (value > SHEARD_MSG_HDU_MAX) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "%s: an HDU is a number from 0 to %d", name,
-                          SHEAR_MSG_HDU_MAX);
+                          SHEARD_MSG_HDU_MAX);
     }
     part->hdu = value;
     return SHEAR_OK;
@@ -68,7 +68,8 @@ int input_path_hdu(const char *name, shear_input_part *part, size_t *length, she
     *part = (shear_input_part){.hdu = -1};
     *length = strlen(name);
     const char *colon = strrchr(name, ':');
-    if (!colon || colon == name || !colon[1] || strchr(colon, '/') || access(name, F_OK) == 0) {
+    if (colon == NULL || colon == name || !colon[1] || strchr(colon, '/') != NULL ||
+        access(name, F_OK) == 0) {
         return SHEAR_OK;
     }
     *length = (size_t)(colon - name);

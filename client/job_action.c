@@ -7,23 +7,23 @@
 static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
 
 static int act(struct service *s, int method, const char *name) {
-    shear_params p;
-    shear_reply reply = {0};
-    shear_params_init(&p, method);
+    sheard_params p;
+    sheard_reply reply = {0};
+    sheard_params_init(&p, method);
     int code = service_job_id(name, &p.id.id);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     code = service_answer(s, method, &p, &reply);
-    if (!code && !s->json) {
-        const shear_msg_job *job = method == SHEAR_METHOD_CANCEL  ? &reply.cancel
-                                   : method == SHEAR_METHOD_RETRY ? &reply.retry
-                                                                  : &reply.retract;
-        printf("job %" PRId64 " %s%s\n", job->id, shear_job_state_name(job->state),
-               job->cancel_asked && !shear_job_state_is_final(job->state) ? ", being cancelled"
-                                                                          : "");
+    if (code == SHEAR_OK && !s->json) {
+        const sheard_msg_job *job = method == SHEARD_METHOD_CANCEL  ? &reply.cancel
+                                    : method == SHEARD_METHOD_RETRY ? &reply.retry
+                                                                    : &reply.retract;
+        printf("job %" PRId64 " %s%s\n", job->id, sheard_job_state_name(job->state),
+               job->cancel_asked && !sheard_job_state_is_final(job->state) ? ", being cancelled"
+                                                                           : "");
     }
-    shear_reply_deinit(&reply, method);
+    sheard_reply_deinit(&reply, method);
     return code;
 }
 
@@ -31,11 +31,11 @@ int job_action_run(const struct command *command, int method, int argc, char **a
     struct service s;
     int code =
         service_parse_operands(command, argc, argv, options, NULL, NULL, &s, "jobs", 1, INT_MAX);
-    code = code ? code : service_open(&s);
-    if (code) {
+    code = code != SHEAR_OK ? code : service_open(&s);
+    if (code != SHEAR_OK) {
         return code;
     }
-    struct service_tally tally = {0};
+    service_tally tally = {0};
     for (int i = optind; i < argc && service_goes_on(&tally); i++) {
         service_count(&tally, act(&s, method, argv[i]));
     }

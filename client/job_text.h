@@ -9,25 +9,25 @@
 #include <stdbool.h>
 
 /* The table of `shearctl jobs`. */
-struct text_table *job_table_new(void);
-void job_table_add(struct text_table *table, const shear_msg_job *job, int64_t now_ms);
+text_table *job_table_new(void);
+void job_table_add(text_table *table, const sheard_msg_job *job, int64_t now_ms);
 
 /* The table of finished jobs with their shear (submit --wait, wait). */
-struct text_table *job_results_new(void);
-void job_results_add(struct text_table *table, const shear_msg_job *job);
+text_table *job_results_new(void);
+void job_results_add(text_table *table, const sheard_msg_job *job);
 
 /* `shearctl show`. */
-void job_text_print(const shear_msg_shown *shown, bool utc, FILE *out);
+void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out);
 
 /* "/data/a.fits", or "/data/gal.fits[2] + ..." of separate images; of a dropped file the name that
  * it had and where it is now: "a.fits (failed/a.1.fits)". Returns buf. */
-char *job_source_text(const shear_msg_job *job, char *buf, size_t size);
+char *job_source_text(const sheard_msg_job *job, char *buf, size_t size);
 
 /* A running job that is not yet measured: what it is at is its phase, "hashing, 42% of 3.1 MB". */
-bool job_is_before_measuring(const shear_msg_job *job);
-const char *job_phase_text(const shear_msg_progress *progress, char *buf, size_t size);
+bool job_is_before_measuring(const sheard_msg_job *job);
+const char *job_phase_text(const sheard_msg_progress *progress, char *buf, size_t size);
 
 /* Why a job is not done, with its advice, on standard error; nothing for one that is. */
-void job_complain(const shear_msg_job *job);
+void job_complain(const sheard_msg_job *job);
 
 #endif

@@ -39,7 +39,7 @@ static int run(int argc, char **argv) {
         name = cmd_version.name;
     }
     const struct command *command = command_find(name);
-    if (!command) {
+    if (command == NULL) {
         return EXIT_CODE_USAGE;
     }
     if (asks_for_help(argc - 1, argv + 1)) {
@@ -54,7 +54,7 @@ int main(int argc, char **argv) {
      * scripts read this. */
     setlocale(LC_CTYPE, "");
     int code = run(argc, argv);
-    if (fflush(stdout) != 0 || ferror(stdout)) {
+    if (fflush(stdout) != 0 || ferror(stdout) != 0) {
         message_fail(NULL, "cannot write to standard output: %s", strerror(errno));
         return code == EXIT_CODE_DONE ? EXIT_CODE_OTHER : code;
     }

@@ -22,20 +22,20 @@ static struct measure_group *group_of(struct measure_group *groups, size_t n, co
     return NULL;
 }
 
-bool measure_groups_new(struct measure_input *inputs, size_t n, struct measure_group **groups,
+bool measure_groups_new(measure_input *inputs, size_t n, struct measure_group **groups,
                         size_t *n_groups) {
     *n_groups = 0;
-    *groups = calloc(n ? n : 1, sizeof **groups);
-    for (size_t i = 0; *groups && i < n; i++) {
+    *groups = calloc(n != 0 ? n : 1, sizeof **groups);
+    for (size_t i = 0; *groups != NULL && i < n; i++) {
         if (!measure_input_is_wanted(&inputs[i])) {
             continue;
         }
         struct measure_group *g = group_of(*groups, *n_groups, inputs[i].field);
-        if (!g) {
+        if (g == NULL) {
             g = &(*groups)[(*n_groups)++];
             g->field = inputs[i].field;
-            g->inputs = calloc(n, sizeof(struct measure_input *));
-            if (!g->inputs) {
+            g->inputs = calloc(n, sizeof(measure_input *));
+            if (g->inputs == NULL) {
                 measure_groups_free(*groups, *n_groups);
                 *groups = NULL;
                 *n_groups = 0;
@@ -48,7 +48,7 @@ bool measure_groups_new(struct measure_input *inputs, size_t n, struct measure_g
 }
 
 void measure_groups_free(struct measure_group *groups, size_t n_groups) {
-    for (size_t i = 0; groups && i < n_groups; i++) {
+    for (size_t i = 0; groups != NULL && i < n_groups; i++) {
         free(groups[i].inputs);
         warnings_deinit(&groups[i].warnings);
     }
@@ -56,8 +56,8 @@ void measure_groups_free(struct measure_group *groups, size_t n_groups) {
 }
 
 static int by_checksum(const void *a, const void *b) {
-    const struct measure_input *const *x = a;
-    const struct measure_input *const *y = b;
+    const measure_input *const *x = a;
+    const measure_input *const *y = b;
     return strcmp((*x)->checksum, (*y)->checksum);
 }
 
@@ -79,21 +79,20 @@ static int check_blocks(const struct measure_group *g, int groups, shear_error *
 static void fail_all(struct measure_group *g, int code, const shear_error *err) {
     message_error(err);
     for (size_t i = 0; i < g->n; i++) {
-        if (!g->inputs[i]->failure) {
+        if (g->inputs[i]->failure == 0) {
             g->inputs[i]->failure = measure_failure_of(code, false);
         }
     }
 }
 
 /* What the files of a group are joined into. */
-struct gathering {
+typedef struct gathering {
     shear_field_sums *sums;
     shear_symmetry *terms; /* or NULL */
     shear_jackknife *jack; /* or NULL */
-};
+} gathering;
 
-static void run_input(struct measure_input *input, const struct measure_options *o,
-                      const struct gathering *to) {
+static void run_input(measure_input *input, const measure_options *o, const gathering *to) {
     shear_error err = {0};
     struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
     shear_run_options run = {
@@ -108,16 +107,16 @@ static void run_input(struct measure_input *input, const struct measure_options 
     int code = shear_run_input(input->source, &o->settings, &run, to->sums, to->jack,
                                &input->report, &err);
     progress_end(progress);
-    if (code) {
+    if (code != SHEAR_OK) {
         message_error(&err);
         input->failure = measure_failure_of(code, input->catalog != NULL);
     }
-    input->measured = !code;
+    input->measured = code == SHEAR_OK;
 }
 
 /* All files of the group, in `order`; how many were measured. */
-static size_t run_inputs(struct measure_input **order, size_t n, const struct measure_options *o,
-                         const struct gathering *to) {
+static size_t run_inputs(measure_input **order, size_t n, const measure_options *o,
+                         const gathering *to) {
     size_t done = 0;
     for (size_t i = 0; i < n; i++) {
         if (progress_interrupted()) {
@@ -138,19 +137,19 @@ static int64_t count_stamps(const struct measure_group *g) {
     return n;
 }
 
-static int gathering_init(struct gathering *to, const struct measure_group *g,
-                          const struct measure_options *o, shear_error *err) {
+static int gathering_init(gathering *to, const struct measure_group *g, const measure_options *o,
+                          shear_error *err) {
     int code = shear_field_sums_new(&to->sums, err);
-    if (!code && estimators_wanted(count_stamps(g), o->settings.estimator)) {
+    if (code == SHEAR_OK && estimators_wanted(count_stamps(g), o->settings.estimator)) {
         code = shear_symmetry_new(&to->terms, err);
     }
-    if (!code && o->jackknife) {
+    if (code == SHEAR_OK && o->jackknife != 0) {
         code = shear_jackknife_new(&to->jack, o->jackknife, err);
     }
     return code;
 }
 
-static void gathering_deinit(struct gathering *to) {
+static void gathering_deinit(gathering *to) {
     shear_jackknife_free(to->jack);
     shear_symmetry_free(to->terms);
     shear_field_sums_free(to->sums);
@@ -168,21 +167,21 @@ static void check_weights(struct measure_group *g, const shear_symmetry *terms) 
     }
 }
 
-static int run_all(struct measure_group *g, const struct measure_options *o,
-                   struct measure_input **order, size_t *done, shear_error *err) {
-    struct gathering to = {0};
+static int run_all(struct measure_group *g, const measure_options *o, measure_input **order,
+                   size_t *done, shear_error *err) {
+    gathering to = {0};
     int code = gathering_init(&to, g, o, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         *done = run_inputs(order, g->n, o, &to);
         code = shear_estimate(o->settings.estimator, to.sums, to.terms, &g->result, err);
     }
-    if (!code) {
-        if (to.terms) {
+    if (code == SHEAR_OK) {
+        if (to.terms != NULL) {
             check_weights(g, to.terms);
         }
         code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
     }
-    if (!code && to.jack && *done > 0) {
+    if (code == SHEAR_OK && to.jack != NULL && *done > 0) {
         code = shear_jackknife_finish(to.jack, &g->result, err);
     }
     gathering_deinit(&to);
@@ -192,29 +191,31 @@ static int run_all(struct measure_group *g, const struct measure_options *o,
 static int fail_invalid(const struct measure_group *g, shear_error *err) {
     char text[400];
     char advice[400];
-    shear_cause cause;
-    if (shear_cause_of(&g->result, &measure_group_first(g)->report.plan, &cause)) {
+    sheard_cause cause;
+    if (sheard_cause_of(&g->result, &measure_group_first(g)->report.plan, &cause)) {
         return shear_fail(err, SHEAR_E_FORMAT, cause.advice,
                           "field %s: %s: no shear could be measured", g->field, cause.words);
     }
-    return shear_fail(err, SHEAR_E_FORMAT, shear_no_shear_advice(&g->result, advice, sizeof advice),
+    return shear_fail(err, SHEAR_E_FORMAT,
+                      sheard_no_shear_advice(&g->result, advice, sizeof advice),
                       "field %s: %s: no shear could be measured", g->field,
-                      shear_no_shear_text(&g->result, text, sizeof text));
+                      sheard_no_shear_text(&g->result, text, sizeof text));
 }
 
 /* The advice is on the first file's PSF; others may have others. */
 static void warn_of_other_psfs(struct measure_group *g) {
-    char line[SHEAR_ADVICE_SIZE];
+    char line[SHEARD_ADVICE_SIZE];
     size_t n = 0;
-    shear_report_file *files = calloc(g->n, sizeof *files);
-    for (size_t i = 0; files && i < g->n; i++) {
+    sheard_report_file *files = calloc(g->n, sizeof *files);
+    for (size_t i = 0; files != NULL && i < g->n; i++) {
         if (g->inputs[i]->measured) {
-            files[n++] =
-                (shear_report_file){.path = g->inputs[i]->path, .plan = &g->inputs[i]->report.plan};
+            files[n++] = (sheard_report_file){.path = g->inputs[i]->path,
+                                              .plan = &g->inputs[i]->report.plan};
         }
     }
-    const struct measure_input *first = measure_group_first(g);
-    if (files && shear_advice_other_psfs(files, n, first->path, line, sizeof line)) {
+    const measure_input *first = measure_group_first(g);
+    if (files != NULL &&
+        sheard_advice_other_psfs(files, n, first->path, line, sizeof line) != NULL) {
         warnings_add(&g->warnings, "%s", line);
     }
     free(files);
@@ -223,10 +224,10 @@ static void warn_of_other_psfs(struct measure_group *g) {
 /* What stands out in the result. A field without a usable stamp is bad input, but its counts are
  * worth showing. */
 static void judge(struct measure_group *g, size_t done) {
-    shear_advice_list advice;
-    const struct measure_input *top = done > 1 ? measure_group_top(g) : NULL;
-    shear_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
-                     top ? top->path : NULL);
+    sheard_advice_list advice;
+    const measure_input *top = done > 1 ? measure_group_top(g) : NULL;
+    sheard_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
+                      top != NULL ? top->path : NULL);
     for (size_t i = 0; i < advice.n; i++) {
         warnings_add(&g->warnings, "%s", advice.lines[i]);
     }
@@ -251,34 +252,34 @@ static void judge(struct measure_group *g, size_t done) {
 
 /* The order of measuring: that of the arguments, or, for the jackknife, of the checksums. NULL: no
  * memory. malloc'd. */
-static struct measure_input **order_of(const struct measure_group *g, bool jackknife) {
-    struct measure_input **order = calloc(g->n, sizeof(struct measure_input *));
-    if (!order) {
+static measure_input **order_of(const struct measure_group *g, bool jackknife) {
+    measure_input **order = calloc(g->n, sizeof(measure_input *));
+    if (order == NULL) {
         return NULL;
     }
-    memcpy(order, g->inputs, g->n * sizeof(struct measure_input *));
+    memcpy(order, g->inputs, g->n * sizeof(measure_input *));
     if (jackknife) {
-        qsort(order, g->n, sizeof(struct measure_input *), by_checksum);
+        qsort(order, g->n, sizeof(measure_input *), by_checksum);
     }
     return order;
 }
 
-bool measure_group_run(struct measure_group *g, const struct measure_options *o) {
+bool measure_group_run(struct measure_group *g, const measure_options *o) {
     shear_error err = {0};
     size_t done = 0;
-    struct measure_input **order = order_of(g, o->jackknife > 0);
-    int code = order ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
-    if (!code && o->jackknife) {
+    measure_input **order = order_of(g, o->jackknife > 0);
+    int code = order != NULL ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
+    if (code == SHEAR_OK && o->jackknife != 0) {
         code = check_blocks(g, o->jackknife, &err);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = run_all(g, o, order, &done, &err);
     }
     free(order);
     for (size_t i = 0; i < g->n; i++) {
         g->seconds += g->inputs[i]->measured ? g->inputs[i]->report.seconds : 0.0;
     }
-    if (code) {
+    if (code != SHEAR_OK) {
         fail_all(g, code, &err);
         return false;
     }
@@ -288,7 +289,7 @@ bool measure_group_run(struct measure_group *g, const struct measure_options *o)
     return done > 0;
 }
 
-const struct measure_input *measure_group_first(const struct measure_group *g) {
+const measure_input *measure_group_first(const struct measure_group *g) {
     for (size_t i = 0; i < g->n; i++) {
         if (g->inputs[i]->measured) {
             return g->inputs[i];
@@ -297,8 +298,8 @@ const struct measure_input *measure_group_first(const struct measure_group *g) {
     return NULL;
 }
 
-const struct measure_input *measure_group_top(const struct measure_group *g) {
-    const struct measure_input *top = NULL;
+const measure_input *measure_group_top(const struct measure_group *g) {
+    const measure_input *top = NULL;
     double largest = 0.0;
     for (size_t i = 0; i < g->n; i++) {
         const shear_result *r = &g->inputs[i]->report.result;
@@ -312,8 +313,8 @@ const struct measure_input *measure_group_top(const struct measure_group *g) {
 }
 
 bool measure_group_truth(const struct measure_group *g, double *g1, double *g2) {
-    const struct measure_input *first = measure_group_first(g);
-    if (!first || !first->info.has_truth) {
+    const measure_input *first = measure_group_first(g);
+    if (first == NULL || !first->info.has_truth) {
         return false;
     }
     *g1 = first->info.sim_g1;

@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int look_into(struct measure_input *input, shear_error *err) {
+static int look_into(measure_input *input, shear_error *err) {
     shear_field *field = NULL;
     int code = shear_field_open_input(&field, input->source, NULL, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     input->info = *shear_field_get_info(field);
@@ -20,9 +20,9 @@ static int look_into(struct measure_input *input, shear_error *err) {
 
 /* Does an earlier file hold the same bytes and count to the same field? Its counting twice would
  * halve the variance. */
-static bool is_duplicate(const struct measure_input *inputs, size_t i) {
+static bool is_duplicate(const measure_input *inputs, size_t i) {
     for (size_t j = 0; j < i; j++) {
-        if (!inputs[j].failure && strcmp(inputs[j].checksum, inputs[i].checksum) == 0 &&
+        if (inputs[j].failure == 0 && strcmp(inputs[j].checksum, inputs[i].checksum) == 0 &&
             strcmp(inputs[j].field, inputs[i].field) == 0) {
             return true;
         }
@@ -31,37 +31,37 @@ static bool is_duplicate(const struct measure_input *inputs, size_t i) {
 }
 
 /* The file that the field is called after. */
-static const char *name_of(const struct measure_input *input) {
+static const char *name_of(const measure_input *input) {
     const shear_input *source = input->source;
-    return source->path ? source->path : source->parts[SHEAR_PART_GALAXY].path;
+    return source->path != NULL ? source->path : source->parts[SHEAR_PART_GALAXY].path;
 }
 
-void measure_inputs_open(struct measure_input *inputs, size_t n, const char *field) {
+void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {
     for (size_t i = 0; i < n; i++) {
         shear_error err = {0};
         int code = look_into(&inputs[i], &err);
-        if (!code && !field) {
+        if (code == SHEAR_OK && field == NULL) {
             code = shear_field_need_name(&inputs[i].info, name_of(&inputs[i]), &err);
         }
-        if (code) {
+        if (code != SHEAR_OK) {
             message_error(&err);
             inputs[i].failure = measure_failure_of(code, false);
             continue;
         }
-        inputs[i].field = field ? field : inputs[i].info.name;
+        inputs[i].field = field != NULL ? field : inputs[i].info.name;
         inputs[i].duplicate = is_duplicate(inputs, i);
     }
 }
 
-void measure_inputs_free(struct measure_input *inputs, size_t n) {
-    for (size_t i = 0; inputs && i < n; i++) {
+void measure_inputs_free(measure_input *inputs, size_t n) {
+    for (size_t i = 0; inputs != NULL && i < n; i++) {
         free(inputs[i].catalog);
     }
     free(inputs);
 }
 
-bool measure_input_is_wanted(const struct measure_input *input) {
-    return !input->failure && !input->duplicate;
+bool measure_input_is_wanted(const measure_input *input) {
+    return input->failure == 0 && !input->duplicate;
 }
 
 int measure_failure_of(int shear_code, bool writing) {
@@ -82,11 +82,11 @@ int measure_failure_of(int shear_code, bool writing) {
     }
 }
 
-int measure_inputs_exit_code(const struct measure_input *inputs, size_t n) {
+int measure_inputs_exit_code(const measure_input *inputs, size_t n) {
     size_t done = 0;
     size_t failed[EXIT_CODE_PARTLY] = {0}; /* by reason */
     for (size_t i = 0; i < n; i++) {
-        if (inputs[i].failure) {
+        if (inputs[i].failure != 0) {
             failed[inputs[i].failure]++;
         } else {
             done++;
@@ -98,7 +98,7 @@ int measure_inputs_exit_code(const struct measure_input *inputs, size_t n) {
     if (done > 0) {
         return EXIT_CODE_PARTLY;
     }
-    return failed[EXIT_CODE_INPUT]   ? EXIT_CODE_INPUT
-           : failed[EXIT_CODE_USAGE] ? EXIT_CODE_USAGE
-                                     : EXIT_CODE_OTHER;
+    return failed[EXIT_CODE_INPUT] != 0   ? EXIT_CODE_INPUT
+           : failed[EXIT_CODE_USAGE] != 0 ? EXIT_CODE_USAGE
+                                          : EXIT_CODE_OTHER;
 }

@@ -47,7 +47,7 @@ void message_fail(const char *hint, const char *format, ...) {
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     say("error", text);
-    if (hint) {
+    if (hint != NULL) {
         say("advice", hint);
     }
 }

@@ -68,7 +68,8 @@ static void say_unknown(const struct command *command, const char *given,
     char name[NAME_MAX_LENGTH + 1];
     const char *names[128];
     size_t n = 0;
-    for (const struct option *o = options; o->name && n + 1 < sizeof names / sizeof *names; o++) {
+    for (const struct option *o = options; o->name != NULL && n + 1 < sizeof names / sizeof *names;
+         o++) {
         names[n++] = o->name;
     }
     names[n] = NULL;
@@ -76,7 +77,7 @@ static void say_unknown(const struct command *command, const char *given,
     const char *nearest = options_nearest(name, names);
     bool ambiguous = count_beginnings(text, length, options) > 1;
     char hint[160];
-    if (nearest && !ambiguous) {
+    if (nearest != NULL && !ambiguous) {
         snprintf(hint, sizeof hint, "did you mean --%s?", nearest);
     } else {
         snprintf(hint, sizeof hint, "\"shearctl help %s\" lists the options", command->name);

@@ -30,29 +30,27 @@ enum { PART_OPTION_FIRST = 3072 };
     "own\n"
 
 /* What was given: "FILE" or "FILE:HDU", or NULL. Begin as {0}. */
-struct part_options {
+typedef struct part_options {
     const char *given[SHEAR_N_PARTS];
-};
+} part_options;
 
 bool part_options_is(int value);
-void part_options_set(struct part_options *o, int value, const char *argument);
+void part_options_set(part_options *o, int value, const char *argument);
 /* Is any given? */
-bool part_options_any(const struct part_options *o);
-/* All that belong together, and no field files beside them? But a catalogue alone goes with one
+bool part_options_any(const part_options *o);
+/* All that belong together, and no field files beside them? But a catalog alone goes with one
  * field file, whose own it replaces: then that file becomes the other parts. `files` [n_files] must
  * stay. Returns an exit code, with an error printed. */
-int part_options_settle(struct part_options *o, const struct command *command, char **files,
-                        int n_files);
+int part_options_settle(part_options *o, const struct command *command, char **files, int n_files);
 
 /* The input that they name, and what its texts are kept in. */
-struct part_input {
+typedef struct part_input {
     shear_input input;
     char *paths[SHEAR_N_PARTS];
-};
+} part_input;
 /* `absolute`: with absolute paths, as the service wants them. SHEAR_E_SETTING (an HDU that can be
  * none), SHEAR_E_IO, SHEAR_E_NOMEM; deinit it either way. */
-int part_input_init(struct part_input *p, const struct part_options *o, bool absolute,
-                    shear_error *err);
-void part_input_deinit(struct part_input *p);
+int part_input_init(part_input *p, const part_options *o, bool absolute, shear_error *err);
+void part_input_deinit(part_input *p);
 
 #endif

@@ -22,17 +22,17 @@ static shear_range edges(int first, int count, double origin, double step) {
     return (shear_range){(first - 0.5 - origin) * step, (first + count - 0.5 - origin) * step};
 }
 
-int plot_cut_new(struct plot_cut *cut, const double *array, const struct plot_lattice *lattice,
-                 double reach, shear_error *err) {
+int plot_cut_new(plot_cut *cut, const double *array, const plot_lattice *lattice, double reach,
+                 shear_error *err) {
     int x = 0;
     int y = 0;
-    *cut = (struct plot_cut){0};
+    *cut = (plot_cut){0};
     within_reach(lattice->nx, lattice->x0, lattice->step_x, reach, &x, &cut->nx);
     within_reach(lattice->ny, lattice->y0, lattice->step_y, reach, &y, &cut->ny);
     cut->x = edges(x, cut->nx, lattice->x0, lattice->step_x);
     cut->y = edges(y, cut->ny, lattice->y0, lattice->step_y);
     cut->pixels = calloc((size_t)cut->nx * (size_t)cut->ny, sizeof *cut->pixels);
-    if (!cut->pixels) {
+    if (cut->pixels == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a picture");
     }
     for (int row = 0; row < cut->ny; row++) {
@@ -43,15 +43,15 @@ int plot_cut_new(struct plot_cut *cut, const double *array, const struct plot_la
     return SHEAR_OK;
 }
 
-void plot_cut_free(struct plot_cut *cut) {
+void plot_cut_free(plot_cut *cut) {
     free(cut->pixels);
-    *cut = (struct plot_cut){0};
+    *cut = (plot_cut){0};
 }
 
 int plot_radial_mean(double *out, int bins, double width, const double *array,
-                     const struct plot_lattice *lattice, shear_error *err) {
+                     const plot_lattice *lattice, shear_error *err) {
     double *number = calloc((size_t)bins, sizeof *number);
-    if (!number) {
+    if (number == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a profile");
     }
     memset(out, 0, (size_t)bins * sizeof *out);

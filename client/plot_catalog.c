@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The picture of a result catalogue. */
+/* The picture of a result catalog. */
 #include "plot.h"
 #include "plot_text.h"
 
@@ -19,8 +19,9 @@ struct column {
 static int column_new(struct column *c, const shear_catalog_table *t, shear_error *err) {
     c->n = 0;
     c->values = calloc((size_t)(t->n > 0 ? t->n : 1), sizeof *c->values);
-    return c->values ? SHEAR_OK
-                     : shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", t->n);
+    return c->values != NULL
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", t->n);
 }
 
 /* The mean of D with the weights: what N_i is measured in. */
@@ -120,7 +121,7 @@ static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_tabl
     shear_range r;
     take_terms(c, t, second);
     const int code = robust_range(&r, c, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const int bins = bins_for(c->n);
@@ -258,10 +259,10 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
         return SHEAR_OK;
     }
     int code = robust_range(&r, c, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = shear_range_percentile(&median, c->values, c->n, 50.0, 50.0, err);
     }
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     if (shear_range_of(c->values, c->n).lo >= 0.0) {
@@ -284,7 +285,7 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
     return SHEAR_OK;
 }
 
-static void add_component(struct plot_table *table, const char *key, double g, double error,
+static void add_component(plot_table *table, const char *key, double g, double error,
                           bool has_truth, double truth) {
     plot_table_add(table, key, "%.5f \xc2\xb1 %.5f", g, error);
     if (has_truth) {
@@ -294,14 +295,14 @@ static void add_component(struct plot_table *table, const char *key, double g, d
 
 static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_table *t) {
     const shear_result *r = &t->result;
-    struct plot_table table = {0};
+    plot_table table = {0};
     plot_table_add(&table, "field", "%s", t->field);
     plot_table_add(&table, "stamps", "%" PRId64 ", %" PRId64 " used", r->n_stamps, r->n_used);
     if (r->valid) {
         add_component(&table, "g_{1}", r->g1, r->g1_err, t->has_truth, t->sim_g1);
         add_component(&table, "g_{2}", r->g2, r->g2_err, t->has_truth, t->sim_g2);
         plot_table_add(&table, "correlation", "%.2f", r->cov12 / (r->g1_err * r->g2_err));
-        if (r->jackknife) {
+        if (r->jackknife != 0) {
             plot_table_add(&table, "errors", "jackknife, %d groups", r->jackknife);
         } else {
             plot_table_add(&table, "errors", "%s", shear_error_method(r));
@@ -327,15 +328,15 @@ static int draw_panels(shear_figure *f, const shear_catalog_table *t, struct col
                              .gap_x = 18.0,
                              .gap_y = 22.0};
     int code = SHEAR_OK;
-    for (int i = 0; i < 2 && !code; i++) {
+    for (int i = 0; i < 2 && code == SHEAR_OK; i++) {
         const shear_rect cell = shear_grid_cell(&grid, 0, i, 1, 1);
         if (t->result.valid) {
             code = draw_terms(f, cell, t, i == 1, c, err);
         } else {
-            draw_nothing(f, cell, i ? "second component" : "first component", no_shear);
+            draw_nothing(f, cell, i != 0 ? "second component" : "first component", no_shear);
         }
     }
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     if (t->result.valid) {
@@ -351,14 +352,14 @@ static int draw_panels(shear_figure *f, const shear_catalog_table *t, struct col
 int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_error *err) {
     struct column column = {0};
     int code = shear_figure_new(figure, WIDTH, HEIGHT, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = column_new(&column, table, err);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = draw_panels(*figure, table, &column, err);
     }
     free(column.values);
-    if (code) {
+    if (code != SHEAR_OK) {
         shear_figure_free(*figure);
         *figure = NULL;
     }

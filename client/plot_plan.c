@@ -11,17 +11,16 @@ static const double PSF_DEPTH = 1e-4; /* of the PSF's colours */
 static const double PROFILE_DEPTH = 1e-8;
 static const double PSF_REACH = 6.0; /* R_PSF shown around the centre */
 
-static int draw_psf(shear_figure *f, shear_rect cell, const struct plot_bench *b, const double *psf,
+static int draw_psf(shear_figure *f, shear_rect cell, const plot_bench *b, const double *psf,
                     shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
     const double step = 1.0 / g->psf_oversample;
     const double radius = b->chosen->r_psf_px;
-    struct plot_lattice lattice = {
-        .nx = g->psf_nx, .ny = g->psf_ny, .step_x = step, .step_y = step};
-    struct plot_cut cut;
+    plot_lattice lattice = {.nx = g->psf_nx, .ny = g->psf_ny, .step_x = step, .step_y = step};
+    plot_cut cut;
     plot_core_centre(psf, g->psf_nx, g->psf_ny, &lattice.x0, &lattice.y0);
     const int code = plot_cut_new(&cut, psf, &lattice, fmax(PSF_REACH * radius, 3.0 * step), err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const double peak = shear_range_of(cut.pixels, (size_t)cut.nx * (size_t)cut.ny).hi;
@@ -47,11 +46,11 @@ static int draw_psf(shear_figure *f, shear_rect cell, const struct plot_bench *b
     return SHEAR_OK;
 }
 
-static int draw_transfer(shear_figure *f, shear_rect cell, const struct plot_bench *b,
+static int draw_transfer(shear_figure *f, shear_rect cell, const plot_bench *b,
                          const shear_inspection *steps, shear_error *err) {
-    struct plot_cut cut;
+    plot_cut cut;
     const int code = sheet_cut_modes(&cut, steps->transfer, b, steps, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const shear_range range = shear_range_of(cut.pixels, (size_t)cut.nx * (size_t)cut.ny);
@@ -76,19 +75,19 @@ static int draw_transfer(shear_figure *f, shear_rect cell, const struct plot_ben
 }
 
 /* Azimuthal means over |k|. */
-struct profiles {
+typedef struct profiles {
     int bins;
     double *k, *power, *target_power, *transfer, *target, *psf; /* [bins]; k owns all */
-};
+} profiles;
 
-static int profiles_new(struct profiles *p, const struct plot_bench *b,
-                        const shear_inspection *steps, shear_error *err) {
-    const struct plot_lattice modes = sheet_modes(b, steps);
+static int profiles_new(profiles *p, const plot_bench *b, const shear_inspection *steps,
+                        shear_error *err) {
+    const plot_lattice modes = sheet_modes(b, steps);
     const double width = fmax(modes.step_x, modes.step_y);
     p->bins = (int)fmin(fmax(floor(b->chosen->k_cut / width - 0.5), 0.0), 1e5) + 1;
     const size_t n = (size_t)p->bins;
     p->k = calloc(6 * n, sizeof *p->k);
-    if (!p->k) {
+    if (p->k == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for profiles");
     }
     p->power = p->k + n;
@@ -97,10 +96,10 @@ static int profiles_new(struct profiles *p, const struct plot_bench *b,
     p->target = p->k + 4 * n;
     p->psf = p->k + 5 * n;
     int code = plot_radial_mean(p->power, p->bins, width, steps->power, &modes, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = plot_radial_mean(p->target_power, p->bins, width, steps->target_power, &modes, err);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = plot_radial_mean(p->transfer, p->bins, width, steps->transfer, &modes, err);
     }
     for (int i = 0; i < p->bins; i++) {
@@ -118,12 +117,12 @@ static void as_parts(double *v, int n) {
     }
 }
 
-static int draw_profiles(shear_figure *f, shear_rect cell, const struct plot_bench *b,
+static int draw_profiles(shear_figure *f, shear_rect cell, const plot_bench *b,
                          const shear_inspection *steps, int64_t index, shear_error *err) {
-    struct profiles p = {0};
+    profiles p = {0};
     char label[64];
     const int code = profiles_new(&p, b, steps, err);
-    if (code || !p.k) {
+    if (code != SHEAR_OK || p.k == NULL) {
         free(p.k);
         return code;
     }
@@ -155,7 +154,7 @@ static int draw_profiles(shear_figure *f, shear_rect cell, const struct plot_ben
     return SHEAR_OK;
 }
 
-static void add_filter(struct plot_table *t, const shear_plan_info *p) {
+static void add_filter(plot_table *t, const shear_plan_info *p) {
     if (p->filter == SHEAR_FILTER_NONE) {
         plot_table_add(t, "filter", "none");
         return;
@@ -169,10 +168,10 @@ static void add_filter(struct plot_table *t, const shear_plan_info *p) {
     plot_table_add(t, "", "R_{width} = %.3f px", p->width_px);
 }
 
-static void draw_numbers(shear_figure *f, shear_rect cell, const struct plot_bench *b) {
+static void draw_numbers(shear_figure *f, shear_rect cell, const plot_bench *b) {
     const shear_plan_info *p = b->chosen;
     const shear_field_info *info = b->info;
-    struct plot_table t = {0};
+    plot_table t = {0};
     plot_table_add(&t, "R_{PSF}", "%.3f px%s", p->r_psf_px, info->n_psf > 1 ? ", the median" : "");
     plot_table_add(&t, "\xce\xb2", "%.3f px = %.3g R_{PSF}", p->beta_px, p->beta_px / p->r_psf_px);
     plot_table_add(&t, "interpolation", "%s", shear_interpolation_name(p->interpolation));
@@ -194,26 +193,26 @@ static void draw_numbers(shear_figure *f, shear_rect cell, const struct plot_ben
     plot_table_draw(&t, f, cell, "Plan");
 }
 
-static int draw_spectra(shear_figure *f, const shear_grid *grid, const struct plot_bench *b,
-                        const struct plot_stamp *stamp, shear_error *err) {
+static int draw_spectra(shear_figure *f, const shear_grid *grid, const plot_bench *b,
+                        const plot_stamp *stamp, shear_error *err) {
     const int code = draw_transfer(f, shear_grid_cell(grid, 0, 1, 1, 1), b, &stamp->steps, err);
-    return code ? code
-                : draw_profiles(f, shear_grid_cell(grid, 0, 2, 1, 1), b, &stamp->steps,
-                                stamp->index, err);
+    return code != SHEAR_OK ? code
+                            : draw_profiles(f, shear_grid_cell(grid, 0, 2, 1, 1), b, &stamp->steps,
+                                            stamp->index, err);
 }
 
-int sheet_draw_plan(shear_figure *f, shear_rect area, const struct plot_bench *b,
-                    const struct plot_stamp *stamp, shear_error *err) {
+int sheet_draw_plan(shear_figure *f, shear_rect area, const plot_bench *b, const plot_stamp *stamp,
+                    shear_error *err) {
     static const double widths[4] = {1.0, 1.0, 1.55, 0.85};
     const shear_grid grid = {
         .area = area, .rows = 1, .columns = 4, .gap_x = 16.0, .column_weights = widths};
     double *psf = NULL;
     int code = plot_stamp_psf(&psf, b, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err);
     }
     free(psf);
-    if (!code && stamp->measured) {
+    if (code == SHEAR_OK && stamp->measured) {
         code = draw_spectra(f, &grid, b, stamp, err);
     }
     draw_numbers(f, shear_grid_cell(&grid, 0, 3, 1, 1), b);

@@ -14,24 +14,23 @@ shear_colour sheet_left_out(void) {
     return (shear_colour){0.93, 0.93, 0.93, 1.0};
 }
 
-struct plot_lattice sheet_modes(const struct plot_bench *b, const shear_inspection *steps) {
+plot_lattice sheet_modes(const plot_bench *b, const shear_inspection *steps) {
     const double two_pi = 2.0 * acos(-1.0);
-    return (struct plot_lattice){.nx = steps->spec_nx,
-                                 .ny = steps->spec_ny,
-                                 .x0 = (steps->spec_nx - 1) /
-                                       2.0, /* odd sizes: k = 0 in the middle */
-                                 .y0 = (steps->spec_ny - 1) / 2.0,
-                                 .step_x = two_pi / b->info->geometry.nx,
-                                 .step_y = two_pi / b->info->geometry.ny};
+    return (plot_lattice){.nx = steps->spec_nx,
+                          .ny = steps->spec_ny,
+                          .x0 = (steps->spec_nx - 1) / 2.0, /* odd sizes: k = 0 in the middle */
+                          .y0 = (steps->spec_ny - 1) / 2.0,
+                          .step_x = two_pi / b->info->geometry.nx,
+                          .step_y = two_pi / b->info->geometry.ny};
 }
 
-int sheet_cut_modes(struct plot_cut *cut, const double *modes, const struct plot_bench *b,
+int sheet_cut_modes(plot_cut *cut, const double *modes, const plot_bench *b,
                     const shear_inspection *steps, shear_error *err) {
-    const struct plot_lattice lattice = sheet_modes(b, steps);
+    const plot_lattice lattice = sheet_modes(b, steps);
     const double k_cut = b->chosen->k_cut;
     const int code =
         plot_cut_new(cut, modes, &lattice, k_cut + fmax(lattice.step_x, lattice.step_y), err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     for (int j = 0; j < cut->ny; j++) {
@@ -64,8 +63,7 @@ static void describe_filter(char *text, size_t size, const shear_plan_info *p) {
     }
 }
 
-void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y,
-                         const struct plot_bench *b) {
+void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, const plot_bench *b) {
     const shear_plan_info *p = b->chosen;
     const bool corrected = shear_plan_get_settings(b->plan)->noise_correction;
     char text[96];
@@ -85,15 +83,14 @@ void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y,
 }
 
 /* The same brightness for the galaxy before and after interpolation and filter. */
-static int galaxy_scale(shear_image *image, const struct plot_stamp *stamp, size_t n,
-                        shear_error *err) {
+static int galaxy_scale(shear_image *image, const plot_stamp *stamp, size_t n, shear_error *err) {
     shear_range noise;
     image->stretch = SHEAR_ASINH;
     int code = shear_range_percentile(&image->limits, stamp->galaxy, n, 1.0, 100.0, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = shear_range_percentile(&noise, stamp->noise, n, 16.0, 84.0, err);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         image->knee = noise.hi - noise.lo; /* 2 sigma; 0 or NaN without noise: automatic */
     }
     return code;
@@ -104,8 +101,8 @@ static void draw_image(shear_figure *f, const shear_image *image) {
     shear_axes_end(f);
 }
 
-static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const struct plot_bench *b,
-                       const struct plot_stamp *stamp, shear_error *err) {
+static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const plot_bench *b,
+                       const plot_stamp *stamp, shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
     shear_image image = {.cell = shear_grid_cell(grid, row, 0, 1, 1),
                          .pixels = stamp->galaxy,
@@ -117,7 +114,7 @@ static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const s
     noise.cell = shear_grid_cell(grid, row, 1, 1, 1);
     noise.pixels = stamp->noise;
     const int code = galaxy_scale(&image, stamp, (size_t)g->nx * (size_t)g->ny, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     draw_image(f, &image);
@@ -135,11 +132,11 @@ static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const s
     return SHEAR_OK;
 }
 
-static int draw_modes(shear_figure *f, shear_rect cell, const struct plot_bench *b,
-                      const double *modes, const shear_inspection *steps, shear_error *err) {
-    struct plot_cut cut;
+static int draw_modes(shear_figure *f, shear_rect cell, const plot_bench *b, const double *modes,
+                      const shear_inspection *steps, shear_error *err) {
+    plot_cut cut;
     const int code = sheet_cut_modes(&cut, modes, b, steps, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const double peak = shear_range_of(cut.pixels, (size_t)cut.nx * (size_t)cut.ny).hi;
@@ -160,7 +157,7 @@ static int draw_modes(shear_figure *f, shear_rect cell, const struct plot_bench 
     return SHEAR_OK;
 }
 
-static void draw_label(shear_figure *f, shear_rect cell, const struct plot_stamp *stamp) {
+static void draw_label(shear_figure *f, shear_rect cell, const plot_stamp *stamp) {
     char text[64];
     if (isfinite(stamp->row.snr)) {
         plot_print(text, sizeof text, "stamp %" PRId64 ", S/N %.3g", stamp->index, stamp->row.snr);
@@ -184,17 +181,17 @@ static void draw_flags(shear_figure *f, shear_rect cell, uint32_t flags) {
     }
 }
 
-int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const struct plot_bench *b,
-                     const struct plot_stamp *stamp, shear_error *err) {
+int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const plot_bench *b,
+                     const plot_stamp *stamp, shear_error *err) {
     draw_label(f, shear_grid_cell(grid, row, 0, 1, 1), stamp);
     int code = draw_pixels(f, grid, row, b, stamp, err);
-    if (code || !stamp->measured) {
+    if (code != SHEAR_OK || !stamp->measured) {
         draw_flags(f, shear_grid_cell(grid, row, 2, 1, 4), stamp->row.flags);
         return code;
     }
     code = draw_modes(f, shear_grid_cell(grid, row, 4, 1, 1), b, stamp->steps.power, &stamp->steps,
                       err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = draw_modes(f, shear_grid_cell(grid, row, 5, 1, 1), b, stamp->steps.target_power,
                           &stamp->steps, err);
     }

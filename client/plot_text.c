@@ -38,7 +38,7 @@ char *plot_print(char *buf, size_t size, const char *format, ...) {
     return buf;
 }
 
-void plot_table_add(struct plot_table *t, const char *key, const char *format, ...) {
+void plot_table_add(plot_table *t, const char *key, const char *format, ...) {
     if (t->n == PLOT_TABLE_ROWS) {
         return;
     }
@@ -52,8 +52,7 @@ void plot_table_add(struct plot_table *t, const char *key, const char *format, .
     t->n++;
 }
 
-void plot_table_draw(const struct plot_table *t, shear_figure *f, shear_rect cell,
-                     const char *title) {
+void plot_table_draw(const plot_table *t, shear_figure *f, shear_rect cell, const char *title) {
     const char *keys[PLOT_TABLE_ROWS];
     const char *values[PLOT_TABLE_ROWS];
     for (int i = 0; i < t->n; i++) {

@@ -10,17 +10,16 @@
 enum { PLOT_TABLE_ROWS = 16, PLOT_CELL = 96 };
 
 /* Two columns of text for shear_figure_table. Rows beyond the last are dropped. */
-struct plot_table {
+typedef struct plot_table {
     int n;
     char keys[PLOT_TABLE_ROWS][PLOT_CELL];
     char values[PLOT_TABLE_ROWS][PLOT_CELL];
-};
+} plot_table;
 
 /* Add a row; the value as by printf, its minus signs made true ones. */
-void plot_table_add(struct plot_table *t, const char *key, const char *format, ...)
+void plot_table_add(plot_table *t, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-void plot_table_draw(const struct plot_table *t, shear_figure *f, shear_rect cell,
-                     const char *title);
+void plot_table_draw(const plot_table *t, shear_figure *f, shear_rect cell, const char *title);
 
 /* As snprintf, with the hyphen before a digit made a true minus (U+2212). Returns buf. */
 char *plot_print(char *buf, size_t size, const char *format, ...)

@@ -62,7 +62,7 @@ static void take_signals(struct progress *p) {
 
 struct progress *progress_begin_quiet(void) {
     struct progress *p = calloc(1, sizeof *p);
-    if (p) {
+    if (p != NULL) {
         p->begun = now_seconds();
         take_signals(p);
     }
@@ -71,9 +71,9 @@ struct progress *progress_begin_quiet(void) {
 
 struct progress *progress_begin(const char *label) {
     struct progress *p = progress_begin_quiet();
-    if (p) {
+    if (p != NULL) {
         const char *term = getenv("TERM");
-        p->visible = isatty(STDERR_FILENO) && term && strcmp(term, "dumb") != 0;
+        p->visible = isatty(STDERR_FILENO) && term != NULL && strcmp(term, "dumb") != 0;
         message_clean(label, p->label, sizeof p->label);
     }
     return p;
@@ -104,7 +104,7 @@ static void paint(struct progress *p, double part, const char *figures, double n
 }
 
 static bool is_due(const struct progress *p, double now) {
-    return p && p->visible && 1000.0 * (now - p->refreshed) >= REFRESH_MS;
+    return p != NULL && p->visible && 1000.0 * (now - p->refreshed) >= REFRESH_MS;
 }
 
 static void draw(struct progress *p, int64_t done, int64_t total, double rate, double now) {
@@ -137,11 +137,11 @@ void progress_show(struct progress *p, const char *label, int64_t done, int64_t 
 }
 
 bool progress_visible(const struct progress *p) {
-    return p && p->visible;
+    return p != NULL && p->visible;
 }
 
 void progress_end(struct progress *p) {
-    if (!p) {
+    if (p == NULL) {
         return;
     }
     if (p->drawn) {

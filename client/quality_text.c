@@ -42,7 +42,7 @@ static void print_level(const struct quality *q, FILE *out) {
     }
     if (!q->symmetric && fabs(q->noise_effect) >= EFFECT_MIN) {
         snprintf(words, sizeof words, "; without it %s",
-                 shear_advice_without_level(q->noise_effect, effect, sizeof effect));
+                 sheard_advice_without_level(q->noise_effect, effect, sizeof effect));
     }
     shear_text_line(out, "level", "noise %.4f +- %.2g times the noise stamps' variance%s%s",
                     q->noise_level, q->noise_level_err, place_of(q->noise_band), words);
@@ -72,8 +72,8 @@ void quality_text_print(const struct quality *q, FILE *out) {
         shear_text_line(out, "influence",
                         "%" PRId64 " stamps count as %.1f equal ones; stamp %" PRId64
                         "%s%s counts most, with %.3g %% of the sum of w D",
-                        q->n_used, q->n_eff, q->top_stamp, q->top_file ? " of " : "",
-                        q->top_file ? q->top_file : "", 100.0 * q->top_share);
+                        q->n_used, q->n_eff, q->top_stamp, q->top_file != NULL ? " of " : "",
+                        q->top_file != NULL ? q->top_file : "", 100.0 * q->top_share);
     } else {
         shear_text_line(out, "influence", "%" PRId64 " stamps count as %.1f equal ones", q->n_used,
                         q->n_eff);

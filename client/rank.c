@@ -48,7 +48,7 @@ rank_relation rank_relate(const double *x, const double *y, size_t n) {
     rank_relation r = {.correlation = NAN, .n = n};
     item *items = malloc((n + 1) * sizeof *items);
     int64_t *ranks = malloc((2 * n + 1) * sizeof *ranks);
-    if (items && ranks) {
+    if (items != NULL && ranks != NULL) {
         set_ranks(x, n, items, ranks);
         set_ranks(y, n, items, ranks + n);
         r.correlation = correlate(ranks, ranks + n, n);

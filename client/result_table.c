@@ -96,7 +96,7 @@ static void print_shear(const struct measure_group *g, FILE *out) {
              r->cov12 / (r->g1_err * r->g2_err));
     row(out, "cov12", line);
     row(out, "estimator", shear_estimator_name(r->estimator));
-    if (r->jackknife) {
+    if (r->jackknife != 0) {
         snprintf(line, sizeof line, "jackknife over %d groups of blocks", r->jackknife);
         row(out, "errors", line);
     } else {
@@ -105,7 +105,7 @@ static void print_shear(const struct measure_group *g, FILE *out) {
 }
 
 /* Both estimators, a line each, and which of them is more precise. */
-static void print_estimators(const shear_report_estimators *e, FILE *out) {
+static void print_estimators(const sheard_report_estimators *e, FILE *out) {
     for (int i = 0; i < e->n; i++) {
         const shear_result *r = &e->of[i];
         char g1[96];
@@ -144,8 +144,8 @@ static void print_method(const struct measure_group *g, const shear_settings *se
 }
 
 void result_table_print(const struct measure_group *g, const shear_settings *settings, FILE *out) {
-    const struct measure_input *first = measure_group_first(g);
-    const struct measure_input *top = measure_group_top(g);
+    const measure_input *first = measure_group_first(g);
+    const measure_input *top = measure_group_top(g);
     char name[256];
     char line[128];
     fprintf(out, "field %s\n", message_clean(g->field, name, sizeof name));
@@ -159,15 +159,15 @@ void result_table_print(const struct measure_group *g, const shear_settings *set
     print_method(g, settings, out);
     if (g->result.valid) {
         struct quality q = quality_text_of(&g->result, &first->report.plan);
-        q.top_file = count_measured(g) > 1 && top ? top->path : NULL;
+        q.top_file = count_measured(g) > 1 && top != NULL ? top->path : NULL;
         quality_text_print(&q, out);
         print_shear(g, out);
         print_estimators(&g->estimators, out);
     } else {
         row(out, "g1", "not measured");
         row(out, "g2", "not measured");
-        shear_cause cause = {.words = shear_no_shear_brief(&g->result)};
-        shear_cause_of(&g->result, &first->report.plan, &cause);
+        sheard_cause cause = {.words = sheard_no_shear_brief(&g->result)};
+        sheard_cause_of(&g->result, &first->report.plan, &cause);
         row(out, "reason", cause.words);
     }
     snprintf(line, sizeof line, "%.0f stamps/s (%.2f s)", (double)g->result.n_stamps / g->seconds,

@@ -45,16 +45,18 @@ static bool collect(int fd, char *buf, size_t size) {
 
 static int start(const char *const argv[], int output, pid_t *pid) {
     posix_spawn_file_actions_t actions;
-    if (posix_spawn_file_actions_init(&actions)) {
+    if (posix_spawn_file_actions_init(&actions) != 0) {
         return -1;
     }
     int failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    failed = failed ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-    failed = failed ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
     failed =
-        failed ? failed : posix_spawn(pid, argv[0], &actions, NULL, (char *const *)argv, environ);
+        failed != 0 ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    failed =
+        failed != 0 ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+    failed = failed != 0 ? failed
+                         : posix_spawn(pid, argv[0], &actions, NULL, (char *const *)argv, environ);
     posix_spawn_file_actions_destroy(&actions);
-    return failed ? -1 : 0;
+    return failed != 0 ? -1 : 0;
 }
 
 int run_program(const char *const argv[], char **text) {
@@ -62,12 +64,12 @@ int run_program(const char *const argv[], char **text) {
     int state = 0;
     pid_t pid = 0;
     *text = calloc(1, OUTPUT_MAX);
-    if (!*text || pipe2(ends, O_CLOEXEC) != 0) {
+    if (*text == NULL || pipe2(ends, O_CLOEXEC) != 0) {
         return -1;
     }
     const int failed = start(argv, ends[1], &pid);
     close(ends[1]);
-    if (failed) {
+    if (failed != 0) {
         close(ends[0]);
         return -1;
     }
@@ -96,7 +98,7 @@ static char *try(const char *directory, size_t length, const char *name) {
 
 static char *search(const char *directories, const char *name) {
     char *found = NULL;
-    while (directories && *directories && !found) {
+    while (directories != NULL && *directories && found == NULL) {
         const size_t n = strcspn(directories, ":");
         found = n > 0 && *directories == '/' ? try(directories, n, name) : NULL;
         directories += n + (directories[n] == ':');
@@ -113,11 +115,11 @@ char *run_program_find(const char *name) {
         char *slash = strrchr(own, '/');
         *slash = '\0';
         found = try(own, strlen(own), name);
-        if (!found && (size_t)(slash - own) + sizeof "/../sbin" < sizeof own) {
+        if (found == NULL && (size_t)(slash - own) + sizeof "/../sbin" < sizeof own) {
             memcpy(slash, "/../sbin", sizeof "/../sbin");
             found = try(own, strlen(own), name);
         }
     }
-    found = found ? found : search(getenv("PATH"), name);
-    return found ? found : search("/usr/local/sbin:/usr/sbin:/usr/bin", name);
+    found = found != NULL ? found : search(getenv("PATH"), name);
+    return found != NULL ? found : search("/usr/local/sbin:/usr/sbin:/usr/bin", name);
 }

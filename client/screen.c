@@ -32,7 +32,8 @@ static void on_signal(int number) {
 
 bool screen_possible(void) {
     const char *term = getenv("TERM");
-    return isatty(STDIN_FILENO) && isatty(STDOUT_FILENO) && term && strcmp(term, "dumb") != 0;
+    return isatty(STDIN_FILENO) && isatty(STDOUT_FILENO) && term != NULL &&
+           strcmp(term, "dumb") != 0;
 }
 
 void screen_begin(void) {
@@ -68,7 +69,7 @@ void screen_draw(const char *text) {
         const size_t n = strcspn(text, "\n");
         snprintf(line, sizeof line, "%.*s", (int)n, text);
         /* The last row ends without a new line: the screen must not scroll. */
-        printf("%s%.*s\x1b[0m\x1b[K", row ? "\n" : "", (int)style_fit(line, columns), line);
+        printf("%s%.*s\x1b[0m\x1b[K", row != 0 ? "\n" : "", (int)style_fit(line, columns), line);
         text += n + (text[n] == '\n');
     }
     fputs("\x1b[J", stdout);
@@ -78,7 +79,8 @@ void screen_draw(const char *text) {
 static bool wants_end(void) {
     char keys[64];
     const ssize_t n = read(STDIN_FILENO, keys, sizeof keys);
-    return n == 0 || (n > 0 && (memchr(keys, 'q', (size_t)n) || memchr(keys, 'Q', (size_t)n)));
+    return n == 0 || (n > 0 && (memchr(keys, 'q', (size_t)n) != NULL ||
+                                memchr(keys, 'Q', (size_t)n) != NULL));
 }
 
 /* A signal that comes just before poll() is noticed after one slice. */
@@ -87,7 +89,7 @@ enum { SLICE_MS = 200 };
 static bool wait_for(int fd, double seconds) {
     struct pollfd p = {.fd = fd, .events = POLLIN};
     const double end = dial_now() + seconds;
-    while (!ended && !resized) {
+    while (ended == 0 && resized == 0) {
         const double left_ms = 1000.0 * (end - dial_now());
         if (left_ms <= 0.0) {
             break;

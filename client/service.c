@@ -42,7 +42,7 @@ int service_parse(const struct command *command, int argc, char **argv,
     opterr = 0;
     int value = 0;
     int code = EXIT_CODE_DONE;
-    while (!code && (value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
+    while (code == SHEAR_OK && (value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
         if (value == '?' || value == ':') {
             code = options_bad(command, value, argv, options);
         } else if (value >= SERVICE_OPT_SOCKET && value <= SERVICE_OPT_REPLY_TIMEOUT) {
@@ -58,7 +58,7 @@ int service_parse_operands(const struct command *command, int argc, char **argv,
                            const struct option *options, service_handler *handler, void *context,
                            struct service *s, const char *what, int min, int max) {
     const int code = service_parse(command, argc, argv, options, handler, context, s);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const int n = argc - optind;
@@ -77,37 +77,37 @@ int service_parse_operands(const struct command *command, int argc, char **argv,
 /* An error that the service answered with. */
 static int refused(int code) {
     switch (code) {
-    case SHEAR_RPC_BAD_PARAMETER:
-    case SHEAR_RPC_MISSING_PARAMETER:
-    case SHEAR_RPC_UNKNOWN_PARAMETER:
-    case SHEAR_RPC_DUPLICATE_KEY:
-    case SHEAR_RPC_PARSE_ERROR:
-    case SHEAR_RPC_TOO_COMPLEX:
-    case SHEAR_RPC_LINE_TOO_LONG:
-    case SHEAR_RPC_BAD_SETTING:
-    case SHEAR_RPC_BAD_CURSOR:
+    case SHEARD_RPC_BAD_PARAMETER:
+    case SHEARD_RPC_MISSING_PARAMETER:
+    case SHEARD_RPC_UNKNOWN_PARAMETER:
+    case SHEARD_RPC_DUPLICATE_KEY:
+    case SHEARD_RPC_PARSE_ERROR:
+    case SHEARD_RPC_TOO_COMPLEX:
+    case SHEARD_RPC_LINE_TOO_LONG:
+    case SHEARD_RPC_BAD_SETTING:
+    case SHEARD_RPC_BAD_CURSOR:
         return EXIT_CODE_USAGE;
-    case SHEAR_RPC_OUTSIDE_ROOTS:
-    case SHEAR_RPC_NOT_READABLE:
-    case SHEAR_RPC_NO_SUCH_FILE:
-    case SHEAR_RPC_NOT_REGULAR:
-    case SHEAR_RPC_BAD_FILE:
-    case SHEAR_RPC_NO_SUCH_JOB:
-    case SHEAR_RPC_NO_SUCH_FIELD:
+    case SHEARD_RPC_OUTSIDE_ROOTS:
+    case SHEARD_RPC_NOT_READABLE:
+    case SHEARD_RPC_NO_SUCH_FILE:
+    case SHEARD_RPC_NOT_REGULAR:
+    case SHEARD_RPC_BAD_FILE:
+    case SHEARD_RPC_NO_SUCH_JOB:
+    case SHEARD_RPC_NO_SUCH_FIELD:
         return EXIT_CODE_INPUT;
-    case SHEAR_RPC_UNKNOWN_METHOD:
-    case SHEAR_RPC_UNSUPPORTED_VERSION:
-    case SHEAR_RPC_STOPPING:
-    case SHEAR_RPC_TOO_MANY_CONNECTIONS:
-    case SHEAR_RPC_IDLE_TIMEOUT:
-    case SHEAR_RPC_BAD_REPLY:
+    case SHEARD_RPC_UNKNOWN_METHOD:
+    case SHEARD_RPC_UNSUPPORTED_VERSION:
+    case SHEARD_RPC_STOPPING:
+    case SHEARD_RPC_TOO_MANY_CONNECTIONS:
+    case SHEARD_RPC_IDLE_TIMEOUT:
+    case SHEARD_RPC_BAD_REPLY:
         return EXIT_CODE_UNREACHABLE;
     default:
         return EXIT_CODE_OTHER;
     }
 }
 
-int service_exit_code(int status, const shear_rpc_error *error) {
+int service_exit_code(int status, const sheard_rpc_error *error) {
     switch (status) {
     case CONNECTION_OK:
         return EXIT_CODE_DONE;
@@ -123,7 +123,7 @@ int service_exit_code(int status, const shear_rpc_error *error) {
     }
 }
 
-int service_say(int status, const shear_rpc_error *error) {
+int service_say(int status, const sheard_rpc_error *error) {
     if (status != CONNECTION_OK) {
         message_fail(error->advice[0] ? error->advice : NULL, "%s%s%s%s", error->message,
                      status == CONNECTION_REFUSED ? " [" : "",
@@ -134,7 +134,7 @@ int service_say(int status, const shear_rpc_error *error) {
 }
 
 int service_open(struct service *s) {
-    shear_rpc_error error = {0};
+    sheard_rpc_error error = {0};
     return service_say(connection_open(&s->connection, s->socket, s->reply_timeout_s, &error),
                        &error);
 }
@@ -144,18 +144,19 @@ void service_close(struct service *s) {
     s->connection = NULL;
 }
 
-int service_call(struct service *s, int method, const shear_params *params, shear_reply *reply) {
-    shear_rpc_error error = {0};
+int service_call(struct service *s, int method, const sheard_params *params, sheard_reply *reply) {
+    sheard_rpc_error error = {0};
     const int status =
         connection_call(s->connection, method, params, s->reply_timeout_s, reply, NULL, &error);
     return service_say(status, &error);
 }
 
-int service_answer(struct service *s, int method, const shear_params *params, shear_reply *reply) {
+int service_answer(struct service *s, int method, const sheard_params *params,
+                   sheard_reply *reply) {
     if (!s->json) {
         return service_call(s, method, params, reply);
     }
-    shear_rpc_error error = {0};
+    sheard_rpc_error error = {0};
     char *text = NULL;
     const int status =
         connection_call(s->connection, method, params, s->reply_timeout_s, reply, &text, &error);
@@ -167,19 +168,19 @@ int service_answer(struct service *s, int method, const shear_params *params, sh
     return service_say(status, &error);
 }
 
-void service_count(struct service_tally *tally, int code) {
+void service_count(service_tally *tally, int code) {
     tally->n++;
     tally->last_code = code;
-    if (code && tally->n_failed++ == 0) {
+    if (code != SHEAR_OK && tally->n_failed++ == 0) {
         tally->first_code = code;
     }
 }
 
-bool service_goes_on(const struct service_tally *tally) {
+bool service_goes_on(const service_tally *tally) {
     return tally->last_code != EXIT_CODE_UNREACHABLE;
 }
 
-int service_tally_code(const struct service_tally *tally) {
+int service_tally_code(const service_tally *tally) {
     return tally->n_failed == 0         ? EXIT_CODE_DONE
            : !service_goes_on(tally)    ? EXIT_CODE_UNREACHABLE
            : tally->n_failed < tally->n ? EXIT_CODE_PARTLY

@@ -56,24 +56,24 @@ int service_open(struct service *s);
 void service_close(struct service *s);
 
 /* Ask. Returns an exit code, with an error printed; on EXIT_CODE_DONE give *reply to
- * shear_reply_deinit. */
-int service_call(struct service *s, int method, const shear_params *params, shear_reply *reply);
+ * sheard_reply_deinit. */
+int service_call(struct service *s, int method, const sheard_params *params, sheard_reply *reply);
 /* The same, and print the answer where --json was given. */
-int service_answer(struct service *s, int method, const shear_params *params, shear_reply *reply);
+int service_answer(struct service *s, int method, const sheard_params *params, sheard_reply *reply);
 
 /* The exit code of a status and its error; service_say prints the error, too. */
-int service_exit_code(int status, const shear_rpc_error *error);
-int service_say(int status, const shear_rpc_error *error);
+int service_exit_code(int status, const sheard_rpc_error *error);
+int service_say(int status, const sheard_rpc_error *error);
 
 /* The exit code of a command with several operands: each is tried, and where only some succeed it
  * is EXIT_CODE_PARTLY, else the first failure's. Begin as {0}. */
-struct service_tally {
+typedef struct service_tally {
     int n, n_failed, first_code, last_code;
-};
-void service_count(struct service_tally *tally, int code);
+} service_tally;
+void service_count(service_tally *tally, int code);
 /* False when the service is gone: no sense in asking on. */
-bool service_goes_on(const struct service_tally *tally);
-int service_tally_code(const struct service_tally *tally);
+bool service_goes_on(const service_tally *tally);
+int service_tally_code(const service_tally *tally);
 
 /* A job's number. Returns an exit code, with an error printed. */
 int service_job_id(const char *text, int64_t *id);

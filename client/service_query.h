@@ -7,6 +7,6 @@
 
 /* Returns an exit code. `print` is called unless --json was given. */
 int service_query(const struct command *command, int method,
-                  void (*print)(const shear_reply *reply), int argc, char **argv);
+                  void (*print)(const sheard_reply *reply), int argc, char **argv);
 
 #endif

@@ -74,8 +74,8 @@ static void format_choices(const shear_setting_def *def, char *buf, size_t size)
     if (def->type != SHEAR_T_CHOICE) {
         return;
     }
-    for (const char *const *c = def->choices; *c && used < size; c++) {
-        int n = snprintf(buf + used, size - used, "%s%s", used ? ", " : "", *c);
+    for (const char *const *c = def->choices; *c != NULL && used < size; c++) {
+        int n = snprintf(buf + used, size - used, "%s%s", used != 0 ? ", " : "", *c);
         used += n > 0 ? (size_t)n : 0;
     }
 }

@@ -22,7 +22,7 @@ int settings_parse(struct settings_parse *p, int argc, char **argv) {
     shear_error err = {0};
     memcpy(options, p->own, p->n_own * sizeof *options);
     settings_options_fill(options + p->n_own, SETTINGS_OPTIONS_MAX + 1);
-    snprintf(letters, sizeof letters, ":%s", p->letters ? p->letters : "");
+    snprintf(letters, sizeof letters, ":%s", p->letters != NULL ? p->letters : "");
     opterr = 0;
     int value = 0;
     while ((value = getopt_long(argc, argv, letters, options, NULL)) != -1) {
@@ -31,15 +31,15 @@ int settings_parse(struct settings_parse *p, int argc, char **argv) {
         }
         if (settings_options_is(value)) {
             p->given = true;
-            if (settings_options_handle(value, optarg, p->settings, given, &err)) {
+            if (settings_options_handle(value, optarg, p->settings, given, &err) != 0) {
                 return usage(&err);
             }
             continue;
         }
         const int code = p->handle(value, optarg, p->context);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
     }
-    return shear_settings_check(p->settings, &err) ? usage(&err) : EXIT_CODE_DONE;
+    return shear_settings_check(p->settings, &err) != 0 ? usage(&err) : EXIT_CODE_DONE;
 }

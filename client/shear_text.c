@@ -33,18 +33,18 @@ char *shear_text_value(double value, double error, char *buf, size_t size) {
 }
 
 /* "400 of 403 used (2 galaxy_not_finite, 1 masked)" */
-static void print_stamps(const shear_report_summary *s, FILE *out) {
+static void print_stamps(const sheard_report_summary *s, FILE *out) {
     char flags[400] = "";
     size_t used = 0;
     for (int bit = 0; bit < SHEAR_N_FLAGS && used < sizeof flags; bit++) {
         if (s->flagged[bit] > 0) {
             const int n = snprintf(flags + used, sizeof flags - used, "%s%" PRId64 " %s",
-                                   used ? ", " : "", s->flagged[bit], shear_flag_name(bit));
+                                   used != 0 ? ", " : "", s->flagged[bit], shear_flag_name(bit));
             used += n > 0 ? (size_t)n : 0;
         }
     }
     shear_text_line(out, "stamps", "%" PRId64 " of %" PRId64 " used%s%s%s", s->n_used, s->n_stamps,
-                    used ? " (" : "", flags, used ? ")" : "");
+                    used != 0 ? " (" : "", flags, used != 0 ? ")" : "");
 }
 
 /* "2.4 px", or "2.4 to 2.6 px" where files differ. */
@@ -57,7 +57,7 @@ static const char *length(double from, double to, char *buf, size_t size) {
     return buf;
 }
 
-static void print_method(const shear_report_summary *s, FILE *out) {
+static void print_method(const sheard_report_summary *s, FILE *out) {
     char r_psf[64];
     char beta[64];
     char core[64];
@@ -100,7 +100,7 @@ const char *shear_text_method(const char *error_method) {
                                                  : "delta method";
 }
 
-static void print_quality(const shear_report_summary *s, FILE *out) {
+static void print_quality(const sheard_report_summary *s, FILE *out) {
     const struct quality q = {.noise_band = s->noise_band,
                               .interpolation = s->interpolation,
                               .r_psf_px = s->r_psf_px,
@@ -119,17 +119,17 @@ static void print_quality(const shear_report_summary *s, FILE *out) {
     }
 }
 
-static void print_summary(const shear_report_summary *s, const char *reason, FILE *out) {
+static void print_summary(const sheard_report_summary *s, const char *reason, FILE *out) {
     print_stamps(s, out);
     print_method(s, out);
     print_quality(s, out);
     print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, out);
     print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, out);
-    if (reason) {
+    if (reason != NULL) {
         shear_text_line(out, "reason", "%s", reason);
     } else if (s->no_shear[0]) {
-        const char *words = shear_no_shear_words(shear_no_shear_of(s->no_shear));
-        shear_text_line(out, "reason", "%s", words ? words : s->no_shear);
+        const char *words = sheard_no_shear_words(sheard_no_shear_of(s->no_shear));
+        shear_text_line(out, "reason", "%s", words != NULL ? words : s->no_shear);
     }
     if (isfinite(s->cov12)) {
         shear_text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
@@ -149,15 +149,15 @@ static void print_summary(const shear_report_summary *s, const char *reason, FIL
 }
 
 void shear_text_print(const char *report, const char *reason, FILE *out) {
-    shear_report_summary summary;
+    sheard_report_summary summary;
     shear_error err = {0};
-    if (!report) {
+    if (report == NULL) {
         return;
     }
-    if (shear_report_summary_parse(&summary, report, &err)) {
+    if (sheard_report_summary_parse(&summary, report, &err) != 0) {
         shear_text_line(out, "result", "cannot be shown: %s", err.message);
         return;
     }
     print_summary(&summary, reason, out);
-    shear_report_summary_deinit(&summary);
+    sheard_report_summary_deinit(&summary);
 }

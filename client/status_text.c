@@ -8,26 +8,26 @@
 
 #include <inttypes.h>
 
-static void print_states(const shear_msg_status *s, bool colours, FILE *out) {
-    const int64_t counts[SHEAR_N_JOB_STATES] = {
+static void print_states(const sheard_msg_status *s, bool colours, FILE *out) {
+    const int64_t counts[SHEARD_N_JOB_STATES] = {
         s->states.queued, s->states.running,   s->states.waiting,  s->states.done,
         s->states.failed, s->states.cancelled, s->states.retracted};
     fprintf(out, "  %-10s", "jobs");
-    for (int i = 0; i < SHEAR_N_JOB_STATES; i++) {
-        if (i == SHEAR_JOB_RETRACTED && counts[i] == 0) {
+    for (int i = 0; i < SHEARD_N_JOB_STATES; i++) {
+        if (i == SHEARD_JOB_RETRACTED && counts[i] == 0) {
             continue; /* rare */
         }
         const char *style = colours && counts[i] > 0 ? style_of_state(i) : NULL;
-        fprintf(out, "%s %s%s %" PRId64 "%s", i ? " " : "", style ? style : "",
-                shear_job_state_name(i), counts[i], style ? STYLE_END : "");
+        fprintf(out, "%s %s%s %" PRId64 "%s", i != 0 ? " " : "", style != NULL ? style : "",
+                sheard_job_state_name(i), counts[i], style != NULL ? STYLE_END : "");
     }
     fputc('\n', out);
 }
 
-char *status_text_problem(const shear_msg_status *s, size_t i, char *buf, size_t size) {
+char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_t size) {
     char duration[HUMAN_SIZE];
     size_t n = (size_t)snprintf(buf, size, "%s", s->problems[i]);
-    const shear_msg_problem *p =
+    const sheard_msg_problem *p =
         s->n_problem_details == s->n_problems ? &s->problem_details[i] : NULL;
     if (p == NULL || p->next_attempt_ms == 0 || n >= size) {
         return buf;
@@ -43,16 +43,16 @@ char *status_text_problem(const shear_msg_status *s, size_t i, char *buf, size_t
     return buf;
 }
 
-void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
+void status_text_brief(const sheard_msg_status *s, bool colours, FILE *out) {
     char text[1024];
     char line[800];
     char uptime[HUMAN_SIZE];
     char stamps[HUMAN_SIZE];
     char jobs[HUMAN_SIZE];
-    const char *style = s->state == SHEAR_SERVER_RUNNING ? STYLE_GOOD : STYLE_DOUBT;
+    const char *style = s->state == SHEARD_SERVER_RUNNING ? STYLE_GOOD : STYLE_DOUBT;
     fprintf(out, "sheard %s  %s%s%s  pid %" PRId64 "  up %s\n",
             message_clean(s->version, text, sizeof text), colours ? style : "",
-            shear_server_state_name(s->state), colours ? STYLE_END : "", s->pid,
+            sheard_server_state_name(s->state), colours ? STYLE_END : "", s->pid,
             human_duration(s->uptime_s, uptime));
     print_states(s, colours, out);
     shear_text_line(out, "queue",
@@ -70,7 +70,7 @@ void status_text_brief(const shear_msg_status *s, bool colours, FILE *out) {
     }
 }
 
-static void print_left_lying(const shear_msg_spool *s, FILE *out) {
+static void print_left_lying(const sheard_msg_spool *s, FILE *out) {
     for (size_t i = 0; i < s->n_left_lying; i++) {
         shear_text_line(out, i == 0 ? "left lying" : "", "%s: %s", s->left_lying[i].name,
                         s->left_lying[i].reason);
@@ -80,15 +80,15 @@ static void print_left_lying(const shear_msg_spool *s, FILE *out) {
     }
 }
 
-static void print_disks(const shear_msg_status *s, FILE *out) {
+static void print_disks(const sheard_msg_status *s, FILE *out) {
     for (size_t i = 0; i < s->n_disks; i++) {
-        const shear_msg_disk *d = &s->disks[i];
+        const sheard_msg_disk *d = &s->disks[i];
         char left[HUMAN_SIZE];
         char all[HUMAN_SIZE];
         const char *label = i == 0 ? "disks" : "";
-        if (d->problem) {
+        if (d->problem != NULL) {
             shear_text_line(out, label, "%s: %s: %s", d->use, d->path, d->problem);
-        } else if (d->same_as) {
+        } else if (d->same_as != NULL) {
             shear_text_line(out, label, "%s: %s (on the disk of %s)", d->use, d->path, d->same_as);
         } else {
             shear_text_line(out, label, "%s: %s, %s of %s free", d->use, d->path,
@@ -97,9 +97,9 @@ static void print_disks(const shear_msg_status *s, FILE *out) {
     }
 }
 
-static void print_spool(const shear_msg_spool *s, FILE *out) {
+static void print_spool(const sheard_msg_spool *s, FILE *out) {
     char bytes[HUMAN_SIZE];
-    if (!s->path) {
+    if (s->path == NULL) {
         shear_text_line(out, "spool", "none");
         return;
     }
@@ -112,7 +112,7 @@ static void print_spool(const shear_msg_spool *s, FILE *out) {
     print_left_lying(s, out);
 }
 
-void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
+void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out) {
     char time[HUMAN_SIZE];
     char bytes[HUMAN_SIZE];
     char left[HUMAN_SIZE];
@@ -132,7 +132,7 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
                     s->memory.waiting > 0 ? ", jobs wait for more" : "");
     print_spool(&s->spool, out);
     shear_text_line(out, "state", "%s, %s, %s free, schema %" PRId64 ", %" PRId64 " commits",
-                    s->store.path ? s->store.path : "-", human_bytes(s->store.bytes, bytes),
+                    s->store.path != NULL ? s->store.path : "-", human_bytes(s->store.bytes, bytes),
                     human_bytes(s->store.free_bytes, left), s->store.schema, s->store.commits);
     print_disks(s, out);
     if (s->log.lost > 0) {
@@ -142,8 +142,8 @@ void status_text_rest(const shear_msg_status *s, bool utc, FILE *out) {
         shear_text_line(out, i == 0 ? "data roots" : "", "%s%s", s->roots[i].path,
                         s->roots[i].missing ? " (missing)" : "");
     }
-    shear_text_line(out, "config", "%s, as user %s", s->config ? s->config : "-",
-                    s->user ? s->user : "-");
+    shear_text_line(out, "config", "%s, as user %s", s->config != NULL ? s->config : "-",
+                    s->user != NULL ? s->user : "-");
     shear_text_line(out, "clients",
                     "%" PRId64 " connected, %" PRId64 " subscribed, %" PRId64
                     " dropped, %s not read, longest turn %.0f ms",

@@ -9,10 +9,10 @@
 #include <stdio.h>
 
 /* Version, state, queue, workers and rates: a few lines; then what an operator should look at. */
-void status_text_brief(const shear_msg_status *s, bool colours, FILE *out);
+void status_text_brief(const sheard_msg_status *s, bool colours, FILE *out);
 /* One of s->problems, with when it is tried again. */
-char *status_text_problem(const shear_msg_status *s, size_t i, char *buf, size_t size);
+char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_t size);
 /* Disks, connections and totals. */
-void status_text_rest(const shear_msg_status *s, bool utc, FILE *out);
+void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out);
 
 #endif

@@ -14,20 +14,21 @@ enum { MIN_COLUMNS = 20, MAX_COLUMNS = 400 };
 bool style_on(FILE *out) {
     const char *term = getenv("TERM");
     const char *no_color = getenv("NO_COLOR");
-    return isatty(fileno(out)) && term && strcmp(term, "dumb") != 0 && !(no_color && *no_color);
+    return isatty(fileno(out)) && term != NULL && strcmp(term, "dumb") != 0 &&
+           !(no_color != NULL && *no_color);
 }
 
 const char *style_of_state(int state) {
     switch (state) {
-    case SHEAR_JOB_RUNNING:
+    case SHEARD_JOB_RUNNING:
         return STYLE_ACTIVE;
-    case SHEAR_JOB_DONE:
+    case SHEARD_JOB_DONE:
         return STYLE_GOOD;
-    case SHEAR_JOB_FAILED:
+    case SHEARD_JOB_FAILED:
         return STYLE_BAD;
-    case SHEAR_JOB_WAITING:
-    case SHEAR_JOB_CANCELLED:
-    case SHEAR_JOB_RETRACTED:
+    case SHEARD_JOB_WAITING:
+    case SHEARD_JOB_CANCELLED:
+    case SHEARD_JOB_RETRACTED:
         return STYLE_DOUBT;
     default:
         return NULL;
@@ -80,7 +81,7 @@ size_t style_fit(const char *text, int columns) {
     while (text[at]) {
         const size_t escape = escape_length(text + at);
         int width = 0;
-        const size_t n = escape ? escape : step(text + at, &width);
+        const size_t n = escape != 0 ? escape : step(text + at, &width);
         if (width > columns) {
             break;
         }
@@ -95,7 +96,7 @@ int style_width(const char *text) {
     while (*text) {
         const size_t escape = escape_length(text);
         int width = 0;
-        text += escape ? escape : step(text, &width);
+        text += escape != 0 ? escape : step(text, &width);
         sum += width;
     }
     return sum;

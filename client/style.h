@@ -19,7 +19,7 @@
 /* True where `out` is a terminal that knows colours and the user wants them (NO_COLOR is unset or
  * empty). */
 bool style_on(FILE *out);
-/* The colour of a job's state (enum shear_job_state). */
+/* The colour of a job's state (enum sheard_job_state). */
 const char *style_of_state(int state);
 
 /* Columns of the terminal behind `fd`, from 20 to 400; `otherwise` where it is none. */

@@ -20,24 +20,24 @@ static int input_error(const shear_error *err) {
 
 static int read_all(FILE *in, const char *name, char *buf, size_t size, size_t *n) {
     *n = fread(buf, 1, size, in);
-    if (ferror(in)) {
+    if (ferror(in) != 0) {
         message_fail(NULL, "cannot read %s: %s", name, strerror(errno));
         return EXIT_CODE_INPUT;
     }
     if (*n == size) {
         message_fail(NULL, "%s is no job file: it has more than %d bytes", name,
-                     SHEAR_MSG_JOB_FILE_MAX);
+                     SHEARD_MSG_JOB_FILE_MAX);
         return EXIT_CODE_INPUT;
     }
     return EXIT_CODE_DONE;
 }
 
 static int parse_job(struct submission *s, const char *name, const char *text, size_t n) {
-    shear_rpc_error error = {0};
-    if (shear_job_file_parse(&s->parsed, text, n, NULL, &error)) {
+    sheard_rpc_error error = {0};
+    if (sheard_job_file_parse(&s->parsed, text, n, NULL, &error) != 0) {
         message_fail(error.advice[0] ? error.advice : NULL, "%s: %s [%s]", name, error.message,
                      error.name);
-        return error.code == SHEAR_RPC_OUT_OF_MEMORY ? EXIT_CODE_OTHER : EXIT_CODE_INPUT;
+        return error.code == SHEARD_RPC_OUT_OF_MEMORY ? EXIT_CODE_OTHER : EXIT_CODE_INPUT;
     }
     return EXIT_CODE_DONE;
 }
@@ -45,23 +45,23 @@ static int parse_job(struct submission *s, const char *name, const char *text, s
 static int read_job_file(struct submission *s, const char *name) {
     const bool standard = strcmp(name, "-") == 0;
     const char *shown = standard ? "standard input" : name;
-    const size_t size = SHEAR_MSG_JOB_FILE_MAX + 1;
+    const size_t size = SHEARD_MSG_JOB_FILE_MAX + 1;
     size_t n = 0;
     char *text = malloc(size);
     FILE *in = standard ? stdin : fopen(name, "re");
     int code = EXIT_CODE_INPUT;
-    if (!text) {
+    if (text == NULL) {
         message_fail(NULL, "out of memory");
         code = EXIT_CODE_OTHER;
-    } else if (!in) {
+    } else if (in == NULL) {
         message_fail(NULL, "cannot open %s: %s", name, strerror(errno));
     } else {
         code = read_all(in, shown, text, size, &n);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = parse_job(s, shown, text, n);
     }
-    if (in && !standard) {
+    if (in != NULL && !standard) {
         fclose(in);
     }
     free(text);
@@ -71,24 +71,24 @@ static int read_job_file(struct submission *s, const char *name) {
 
 /* ---- Options ---- */
 
-static int set_images(struct submission *s, const struct submission_options *o) {
+static int set_images(struct submission *s, const submission_options *o) {
     shear_error err = {0};
-    shear_msg_source *source = &s->params.submit.source;
-    shear_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
-                                       &source->catalog};
-    if (part_input_init(&s->parts, &o->parts, true, &err)) {
+    sheard_msg_source *source = &s->params.submit.source;
+    sheard_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
+                                        &source->catalog};
+    if (part_input_init(&s->parts, &o->parts, true, &err) != 0) {
         return input_error(&err);
     }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         const shear_input_part *part = &s->parts.input.parts[i];
-        *images[i] = (shear_msg_image){part->path, part->hdu, part->extname};
+        *images[i] = (sheard_msg_image){part->path, part->hdu, part->extname};
     }
     return EXIT_CODE_DONE;
 }
 
 static int set_file(struct submission *s, const char *name) {
     shear_error err = {0};
-    if (input_path_absolute(name, &s->path, &err)) {
+    if (input_path_absolute(name, &s->path, &err) != 0) {
         return input_error(&err);
     }
     s->params.submit.source.path = s->path;
@@ -98,18 +98,18 @@ static int set_file(struct submission *s, const char *name) {
 /* The line of `text` (canonical settings, or NULL) that gives `name`, with its \n; or NULL. */
 static const char *find_line(const char *text, const char *name) {
     const size_t n = strlen(name);
-    while (text && *text) {
+    while (text != NULL && *text) {
         if (strncmp(text, name, n) == 0 && text[n] == '=') {
             return text;
         }
         const char *end = strchr(text, '\n');
-        text = end ? end + 1 : NULL;
+        text = end != NULL ? end + 1 : NULL;
     }
     return NULL;
 }
 
 /* The options' settings, and the job file's that no option beats. */
-static void set_settings(struct submission *s, const struct submission_options *o) {
+static void set_settings(struct submission *s, const submission_options *o) {
     size_t n = 0;
     size_t used = 0;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -122,19 +122,19 @@ static void set_settings(struct submission *s, const struct submission_options *
             shear_settings_format(&o->settings, &table[i], value, sizeof value);
             more = snprintf(s->settings + used, sizeof s->settings - used, "%s=%s\n", table[i].name,
                             value);
-        } else if (line) {
+        } else if (line != NULL) {
             more = snprintf(s->settings + used, sizeof s->settings - used, "%.*s\n",
                             (int)strcspn(line, "\n"), line);
         }
         used += more > 0 ? (size_t)more : 0;
     }
-    s->params.submit.settings = used ? s->settings : NULL;
+    s->params.submit.settings = used != 0 ? s->settings : NULL;
 }
 
-static void set_options(struct submission *s, const struct submission_options *o) {
-    shear_msg_submit *m = &s->params.submit;
-    m->field = o->field ? o->field : m->field;
-    m->key = o->key ? o->key : m->key;
+static void set_options(struct submission *s, const submission_options *o) {
+    sheard_msg_submit *m = &s->params.submit;
+    m->field = o->field != NULL ? o->field : m->field;
+    m->key = o->key != NULL ? o->key : m->key;
     m->priority = o->has_priority ? o->priority : m->priority;
     m->force = m->force || o->force;
     m->wait = false; /* waiting is ours: with progress, and an end to it */
@@ -146,25 +146,25 @@ static bool is_job_file(const char *name) {
     return strcmp(name, "-") == 0 || (n > 5 && strcmp(name + n - 5, ".json") == 0);
 }
 
-int submission_init(struct submission *s, const char *name, const struct submission_options *o) {
+int submission_init(struct submission *s, const char *name, const submission_options *o) {
     *s = (struct submission){0};
-    shear_params_init(&s->params, SHEAR_METHOD_SUBMIT);
+    sheard_params_init(&s->params, SHEARD_METHOD_SUBMIT);
     int code = EXIT_CODE_DONE;
-    if (!name) {
+    if (name == NULL) {
         code = set_images(s, o);
     } else if (is_job_file(name)) {
         code = read_job_file(s, name);
     } else {
         code = set_file(s, name);
     }
-    if (!code) {
+    if (code == SHEAR_OK) {
         set_options(s, o);
     }
     return code;
 }
 
 void submission_deinit(struct submission *s) {
-    shear_submit_deinit(&s->parsed);
+    sheard_submit_deinit(&s->parsed);
     part_input_deinit(&s->parts);
     free(s->path);
 }

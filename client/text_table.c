@@ -19,25 +19,25 @@ struct cell {
     int width;
 };
 
-struct text_table {
-    const struct text_column *columns;
+typedef struct text_table {
+    const text_column *columns;
     size_t n_columns;
     struct cell *cells; /* [n], row by row */
     size_t n, room;
     bool failed; /* no memory */
-};
+} text_table;
 
-struct text_table *text_table_new(const struct text_column *columns, size_t n_columns) {
-    struct text_table *t = calloc(1, sizeof *t);
-    if (t) {
+text_table *text_table_new(const text_column *columns, size_t n_columns) {
+    text_table *t = calloc(1, sizeof *t);
+    if (t != NULL) {
         t->columns = columns;
         t->n_columns = n_columns;
     }
     return t;
 }
 
-void text_table_free(struct text_table *t) {
-    if (!t) {
+void text_table_free(text_table *t) {
+    if (t == NULL) {
         return;
     }
     for (size_t i = 0; i < t->n; i++) {
@@ -47,23 +47,23 @@ void text_table_free(struct text_table *t) {
     free(t);
 }
 
-static bool make_room(struct text_table *t) {
+static bool make_room(text_table *t) {
     if (t->n < t->room) {
         return true;
     }
-    const size_t room = t->room ? 2 * t->room : 64;
+    const size_t room = t->room != 0 ? 2 * t->room : 64;
     struct cell *cells = reallocarray(t->cells, room, sizeof *cells);
-    if (cells) {
+    if (cells != NULL) {
         t->cells = cells;
         t->room = room;
     }
     return cells != NULL;
 }
 
-void text_table_cell(struct text_table *t, const char *style, const char *format, ...) {
+void text_table_cell(text_table *t, const char *style, const char *format, ...) {
     char text[CELL_MAX];
     char clean[CELL_MAX];
-    if (!t || t->failed) {
+    if (t == NULL || t->failed) {
         return;
     }
     va_list args;
@@ -71,7 +71,7 @@ void text_table_cell(struct text_table *t, const char *style, const char *format
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     char *copy = strdup(message_clean(text, clean, sizeof clean));
-    if (!copy || !make_room(t)) {
+    if (copy == NULL || !make_room(t)) {
         free(copy);
         t->failed = true;
         return;
@@ -79,7 +79,7 @@ void text_table_cell(struct text_table *t, const char *style, const char *format
     t->cells[t->n++] = (struct cell){copy, style, style_width(copy)};
 }
 
-static int column_width(const struct text_table *t, size_t column) {
+static int column_width(const text_table *t, size_t column) {
     int width = style_width(t->columns[column].title);
     for (size_t i = column; i < t->n; i += t->n_columns) {
         width = t->cells[i].width > width ? t->cells[i].width : width;
@@ -93,7 +93,7 @@ static void put(FILE *line, const char *text, const char *style, int padding, ch
     if (align == 'r') {
         fprintf(line, "%*s", padding, "");
     }
-    fprintf(line, "%s%s%s", style ? style : "", text, style ? STYLE_END : "");
+    fprintf(line, "%s%s%s", style != NULL ? style : "", text, style != NULL ? STYLE_END : "");
     if (align != 'r' && !last) {
         fprintf(line, "%*s", padding, "");
     }
@@ -103,27 +103,27 @@ static void put(FILE *line, const char *text, const char *style, int padding, ch
 }
 
 /* `cells` NULL: the titles. */
-static void compose(const struct text_table *t, const struct cell *cells, const int *widths,
-                    bool colours, FILE *line) {
+static void compose(const text_table *t, const struct cell *cells, const int *widths, bool colours,
+                    FILE *line) {
     for (size_t i = 0; i < t->n_columns; i++) {
-        const char *text = cells ? cells[i].text : t->columns[i].title;
-        const char *style = cells ? cells[i].style : STYLE_BOLD;
+        const char *text = cells != NULL ? cells[i].text : t->columns[i].title;
+        const char *style = cells != NULL ? cells[i].style : STYLE_BOLD;
         put(line, text, colours ? style : NULL, widths[i] - style_width(text), t->columns[i].align,
             i + 1 == t->n_columns);
     }
 }
 
-static bool print_row(const struct text_table *t, const struct cell *cells, const int *widths,
-                      FILE *out, int indent, bool colours, int columns) {
+static bool print_row(const text_table *t, const struct cell *cells, const int *widths, FILE *out,
+                      int indent, bool colours, int columns) {
     char *text = NULL;
     size_t size = 0;
     FILE *line = open_memstream(&text, &size);
-    if (!line) {
+    if (line == NULL) {
         return false;
     }
     fprintf(line, "%*s", indent, "");
     compose(t, cells, widths, colours, line);
-    const bool good = fclose(line) == 0 && text;
+    const bool good = fclose(line) == 0 && text != NULL;
     if (good) {
         size_t n = columns > 0 ? style_fit(text, columns) : strlen(text);
         while (n > 0 && text[n - 1] == ' ') { /* of empty cells at the end */
@@ -135,10 +135,10 @@ static bool print_row(const struct text_table *t, const struct cell *cells, cons
     return good;
 }
 
-int text_table_render(const struct text_table *t, FILE *out, int indent, int colours, int columns) {
+int text_table_render(const text_table *t, FILE *out, int indent, int colours, int columns) {
     enum { MAX_COLUMNS = 16 };
     int widths[MAX_COLUMNS];
-    bool good = t && !t->failed && t->n_columns <= MAX_COLUMNS;
+    bool good = t != NULL && !t->failed && t->n_columns <= MAX_COLUMNS;
     for (size_t i = 0; good && i < t->n_columns; i++) {
         widths[i] = column_width(t, i);
     }
@@ -153,10 +153,10 @@ int text_table_render(const struct text_table *t, FILE *out, int indent, int col
     return EXIT_CODE_DONE;
 }
 
-int text_table_print(const struct text_table *t, FILE *out) {
+int text_table_print(const text_table *t, FILE *out) {
     return text_table_render(t, out, 0, style_on(out), style_columns(fileno(out), 0));
 }
 
-size_t text_table_rows(const struct text_table *t) {
-    return t ? t->n / t->n_columns : 0;
+size_t text_table_rows(const text_table *t) {
+    return t != NULL ? t->n / t->n_columns : 0;
 }

@@ -93,18 +93,18 @@ static void print_plan(const shear_plan_info *plan, const shear_settings *settin
             plan->fine_nx, plan->fine_ny, plan->k_cut);
 }
 
-static void print_fault(const char *name, const char *help, const shear_fault *f, FILE *out) {
+static void print_fault(const char *name, const char *help, const sheard_fault *f, FILE *out) {
     if (f->count == 0) {
         return;
     }
     fprintf(out, "  %-10s %" PRId64 " %s (%s): stamps", "flagged", f->count, name, help);
-    for (int i = 0; i < SHEAR_FAULT_SAMPLES && i < f->count; i++) {
-        fprintf(out, "%s %" PRId64, i ? "," : "", f->first[i]);
+    for (int i = 0; i < SHEARD_FAULT_SAMPLES && i < f->count; i++) {
+        fprintf(out, "%s %" PRId64, i != 0 ? "," : "", f->first[i]);
     }
-    fputs(f->count > SHEAR_FAULT_SAMPLES ? ", ...\n" : "\n", out);
+    fputs(f->count > SHEARD_FAULT_SAMPLES ? ", ...\n" : "\n", out);
 }
 
-static void print_noise(const shear_verdict *v, FILE *out) {
+static void print_noise(const sheard_verdict *v, FILE *out) {
     if (isfinite(v->noise_mean)) {
         fprintf(out, "  %-10s mean %.4g", "noise", v->noise_mean);
         if (isfinite(v->noise_mean_err)) {
@@ -114,20 +114,20 @@ static void print_noise(const shear_verdict *v, FILE *out) {
     }
 }
 
-static void print_weights(const shear_verdict *v, FILE *out) {
+static void print_weights(const sheard_verdict *v, FILE *out) {
     if (isfinite(v->weight_follows_flux)) {
         fprintf(out, "  %-10s rank correlation with the stamps' own flux %+.2f%s\n", "weights",
                 v->weight_follows_flux, v->weight_is_suspect ? ": they bias the shear" : "");
     }
 }
 
-void verdict_text_print(const shear_verdict *v, FILE *out) {
+void verdict_text_print(const sheard_verdict *v, FILE *out) {
     char clean[1024];
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
-    if (v->field) {
+    if (v->field != NULL) {
         print_field(v->field, out);
     }
-    if (v->plan) {
+    if (v->plan != NULL) {
         print_plan(v->plan, v->settings, out);
     }
     for (int bit = 0; v->scanned && bit < SHEAR_N_FLAGS; bit++) {
@@ -139,7 +139,7 @@ void verdict_text_print(const shear_verdict *v, FILE *out) {
         print_fault("negative", "pixels below zero, of which there is no logarithm", &v->negative,
                     out);
     }
-    if (v->measured && v->result.valid && v->plan) {
+    if (v->measured && v->result.valid && v->plan != NULL) {
         const struct quality q = quality_text_of(&v->result, v->plan);
         quality_text_print(&q, out);
     }

@@ -20,7 +20,7 @@ void warnings_add(struct warnings *w, const char *format, ...) {
         return;
     }
     text = realloc(w->text, (w->n + 1) * sizeof *text);
-    if (!text) {
+    if (text == NULL) {
         message_warning("%s", line);
         free(kept);
         return;

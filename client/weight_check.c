@@ -17,11 +17,11 @@ static bool make_room(weight_check *c) {
     }
     const size_t room = c->room > 0 ? 2 * c->room : 1024;
     double *weight = realloc(c->weight, room * sizeof *weight);
-    c->weight = weight ? weight : c->weight;
+    c->weight = weight != NULL ? weight : c->weight;
     double *flux = realloc(c->flux, room * sizeof *flux);
-    c->flux = flux ? flux : c->flux;
-    c->room = weight && flux ? room : c->room;
-    return weight && flux;
+    c->flux = flux != NULL ? flux : c->flux;
+    c->room = weight != NULL && flux != NULL ? room : c->room;
+    return weight != NULL && flux != NULL;
 }
 
 static double mean_of(const double *pixel, size_t n) {
@@ -48,7 +48,7 @@ static double central_flux(const double *galaxy, int nx, int ny, double level) {
 
 void weight_check_add(weight_check *c, const shear_stamps *t, int i) {
     const size_t n = (size_t)t->nx * (size_t)t->ny;
-    if (!t->weight || !(t->weight[i] > 0.0) || c->n >= RANK_MAX || !make_room(c)) {
+    if (t->weight == NULL || !(t->weight[i] > 0.0) || c->n >= RANK_MAX || !make_room(c)) {
         return;
     }
     const size_t planes = t->noise_planes > 1 ? (size_t)t->noise_planes : 1;
@@ -77,7 +77,7 @@ rank_relation weight_check_terms(const shear_symmetry *terms) {
     const size_t n = shear_symmetry_count(terms);
     rank_relation r = {.correlation = NAN};
     double *values = n <= RANK_MAX ? malloc((2 * n + 1) * sizeof *values) : NULL;
-    if (values) {
+    if (values != NULL) {
         shear_symmetry_powers(terms, values, values + n);
         r = rank_relate(values, values + n, keep_positive(values, values + n, n));
     }

@@ -45,11 +45,11 @@ static void check_outside_spool(const sheard_config *c, const char *section, con
 static void check_directories(const sheard_config *c, sheard_problems *problems) {
     shear_error error;
     check_outside_spool(c, "daemon", "state_dir", c->daemon.state_dir, problems);
-    if (!c->catalogues.enabled) {
+    if (!c->catalogs.enabled) {
         return;
     }
-    check_outside_spool(c, "catalogues", "directory", c->catalogues.directory, problems);
-    if (strcmp(c->catalogues.directory, c->daemon.state_dir) == 0) {
+    check_outside_spool(c, "catalogues", "directory", c->catalogs.directory, problems);
+    if (strcmp(c->catalogs.directory, c->daemon.state_dir) == 0) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "a directory within it will do",
                          "catalogues.directory is daemon.state_dir itself");
         report(c, later(c, at("daemon", "state_dir"), at("catalogues", "directory")), &error,

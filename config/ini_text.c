@@ -15,7 +15,7 @@ struct reader {
     bool indented; /* the line begins with white space */
     bool has_key;  /* a key precedes in this section: an indented line continues it */
     bool expects;  /* the line should become a value */
-    const struct ini_events *events;
+    const ini_events *events;
 };
 
 static void fault(const struct reader *r, const char *advice, const char *message) {
@@ -172,8 +172,7 @@ static int take_value(void *user, const char *section, const char *key, const ch
     return 1;
 }
 
-int ini_text_read(const char *text, size_t size, const struct ini_events *events,
-                  shear_error *err) {
+int ini_text_read(const char *text, size_t size, const ini_events *events, shear_error *err) {
     static const char mark[] = "\xef\xbb\xbf";
     size_t skip = size >= 3 && memcmp(text, mark, 3) == 0 ? 3 : 0;
     struct reader r = {.at = text + skip, .end = text + size, .events = events};

@@ -14,15 +14,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct ini_events {
+typedef struct ini_events {
     void *context;
     void (*section)(void *context, int line, const char *name);
     /* `continued`: this is a further line of the last key's value. */
     void (*value)(void *context, int line, const char *key, const char *value, bool continued);
     void (*fault)(void *context, int line, const char *advice, const char *message);
-};
+} ini_events;
 
 /* Read text[size] (any bytes). SHEAR_OK also where there were faults; SHEAR_E_NOMEM. */
-int ini_text_read(const char *text, size_t size, const struct ini_events *events, shear_error *err);
+int ini_text_read(const char *text, size_t size, const ini_events *events, shear_error *err);
 
 #endif

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct loader {
+typedef struct loader {
     sheard_config *config;
     sheard_problems *problems;
     const char *path;
@@ -23,9 +23,9 @@ struct loader {
     int *seen;  /* [sheard_settings_count()] line of the file that set it, or 0 */
     int code;   /* SHEAR_E_NOMEM, or SHEAR_OK */
     shear_error error;
-};
+} loader;
 
-static void problem(struct loader *l, int line, const shear_error *error) {
+static void problem(loader *l, int line, const shear_error *error) {
     char where[sizeof l->problems->kept[0].where];
     problems_add(l->problems, place_in_file(l->path, line, where, sizeof where), error);
 }
@@ -37,7 +37,7 @@ static void on_fault(void *context, int line, const char *advice, const char *me
 }
 
 /* Set the value that is held. */
-static void flush(struct loader *l) {
+static void flush(loader *l) {
     shear_error error;
     if (l->holds && config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK) {
         problem(l, l->line, &error);
@@ -48,7 +48,7 @@ static void flush(struct loader *l) {
 }
 
 static void on_section(void *context, int line, const char *name) {
-    struct loader *l = context;
+    loader *l = context;
     shear_error error;
     flush(l);
     snprintf(l->section, sizeof l->section, "%s", name);
@@ -60,7 +60,7 @@ static void on_section(void *context, int line, const char *name) {
     }
 }
 
-static void out_of_memory(struct loader *l) {
+static void out_of_memory(loader *l) {
     l->code = shear_fail(&l->error, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
 }
 
@@ -69,7 +69,7 @@ static bool is_list(size_t index) {
     return type == SHEARD_T_PATHS || type == SHEARD_T_NAMES;
 }
 
-static void continue_value(struct loader *l, int line, const char *value) {
+static void continue_value(loader *l, int line, const char *value) {
     if (!l->holds) {
         return; /* of a key that has been complained about */
     }
@@ -91,7 +91,7 @@ static void continue_value(struct loader *l, int line, const char *value) {
 }
 
 /* The setting, where it is known and new in this file. */
-static bool identify(struct loader *l, int line, const char *key) {
+static bool identify(loader *l, int line, const char *key) {
     shear_error error;
     if (!l->has_section) {
         on_fault(l, line, "write a [section] above it", "this setting comes before any section");
@@ -115,7 +115,7 @@ static bool identify(struct loader *l, int line, const char *key) {
 }
 
 static void on_value(void *context, int line, const char *key, const char *value, bool continued) {
-    struct loader *l = context;
+    loader *l = context;
     if (continued) {
         continue_value(l, line, value);
         return;
@@ -133,8 +133,8 @@ static void on_value(void *context, int line, const char *key, const char *value
     }
 }
 
-static int load_text(struct loader *l, const char *text, size_t size) {
-    struct ini_events events = {l, on_section, on_value, on_fault};
+static int load_text(loader *l, const char *text, size_t size) {
+    ini_events events = {l, on_section, on_value, on_fault};
     l->seen = calloc(sheard_settings_count(), sizeof *l->seen);
     if (l->seen == NULL) {
         out_of_memory(l);
@@ -160,7 +160,7 @@ static int renew_path(sheard_config *config, const char *path, shear_error *err)
 
 int config_load_file(sheard_config *config, const char *path, bool may_miss,
                      sheard_problems *problems) {
-    struct loader l = {.config = config, .problems = problems, .path = path};
+    loader l = {.config = config, .problems = problems, .path = path};
     char *text = NULL;
     size_t size = 0;
     size_t errors_before = problems->n_errors;

@@ -10,7 +10,7 @@ const struct section config_sections[] = {
     {"spool",
      "The watch folder: files that appear in DIRECTORY/incoming are measured, and then moved to "
      "DIRECTORY/done or DIRECTORY/failed."},
-    {"catalogues", "One result catalogue per job, with a row per stamp."},
+    {"catalogues", "One result catalog per job, with a row per stamp."},
     {"access",
      "Who may do what, and which files clients may name. A client's file is only read if that "
      "client may read it."},

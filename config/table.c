@@ -203,18 +203,18 @@ const sheard_setting config_place_rows[] = {
     {.section = "catalogues",
      .key = "enabled",
      .type = SHEARD_T_BOOL,
-     AT(catalogues.enabled),
+     AT(catalogs.enabled),
      .initial = "true",
-     .help = "Whether catalogues are written."},
+     .help = "Whether catalogs are written."},
     {.section = "catalogues",
      .key = "directory",
      .type = SHEARD_T_PATH,
-     AT(catalogues.directory),
+     AT(catalogs.directory),
      .initial = "/var/lib/sheard/catalogues",
      .max = CONFIG_PATH_MAX,
      .flag = "catalogues",
      .help =
-         "Where they are written. A catalogue appears under its name only when it is complete. "
+         "Where they are written. A catalog appears under its name only when it is complete. "
          "The directory belongs to one state directory's database (.sheard-database in it says "
          "to which): with another one the service does not start, and a reload is refused. The "
          "unit sheard.service lets the daemon write nowhere but in its own directories: another "

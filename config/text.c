@@ -91,7 +91,7 @@ char *text_expected(const sheard_setting *s, char *buf, size_t size) {
 }
 
 int text_flushed(FILE *out, shear_error *err) {
-    if (fflush(out) != 0 || ferror(out)) {
+    if (fflush(out) != 0 || ferror(out) != 0) {
         return shear_fail(err, SHEAR_E_IO, NULL, "the output cannot be written: %s",
                           strerror(errno));
     }

@@ -97,7 +97,7 @@ static void warn_roots(struct scene *scene) {
 }
 
 /* Descriptors beside the clients': database, spool, log, and per active job its input, its shared
- * memory, its channel and its catalogue. */
+ * memory, its channel and its catalog. */
 enum { OWN_DESCRIPTORS = 64, JOB_DESCRIPTORS = 6 };
 
 int64_t sheard_config_own_descriptors(const sheard_config *config) {

@@ -38,11 +38,11 @@ static double pulled_in(double place) {
     return isnan(place) ? place : fmin(fmax(place, -FAR), FAR);
 }
 
-double axes_x(const struct open_axes *axes, double x) {
+double axes_x(const open_axes *axes, double x) {
     return pulled_in(axes->frame.x + axes->frame.w * part_of(&axes->spec.x, x));
 }
 
-double axes_y(const struct open_axes *axes, double y) {
+double axes_y(const open_axes *axes, double y) {
     return pulled_in(axes->frame.y + axes->frame.h * (1.0 - part_of(&axes->spec.y, y)));
 }
 
@@ -155,7 +155,7 @@ static void minor_ticks(shear_figure *f, const shear_axis *axis, bool horizontal
 }
 
 static void draw_ticks(shear_figure *f) {
-    const struct open_axes *axes = &f->axes;
+    const open_axes *axes = &f->axes;
     for (int i = 0; i < axes->x_ticks.n; i++) {
         tick_at_x(f, axes_x(axes, axes->x_ticks.at[i]), TICK_LENGTH);
     }
@@ -176,7 +176,7 @@ static void draw_power(shear_figure *f, double x, double y, double align, int ex
     shear_figure_text(f, x, y, text, &(shear_text_style){.size = TICK_SIZE, .align = align});
 }
 
-static void label_x(shear_figure *f, const struct open_axes *axes, double outward) {
+static void label_x(shear_figure *f, const open_axes *axes, double outward) {
     const shear_axis *axis = &axes->spec.x;
     const shear_rect r = axes->frame;
     const double y = r.y + r.h + 11.0 + outward;
@@ -188,14 +188,14 @@ static void label_x(shear_figure *f, const struct open_axes *axes, double outwar
         shear_figure_text(f, axes_x(axes, axes->x_ticks.at[i]), y, axes->x_ticks.label[i], &style);
     }
     const double below = axis->bare ? r.y + r.h + 14.0 : y + LABEL_ROOM - 1.0;
-    if (!axis->bare && axes->x_ticks.exponent) {
+    if (!axis->bare && axes->x_ticks.exponent != 0) {
         draw_power(f, r.x + r.w, below, 1.0, axes->x_ticks.exponent);
     }
     shear_figure_text(f, r.x + r.w / 2.0, below, axis->label,
                       &(shear_text_style){.size = LABEL_SIZE, .align = 0.5});
 }
 
-static void label_y(shear_figure *f, const struct open_axes *axes, double outward) {
+static void label_y(shear_figure *f, const open_axes *axes, double outward) {
     const shear_axis *axis = &axes->spec.y;
     const shear_rect r = axes->frame;
     const double x = r.x - 6.0 - outward;
@@ -206,7 +206,7 @@ static void label_y(shear_figure *f, const struct open_axes *axes, double outwar
     for (int i = 0; !axis->bare && i < axes->y_ticks.n; i++) {
         shear_figure_text(f, x, axes_y(axes, axes->y_ticks.at[i]), axes->y_ticks.label[i], &style);
     }
-    if (!axis->bare && axes->y_ticks.exponent) {
+    if (!axis->bare && axes->y_ticks.exponent != 0) {
         draw_power(f, r.x, r.y - 9.0, 0.0, axes->y_ticks.exponent);
     }
     const double left = x - widest_label(f, axis, &axes->y_ticks) - 12.0;
@@ -215,12 +215,12 @@ static void label_y(shear_figure *f, const struct open_axes *axes, double outwar
 }
 
 void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame) {
-    struct open_axes *axes = &f->axes;
+    open_axes *axes = &f->axes;
     if (axes->open) {
         figure_failed(f, SHEAR_E_INTERNAL, "axes within axes: a shear_axes_end is missing");
         return;
     }
-    *axes = (struct open_axes){.open = true, .ticks = true, .spec = *spec};
+    *axes = (open_axes){.open = true, .ticks = true, .spec = *spec};
     axes->frame = (shear_rect){round(frame.x), round(frame.y), fmax(round(frame.w), 1.0),
                                fmax(round(frame.h), 1.0)};
     axes->spec.x.range = usable_range(&spec->x);
@@ -244,14 +244,15 @@ void shear_axes_begin(shear_figure *figure, const shear_axes *axes) {
     const shear_axis *x = &axes->x;
     shear_axis y = axes->y;
     y.range = usable_range(&axes->y);
-    const double top = axes->title ? TITLE_ROOM : BARE_ROOM;
-    const double bottom = (x->bare ? BARE_ROOM : TICK_LABEL_ROOM) + (x->label ? LABEL_ROOM : 0.0);
+    const double top = axes->title != NULL ? TITLE_ROOM : BARE_ROOM;
+    const double bottom =
+        (x->bare ? BARE_ROOM : TICK_LABEL_ROOM) + (x->label != NULL ? LABEL_ROOM : 0.0);
     const double height = axes->cell.h - top - bottom;
     shear_ticks ticks;
     choose_ticks(figure, &y, height, 34.0, false, &ticks);
-    const double left =
-        axes->left > 0.0 ? axes->left
-                         : widest_label(figure, &y, &ticks) + 10.0 + (y.label ? LABEL_ROOM : 0.0);
+    const double left = axes->left > 0.0 ? axes->left
+                                         : widest_label(figure, &y, &ticks) + 10.0 +
+                                               (y.label != NULL ? LABEL_ROOM : 0.0);
     shear_rect frame = {axes->cell.x + left, axes->cell.y + top, axes->cell.w - left - 12.0,
                         height};
     if (axes->equal) {
@@ -264,7 +265,7 @@ void shear_axes_end(shear_figure *figure) {
     if (!axes_ready(figure)) {
         return;
     }
-    const struct open_axes *axes = &figure->axes;
+    const open_axes *axes = &figure->axes;
     const shear_rect r = axes->frame;
     const double outward = axes->image && axes->ticks ? TICK_LENGTH : 0.0;
     draw_frame(figure);
@@ -295,7 +296,7 @@ void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *s
         figure_set_colour(f, shear_palette(SHEAR_BLACK));
     }
     cairo_stroke(f->cr);
-    if (ticks->exponent) {
+    if (ticks->exponent != 0) {
         draw_power(f, bar.x, bar.y - 9.0, 0.0, ticks->exponent);
     }
 }

@@ -14,7 +14,7 @@ int shear_figure_new(shear_figure **figure, int width, int height, shear_error *
                           "a figure of %d x %d pixels cannot be drawn", width, height);
     }
     shear_figure *f = calloc(1, sizeof *f);
-    if (!f) {
+    if (f == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a figure");
     }
     f->width = width;
@@ -34,7 +34,7 @@ int shear_figure_new(shear_figure **figure, int width, int height, shear_error *
 }
 
 void shear_figure_free(shear_figure *figure) {
-    if (!figure) {
+    if (figure == NULL) {
         return;
     }
     cairo_destroy(figure->cr);

@@ -56,7 +56,7 @@ static bool find_stretch(shear_figure *f, const shear_image *image, shear_stretc
         }
         shear_error err = {0};
         const size_t n = (size_t)image->nx * (size_t)image->ny;
-        if (shear_range_percentile(&limits, image->pixels, n, percent.lo, percent.hi, &err)) {
+        if (shear_range_percentile(&limits, image->pixels, n, percent.lo, percent.hi, &err) != 0) {
             figure_failed(f, err.code, err.message);
             return false;
         }
@@ -129,12 +129,12 @@ static shear_range outer_edges(shear_range given, int n) {
 static shear_rect frame_of(const shear_image *image) {
     const double room = image->bar_room > 0.0 ? image->bar_room : BAR_ROOM;
     const double right = image->colour_bar ? BAR_GAP + BAR_WIDTH + room : EDGE_ROOM;
-    const double top = image->title ? TITLE_ROOM : EDGE_ROOM;
+    const double top = image->title != NULL ? TITLE_ROOM : EDGE_ROOM;
     double left = 1.0;
     double bottom = EDGE_ROOM;
     if (image->ticks) {
-        left = TICK_LABEL_WIDTH + (image->y_label ? LABEL_ROOM : 0.0);
-        bottom = TICK_ROOM + (image->x_label ? LABEL_ROOM : 0.0);
+        left = TICK_LABEL_WIDTH + (image->y_label != NULL ? LABEL_ROOM : 0.0);
+        bottom = TICK_ROOM + (image->x_label != NULL ? LABEL_ROOM : 0.0);
     }
     const double w = fmax(image->cell.w - left - right, 1.0);
     const double h = fmax(image->cell.h - top - bottom, 1.0);
@@ -153,7 +153,7 @@ void shear_image_begin(shear_figure *figure, const shear_image *image) {
     if (!figure_good(figure)) {
         return;
     }
-    if (!image->pixels || image->nx < 1 || image->ny < 1 || image->nx > MAX_IMAGE_SIDE ||
+    if (image->pixels == NULL || image->nx < 1 || image->ny < 1 || image->nx > MAX_IMAGE_SIDE ||
         image->ny > MAX_IMAGE_SIDE) {
         figure_failed(figure, SHEAR_E_INTERNAL, "an image needs 1 to 32767 pixels a side");
         return;
@@ -172,7 +172,7 @@ void shear_image_begin(shear_figure *figure, const shear_image *image) {
         return;
     }
     cairo_surface_t *surface = surface_of(figure, image, &stretch);
-    if (!surface) {
+    if (surface == NULL) {
         return;
     }
     draw_surface(figure, surface, image->nx, image->ny);

@@ -12,14 +12,14 @@ enum { MAX_LEGEND = 16, LEGEND_LABEL = 96 };
 /* What a legend's swatch shows. */
 enum swatch { SWATCH_LINE, SWATCH_POINT, SWATCH_AREA };
 
-struct legend_entry {
+typedef struct legend_entry {
     int swatch; /* enum swatch */
     shear_style style;
     char label[LEGEND_LABEL];
-};
+} legend_entry;
 
 /* The axes that are being drawn. */
-struct open_axes {
+typedef struct open_axes {
     bool open;
     bool image; /* over an image: ticks outward, so that they hide no pixel */
     bool ticks;
@@ -27,15 +27,15 @@ struct open_axes {
     shear_rect frame;
     shear_ticks x_ticks, y_ticks;
     int n_legend;
-    struct legend_entry legend[MAX_LEGEND];
-};
+    legend_entry legend[MAX_LEGEND];
+} open_axes;
 
 struct shear_figure {
     cairo_surface_t *surface;
     cairo_t *cr;
     int width, height;
     shear_error error; /* the first failure; code SHEAR_OK: none yet */
-    struct open_axes axes;
+    open_axes axes;
 };
 
 static const double LABEL_SIZE = 12.0;
@@ -53,8 +53,8 @@ double label_half_height(double size);
 
 /* axes.c: data to canvas coordinates; NaN where there is no place (not finite, not positive on a
  * log axis). Far away places are pulled in to what cairo's fixed-point numbers hold. */
-double axes_x(const struct open_axes *axes, double x);
-double axes_y(const struct open_axes *axes, double y);
+double axes_x(const open_axes *axes, double x);
+double axes_y(const open_axes *axes, double y);
 /* True where axes are open and nothing has failed; else keeps the failure. */
 bool axes_ready(shear_figure *f);
 /* Make `spec` the open axes with the given frame. */

@@ -59,7 +59,7 @@ static size_t character_length(const unsigned char *p) {
         code = code << 6 | (p[i] & 0x3f);
     }
     const bool surrogate = code >= 0xd800 && code < 0xe000;
-    return length && (code < smallest[length] || surrogate || code > 0x10ffff) ? 0 : length;
+    return length != 0 && (code < smallest[length] || surrogate || code > 0x10ffff) ? 0 : length;
 }
 
 /* Cairo refuses a whole figure for one bad byte, and names in files may hold any: those become '?'.
@@ -138,7 +138,7 @@ double shear_figure_text_width(shear_figure *figure, const char *text, double si
 
 void shear_figure_text(shear_figure *figure, double x, double y, const char *text,
                        const shear_text_style *style) {
-    if (!figure_good(figure) || !text || !isfinite(x) || !isfinite(y)) {
+    if (!figure_good(figure) || text == NULL || !isfinite(x) || !isfinite(y)) {
         return;
     }
     const double size = style->size > 0.0 ? style->size : LABEL_SIZE;
@@ -162,7 +162,7 @@ void shear_figure_table(shear_figure *figure, shear_rect cell, const char *title
         key_width = width > key_width ? width : key_width;
     }
     double y = cell.y + 0.6 * step;
-    if (title) {
+    if (title != NULL) {
         shear_figure_text(figure, cell.x, y, title,
                           &(shear_text_style){.size = TITLE_SIZE, .bold = true});
         y += 1.25 * step;

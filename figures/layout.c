@@ -6,7 +6,7 @@
 static double weight_of(const double *weights, int first, int last) {
     double sum = 0.0;
     for (int i = first; i < last; i++) {
-        sum += weights ? weights[i] : 1.0;
+        sum += weights != NULL ? weights[i] : 1.0;
     }
     return sum;
 }

@@ -10,12 +10,12 @@ static const double SWATCH = 22.0;
 static const double PAD = 8.0;
 
 void legend_add(shear_figure *f, int swatch, const shear_style *style) {
-    struct open_axes *axes = &f->axes;
-    if (!style->label || axes->n_legend == MAX_LEGEND) {
+    open_axes *axes = &f->axes;
+    if (style->label == NULL || axes->n_legend == MAX_LEGEND) {
         return;
     }
-    struct legend_entry *entry = &axes->legend[axes->n_legend++];
-    *entry = (struct legend_entry){.swatch = swatch, .style = *style};
+    legend_entry *entry = &axes->legend[axes->n_legend++];
+    *entry = (legend_entry){.swatch = swatch, .style = *style};
     size_t length = strnlen(style->label, sizeof entry->label - 1);
     while (length > 0 && ((unsigned char)style->label[length] & 0xc0) == 0x80) {
         length--; /* cut between characters only */
@@ -23,7 +23,7 @@ void legend_add(shear_figure *f, int swatch, const shear_style *style) {
     memcpy(entry->label, style->label, length);
 }
 
-static void draw_swatch(shear_figure *f, const struct legend_entry *entry, double x, double y) {
+static void draw_swatch(shear_figure *f, const legend_entry *entry, double x, double y) {
     if (entry->swatch == SWATCH_POINT) {
         marks_marker(f, x + SWATCH / 2.0, y, &entry->style);
         return;
@@ -43,7 +43,7 @@ static void draw_swatch(shear_figure *f, const struct legend_entry *entry, doubl
 }
 
 void legend_draw(shear_figure *f) {
-    const struct open_axes *axes = &f->axes;
+    const open_axes *axes = &f->axes;
     const shear_rect r = axes->frame;
     double widest = 0.0;
     for (int i = 0; i < axes->n_legend; i++) {

@@ -120,15 +120,14 @@ static void error_bar(shear_figure *f, double x0, double y0, double x1, double y
 }
 
 /* The lower end of a bar on a log axis may have no place: it then ends at the frame. */
-static double lower_end(const struct open_axes *axes,
-                        double (*map)(const struct open_axes *, double), double value,
-                        double at_frame) {
+static double lower_end(const open_axes *axes, double (*map)(const open_axes *, double),
+                        double value, double at_frame) {
     const double place = map(axes, value);
     return isnan(place) && isfinite(value) ? at_frame : place;
 }
 
 static void error_bars(shear_figure *f, double x, double y, double x_err, double y_err) {
-    const struct open_axes *axes = &f->axes;
+    const open_axes *axes = &f->axes;
     const shear_rect r = axes->frame;
     const double px = axes_x(axes, x);
     const double py = axes_y(axes, y);
@@ -148,7 +147,7 @@ void shear_axes_points(shear_figure *f, size_t n, const double *x, const double 
     }
     marks_clip(f);
     for (size_t i = 0; i < n; i++) {
-        error_bars(f, x[i], y[i], x_err ? x_err[i] : 0.0, y_err ? y_err[i] : 0.0);
+        error_bars(f, x[i], y[i], x_err != NULL ? x_err[i] : 0.0, y_err != NULL ? y_err[i] : 0.0);
     }
     shear_style bars = *style;
     bars.dash = SHEAR_SOLID;
@@ -199,7 +198,7 @@ void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *l
 
 /* The steps of the histogram from the base line and back to it. */
 static void steps_path(shear_figure *f, int bins, shear_range r, const double *counts) {
-    const struct open_axes *axes = &f->axes;
+    const open_axes *axes = &f->axes;
     const double base = axes->frame.y + axes->frame.h;
     const double width = (r.hi - r.lo) / bins;
     cairo_move_to(f->cr, axes_x(axes, r.lo), base);

@@ -91,7 +91,7 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
                           figure->error.message);
     }
     int code = check_target(path, replace, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     char *part = NULL;
@@ -105,10 +105,10 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
         goto done;
     }
     code = write_png(figure, fd, path, err);
-    if (!code) {
+    if (code == SHEAR_OK) {
         code = put_in_place(part, path, replace, err);
     }
-    if (code) {
+    if (code != SHEAR_OK) {
         unlink(part);
     }
 done:

@@ -71,7 +71,7 @@ void shear_axes_bar(shear_figure *f, bool horizontal, double at, double thick, d
     if (!axes_ready(f)) {
         return;
     }
-    const struct open_axes *axes = &f->axes;
+    const open_axes *axes = &f->axes;
     const shear_rect r = axes->frame;
     if (horizontal) {
         const double start = axes_x(axes, from);

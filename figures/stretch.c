@@ -62,8 +62,9 @@ static double percentile_of_sorted(const double *sorted, size_t n, double percen
 int shear_range_percentile(shear_range *out, const double *v, size_t n, double lo_percent,
                            double hi_percent, shear_error *err) {
     *out = (shear_range){NAN, NAN};
-    double *sorted = n <= SIZE_MAX / sizeof *sorted ? malloc((n ? n : 1) * sizeof *sorted) : NULL;
-    if (!sorted) {
+    double *sorted =
+        n <= SIZE_MAX / sizeof *sorted ? malloc((n != 0 ? n : 1) * sizeof *sorted) : NULL;
+    if (sorted == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory to sort %zu values", n);
     }
     size_t finite = 0;

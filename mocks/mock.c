@@ -41,11 +41,11 @@ static void fill_info(shear_mock *m) {
 int shear_mock_new(shear_mock **m, const shear_mock_spec *spec, shear_error *err) {
     *m = NULL;
     int code = shear_mock_spec_check(spec, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     shear_mock *made = calloc(1, sizeof *made);
-    if (!made) {
+    if (made == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock");
     }
     made->spec = *spec;
@@ -142,27 +142,27 @@ void shear_mock_psf_image(const shear_mock *m, int64_t psf, double *out) {
 /* ---- stamps ---- */
 
 /* The scratch memory of one thread. */
-struct workspace {
+typedef struct workspace {
     struct painter painter;
     double *x, *y; /* [max_points] */
-};
+} workspace;
 
-static void workspace_deinit(struct workspace *ws) {
+static void workspace_deinit(workspace *ws) {
     painter_deinit(&ws->painter);
     free(ws->x);
     free(ws->y);
 }
 
-static bool workspace_init(struct workspace *ws, const shear_mock *m) {
+static bool workspace_init(workspace *ws, const shear_mock *m) {
     const shear_mock_spec *s = &m->spec;
     size_t n = (size_t)m->info.max_points;
     ws->x = calloc(n, sizeof *ws->x);
     ws->y = calloc(n, sizeof *ws->y);
     bool painted = painter_init(&ws->painter, s->psf, s->r_psf_px, s->nx, s->ny);
-    return painted && ws->x && ws->y;
+    return painted && ws->x != NULL && ws->y != NULL;
 }
 
-static void paint_galaxy(const shear_mock *m, struct workspace *ws, int64_t stamp) {
+static void paint_galaxy(const shear_mock *m, workspace *ws, int64_t stamp) {
     const shear_mock_spec *s = &m->spec;
     double magnification = 1.0 - s->g1 * s->g1 - s->g2 * s->g2;
     double amplitude = magnification * m->info.point_amplitude;
@@ -182,12 +182,12 @@ enum { NEXT_NOISE_STAMP = 1000 };
 
 /* On what the galaxy's painter holds. `stamp_of` = 0 for the galaxy stamp, 1, 2, ... for its noise
  * stamps: each stream of a galaxy stamp has its twin next to it. */
-static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, int stamp_of,
+static void add_noise(const shear_mock *m, workspace *ws, int64_t stamp, int stamp_of,
                       double *image) {
     const int pure = stamp_of > 0 ? 1 + NEXT_NOISE_STAMP * (stamp_of - 1) : 0;
     const shear_mock_spec *s = &m->spec;
     uint64_t index = index_of(s, stamp, s->share_noise);
-    const struct noise_place place = {s->nx, s->ny, is_turned(s, stamp)};
+    const noise_place place = {s->nx, s->ny, is_turned(s, stamp)};
     struct random r;
     if (s->noise_ratio > 0.0) {
         random_begin(&r, s->seed, RANDOM_SOURCES + pure, index, 0);
@@ -205,7 +205,7 @@ static void add_noise(const shear_mock *m, struct workspace *ws, int64_t stamp, 
     }
 }
 
-static void make_pair(const shear_mock *m, struct workspace *ws, int64_t stamp, double *galaxy,
+static void make_pair(const shear_mock *m, workspace *ws, int64_t stamp, double *galaxy,
                       double *noise) {
     size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
     painter_turn(&ws->painter, shear_mock_psf_angle(m, shear_mock_psf_of(m, stamp)));
@@ -218,7 +218,7 @@ static void make_pair(const shear_mock *m, struct workspace *ws, int64_t stamp, 
     }
 }
 
-static bool workspaces_init(struct workspace *ws, int n, const shear_mock *m) {
+static bool workspaces_init(workspace *ws, int n, const shear_mock *m) {
     bool made = ws != NULL;
     for (int i = 0; made && i < n; i++) {
         made = workspace_init(&ws[i], m);
@@ -226,8 +226,8 @@ static bool workspaces_init(struct workspace *ws, int n, const shear_mock *m) {
     return made;
 }
 
-static void workspaces_free(struct workspace *ws, int n) {
-    for (int i = 0; ws && i < n; i++) {
+static void workspaces_free(workspace *ws, int n) {
+    for (int i = 0; ws != NULL && i < n; i++) {
         workspace_deinit(&ws[i]);
     }
     free(ws);
@@ -243,7 +243,7 @@ int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads
     int n = threads > 0 ? threads : omp_get_max_threads();
     n = n < count ? n : count > 0 ? count : 1;
     size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
-    struct workspace *ws = calloc((size_t)n, sizeof *ws);
+    workspace *ws = calloc((size_t)n, sizeof *ws);
     int code = SHEAR_OK;
     if (!workspaces_init(ws, n, m)) {
         code = shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",

@@ -4,7 +4,7 @@
 #include <gsl/gsl_randist.h>
 
 /* Where number i of an image in C order comes to lie. */
-static int noise_pixel(const struct noise_place *p, int i) {
+static int noise_pixel(const noise_place *p, int i) {
     int x = i % p->nx;
     int y = i / p->nx;
     return p->turned ? x * p->nx + (p->nx - 1 - y) : i;
@@ -23,8 +23,8 @@ void noise_sources(struct painter *p, struct random *r, double density, double a
     }
 }
 
-void noise_photons(struct random *r, double background, double subtract,
-                   const struct noise_place *place, double *image) {
+void noise_photons(struct random *r, double background, double subtract, const noise_place *place,
+                   double *image) {
     for (int i = 0; i < place->nx * place->ny; i++) {
         double *pixel = &image[noise_pixel(place, i)];
         random_item(r, (uint64_t)i);
@@ -32,7 +32,7 @@ void noise_photons(struct random *r, double background, double subtract,
     }
 }
 
-void noise_white(struct random *r, double sigma, const struct noise_place *place, double *image) {
+void noise_white(struct random *r, double sigma, const noise_place *place, double *image) {
     for (int i = 0; i < place->nx * place->ny; i++) {
         image[noise_pixel(place, i)] += gsl_ran_gaussian_ziggurat(&r->rng, sigma);
     }

@@ -72,7 +72,7 @@ static const shear_mock_option table[] = {
     ROW("field", TEXT, field, 0, 0, "NAME", "the field's name (none: the file's)"),
     CHOICE("layout", layout, layout_names, "cube|mosaic", "of the stamps in the file"),
     ROW("bitpix", INT, bitpix, -64, -32, "-32|-64", "pixel type: float or double"),
-    SWITCH("no-r-gal", OFF, write_r_gal, "leave R_GAL out of the catalogue"),
+    SWITCH("no-r-gal", OFF, write_r_gal, "leave R_GAL out of the catalog"),
 };
 
 enum { N_OPTIONS = sizeof table / sizeof *table };
@@ -128,7 +128,7 @@ static int numbers(const shear_mock_spec *s, const shear_mock_option *o, double 
 static int check_choice(const shear_mock_spec *s, const shear_mock_option *o, shear_error *err) {
     int value = *(const int *)member_const(s, o);
     int n = 0;
-    while (o->choices[n]) {
+    while (o->choices[n] != NULL) {
         n++;
     }
     if (value < 0 || value >= n) {
@@ -157,7 +157,7 @@ static int check_range(const shear_mock_spec *s, const shear_mock_option *o, she
 int options_check_ranges(const shear_mock_spec *s, shear_error *err) {
     for (size_t i = 0; i < N_OPTIONS; i++) {
         int code = check_range(s, &table[i], err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
     }
@@ -214,12 +214,12 @@ static const char *expected(const shear_mock_option *o) {
 
 int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear_error *err) {
     const shear_mock_option *o = shear_mock_option_find(name);
-    if (!o) {
+    if (o == NULL) {
         return shear_fail(err, SHEAR_E_SETTING, "\"shearctl help mock\" lists the options",
                           "there is no mock option '%s'", name);
     }
     bool is_switch = o->type == SHEAR_MOCK_T_ON || o->type == SHEAR_MOCK_T_OFF;
-    const char *value = text ? text : is_switch ? "yes" : "";
+    const char *value = text != NULL ? text : is_switch ? "yes" : "";
     shear_mock_spec changed = *s;
     if (!parse(&changed, o, value)) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "mock option '%s': \"%s\" is not %s%s",

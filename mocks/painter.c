@@ -18,7 +18,7 @@ enum { PIECES = 4, ALIGNMENT = 64 };
 static double *new_doubles(size_t n) {
     size_t bytes = (n * sizeof(double) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     double *made = aligned_alloc(ALIGNMENT, bytes);
-    return made ? memset(made, 0, bytes) : NULL;
+    return made != NULL ? memset(made, 0, bytes) : NULL;
 }
 
 static int side_of(int half) {
@@ -47,8 +47,9 @@ bool painter_init(struct painter *p, int kind, double r_px, int nx, int ny) {
         p->spikes = calloc(spikes_side * PIECES, sizeof *p->spikes);
         p->buffer = new_doubles(spikes_side + PAINTER_STRIP);
     }
-    bool spikes_made = kind != SHEAR_MOCK_PSF_B || (p->spikes && p->buffer);
-    return p->canvas && p->table && p->columns && p->rows && p->strips && spikes_made;
+    bool spikes_made = kind != SHEAR_MOCK_PSF_B || (p->spikes != NULL && p->buffer != NULL);
+    return p->canvas != NULL && p->table != NULL && p->columns != NULL && p->rows != NULL &&
+           p->strips != NULL && spikes_made;
 }
 
 void painter_deinit(struct painter *p) {
@@ -88,13 +89,13 @@ static void fill_strip(struct painter *p, int strip) {
 /* Append column i to the pieces of row j; where the row has all it may have, the last grows over
  * the gap. */
 static void add_spike_pixel(struct painter *p, int *pieces, int j, int i) {
-    struct segment *last = p->spikes + p->n_spikes - 1;
+    segment *last = p->spikes + p->n_spikes - 1;
     bool touches = *pieces > 0 && last->hi == i - 1;
     if (touches || *pieces == PIECES) {
         last->hi = i;
         return;
     }
-    p->spikes[p->n_spikes++] = (struct segment){.j = j, .lo = i, .hi = i};
+    p->spikes[p->n_spikes++] = (segment){.j = j, .lo = i, .hi = i};
     ++*pieces;
 }
 
@@ -194,7 +195,7 @@ static void add_gaussian(struct painter *p, double amplitude, int px, int py, do
 
 static void add_spikes(struct painter *p, double amplitude, int px, int py, double dx, double dy) {
     for (int k = 0; k < p->n_spikes; k++) {
-        const struct segment *s = &p->spikes[k];
+        const segment *s = &p->spikes[k];
         int y = py + s->j;
         int lo = max_int(s->lo, -px);
         int n = min_int(s->hi, p->nx - 1 - px) - lo + 1;

@@ -18,9 +18,9 @@
 #include <stdbool.h>
 
 /* Columns lo .. hi of row j, relative to the point's pixel. */
-struct segment {
+typedef struct segment {
     int j, lo, hi;
-};
+} segment;
 
 enum { PAINTER_STRIP = 8 }; /* columns */
 
@@ -41,8 +41,8 @@ struct painter {
     double *table;   /* G: [n_strips][2 half + 1][PAINTER_STRIP] */
     double *columns; /* [n_strips PAINTER_STRIP] X^i */
     double *rows;    /* [n_strips PAINTER_STRIP] A W(d) Y^j */
-    struct rows *strips;    /* [n_strips] that the Gaussian reaches */
-    struct segment *spikes; /* [n_spikes] */
+    struct rows *strips; /* [n_strips] that the Gaussian reaches */
+    segment *spikes;     /* [n_spikes] */
     int n_spikes;
     double *buffer; /* one segment of spikes */
     struct psf psf;

@@ -4,7 +4,7 @@
 #include <Random123/philox.h>
 #include <string.h>
 
-static uint64_t next(struct random_state *s) {
+static uint64_t next(random_state *s) {
     if (s->next == 4) {
         philox4x64_ctr_t counter = {{s->index, s->item, s->block++, 0}};
         philox4x64_key_t key = {{s->seed, s->stream}};
@@ -15,15 +15,15 @@ static uint64_t next(struct random_state *s) {
     return s->out[s->next++];
 }
 
-static void restart(struct random_state *s) {
+static void restart(random_state *s) {
     s->block = 0;
     s->next = 4;
 }
 
 /* GSL's own way of seeding: stream 0, which no mock uses. */
 static void set(void *state, unsigned long seed) {
-    struct random_state *s = state;
-    *s = (struct random_state){.seed = seed};
+    random_state *s = state;
+    *s = (random_state){.seed = seed};
     restart(s);
 }
 
@@ -40,15 +40,15 @@ static double get_double(void *state) {
 static const gsl_rng_type philox = {.name = "philox4x64-10",
                                     .max = 0xffffffffUL,
                                     .min = 0,
-                                    .size = sizeof(struct random_state),
+                                    .size = sizeof(random_state),
                                     .set = set,
                                     .get = get,
                                     .get_double = get_double};
 
 void random_begin(struct random *r, uint64_t seed, int stream, uint64_t index, uint64_t item) {
     r->rng = (gsl_rng){.type = &philox, .state = &r->state};
-    r->state = (struct random_state){
-        .seed = seed, .stream = (uint64_t)stream, .index = index, .item = item};
+    r->state =
+        (random_state){.seed = seed, .stream = (uint64_t)stream, .index = index, .item = item};
     restart(&r->state);
 }
 

@@ -24,17 +24,17 @@ enum random_stream {
     RANDOM_PHOTONS_N
 };
 
-struct random_state {
+typedef struct random_state {
     uint64_t seed, stream, index, item;
     uint64_t block;  /* the next block of the sequence */
     uint64_t out[4]; /* the present one */
     int next;        /* first unused number of out; 4 = none */
-};
+} random_state;
 
 /* A generator on the caller's stack: `rng` points into the struct, so do not copy it. */
 struct random {
     gsl_rng rng;
-    struct random_state state;
+    random_state state;
 };
 
 /* Begin the sequence (seed, stream, index, item). */

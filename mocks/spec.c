@@ -172,7 +172,7 @@ int shear_mock_spec_check(const shear_mock_spec *s, shear_error *err) {
         options_check_ranges, check_geometry, check_galaxy, check_psf, check_noise, check_file};
     for (size_t i = 0; i < sizeof checks / sizeof *checks; i++) {
         int code = checks[i](s, err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
     }

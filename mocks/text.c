@@ -74,7 +74,7 @@ bool text_pair(const char *text, double value[2]) {
 bool text_size(const char *text, int value[2]) {
     char first[16];
     const char *x = strchr(text, 'x');
-    if (!x) {
+    if (x == NULL) {
         bool good = text_int(text, &value[0]);
         value[1] = value[0];
         return good;

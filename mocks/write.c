@@ -11,7 +11,7 @@
  * enough for any machine. */
 enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128 };
 
-/* One chunk of stamps and their rows of the catalogue. */
+/* One chunk of stamps and their rows of the catalog. */
 struct chunk {
     int capacity;
     double *galaxy;        /* [capacity][ny][nx] */
@@ -57,7 +57,8 @@ static int chunk_init(struct chunk *c, const shear_mock *m, int threads, shear_e
     c->r_gal = calloc(n, sizeof *c->r_gal);
     c->id = calloc(n, sizeof *c->id);
     c->psf_id = calloc(n, sizeof *c->psf_id);
-    if (!c->galaxy || !c->noise || !c->psf || !c->x || !c->y || !c->r_gal || !c->id || !c->psf_id) {
+    if (c->galaxy == NULL || c->noise == NULL || c->psf == NULL || c->x == NULL || c->y == NULL ||
+        c->r_gal == NULL || c->id == NULL || c->psf_id == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d mock stamps of %dx%d px",
                           c->capacity, g->nx, g->ny);
     }
@@ -80,7 +81,7 @@ static int history_init(struct history *h, const shear_mock_spec *spec, shear_er
     const shear_mock_option *options = shear_mock_options(&n);
     h->text = calloc(n + 1, sizeof *h->text);
     h->lines = calloc(n + 2, sizeof *h->lines);
-    if (!h->text || !h->lines) {
+    if (h->text == NULL || h->lines == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a mock's history");
     }
     snprintf(h->text[0], HISTORY_LINE, "shear_mocks %s, after Zhang (2010) section 4.1",
@@ -114,7 +115,7 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
     const shear_mock_info *info = shear_mock_get_info(m);
     struct history history = {0};
     int code = history_init(&history, s, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         goto done;
     }
     shear_field_spec field = {.name = s->field[0] ? s->field : NULL,
@@ -151,7 +152,7 @@ static int write_chunk(shear_field_writer *w, const shear_mock *m, struct chunk 
                        int count, int threads, shear_error *err) {
     unsigned columns = columns_of(m);
     int code = shear_mock_stamps(m, first, count, threads, c->galaxy, c->noise, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     for (int i = 0; i < count; i++) {
@@ -174,10 +175,10 @@ static int write_stamps(shear_field_writer *w, const shear_mock *m, struct chunk
     for (int64_t first = 0; first < n; first += c->capacity) {
         int count = (int)(n - first < c->capacity ? n - first : c->capacity);
         int code = write_chunk(w, m, c, first, count, o->threads, err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
-        if (o->progress && o->progress(o->context, first + count, n) != 0) {
+        if (o->progress != NULL && o->progress(o->context, first + count, n) != 0) {
             return shear_fail(err, SHEAR_E_CANCELLED, NULL,
                               "stopped after %lld of %lld mock stamps", (long long)first + count,
                               (long long)n);
@@ -189,15 +190,15 @@ static int write_stamps(shear_field_writer *w, const shear_mock *m, struct chunk
 int shear_mock_write(const shear_mock *m, const char *path, const shear_mock_write_options *options,
                      shear_error *err) {
     static const shear_mock_write_options defaults = {0};
-    const shear_mock_write_options *o = options ? options : &defaults;
+    const shear_mock_write_options *o = options != NULL ? options : &defaults;
     shear_field_writer *w = NULL;
     struct chunk chunk = {0};
     int code = chunk_init(&chunk, m, o->threads, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         goto done;
     }
     code = create(&w, m, path, o->overwrite, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         goto done;
     }
     code = write_psfs(w, m, chunk.psf, err);

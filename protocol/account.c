@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-int shear_account_format(char **text, const shear_report_file *file, shear_error *err) {
+int sheard_account_format(char **text, const sheard_report_file *file, shear_error *err) {
     json_t *o = report_file_json(file);
-    bool failed = !o;
-    if (o && file->plan) {
+    bool failed = o == NULL;
+    if (o != NULL && file->plan != NULL) {
         json_text_set(o, "nx", json_integer(file->plan->geometry.nx), &failed);
         json_text_set(o, "ny", json_integer(file->plan->geometry.ny), &failed);
         json_text_set(o, "per_stamp", json_boolean(file->plan->filter_per_stamp), &failed);
@@ -35,7 +35,7 @@ static const char *text_at(const json_t *o, const char *key) {
 /* The number of a setting's choice by its name; 0 where there is none of this name. */
 static int choice(const json_t *o, const char *key, const char *(*name_of)(int), int n) {
     const char *name = text_at(o, key);
-    for (int i = 0; name && i < n; i++) {
+    for (int i = 0; name != NULL && i < n; i++) {
         if (strcmp(name_of(i), name) == 0) {
             return i;
         }
@@ -84,9 +84,9 @@ static void read_plan(shear_plan_info *plan, const json_t *entry, const json_t *
     };
 }
 
-int shear_account_parse(shear_account *account, const char *text, shear_error *err) {
+int sheard_account_parse(sheard_account *account, const char *text, shear_error *err) {
     json_error_t why;
-    *account = (shear_account){.texts = NULL};
+    *account = (sheard_account){.texts = NULL};
     json_t *o = json_loads(text, 0, &why);
     if (!json_is_object(o)) {
         json_decref(o);
@@ -94,7 +94,7 @@ int shear_account_parse(shear_account *account, const char *text, shear_error *e
     }
     const json_t *resolved = json_object_get(o, "resolved");
     account->texts = o;
-    account->file = (shear_report_file){
+    account->file = (sheard_report_file){
         .path = text_at(o, "path"),
         .checksum = text_at(o, "checksum"),
         .field = text_at(o, "field"),
@@ -109,7 +109,7 @@ int shear_account_parse(shear_account *account, const char *text, shear_error *e
     return SHEAR_OK;
 }
 
-void shear_account_deinit(shear_account *account) {
+void sheard_account_deinit(sheard_account *account) {
     json_decref(account->texts);
-    *account = (shear_account){.texts = NULL};
+    *account = (sheard_account){.texts = NULL};
 }

@@ -14,8 +14,8 @@ static const double BORDER_SIGMA = 4.0, BORDER_FLUX = 0.02, ROUGH_MAX = 0.05;
 static const double ARTEFACT_SHARE = 0.02;
 static const int64_t ARTEFACTS_MIN = 10;
 
-const char *shear_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                size_t size) {
+const char *sheard_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                 size_t size) {
     bool much = r->filter_removed > REMOVED_MAX &&
                 r->filter_removed > REMOVED_SIGMA * r->filter_removed_err;
     if (plan->filter == SHEAR_FILTER_NONE || plan->core_found || !much) {
@@ -42,8 +42,8 @@ static double stamp_area(const shear_plan_info *plan) {
     return (double)plan->geometry.nx * plan->geometry.ny;
 }
 
-const char *shear_advice_bright_border(const shear_result *r, const shear_plan_info *plan,
-                                       char *buf, size_t size) {
+const char *sheard_advice_bright_border(const shear_result *r, const shear_plan_info *plan,
+                                        char *buf, size_t size) {
     bool bright = r->border_excess > BORDER_SIGMA * r->border_excess_err &&
                   r->border_excess * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
     if (plan->filter != SHEAR_FILTER_NONE || !bright) {
@@ -64,20 +64,20 @@ const char *shear_advice_bright_border(const shear_result *r, const shear_plan_i
  * is not in the noise stamps. */
 static double beyond_noise(const shear_result *r, const shear_plan_info *plan) {
     const bool known = r->noise_level > 0.0;
-    const bool all = isfinite(r->high_galaxy) && shear_advice_noise_left(r, plan) != 0.0;
+    const bool all = isfinite(r->high_galaxy) && sheard_advice_noise_left(r, plan) != 0.0;
     return r->border_rough - (known ? (r->noise_level - 1.0) * r->border_noise_var
                               : all ? r->high_galaxy
                                     : 0.0);
 }
 
-const char *shear_advice_rough_border(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                      size_t size) {
+const char *sheard_advice_rough_border(const shear_result *r, const shear_plan_info *plan,
+                                       char *buf, size_t size) {
     const double extra = beyond_noise(r, plan);
     bool rough = extra > BORDER_SIGMA * r->border_rough_err &&
                  extra > ROUGH_MAX * r->border_noise_var &&
                  sqrt(extra) * stamp_area(plan) > BORDER_FLUX * r->mean_flux;
     if (plan->filter != SHEAR_FILTER_NONE || !rough ||
-        shear_advice_no_noise(r, plan, buf, size) != NULL) {
+        sheard_advice_no_noise(r, plan, buf, size) != NULL) {
         return NULL;
     }
     snprintf(buf, size,
@@ -102,8 +102,8 @@ static bool is_steep(double step, const shear_result *r, const shear_plan_info *
     return part > (plan->filter != SHEAR_FILTER_NONE ? STEP_FILTERED : STEP_OPEN);
 }
 
-const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                  size_t size) {
+const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                   size_t size) {
     static const char cure[] = "subtract the sky with a plane or a finer mesh";
     const double common = hypot(r->border_step_x, r->border_step_y);
     const double step2 = step2_beyond_noise(r, plan);
@@ -124,8 +124,8 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
             100.0 * common * stamp_area(plan) / r->mean_flux, cure);
         return buf;
     }
-    if (shear_advice_noise_shape(r, plan, buf, size) != NULL ||
-        shear_advice_no_noise(r, plan, buf, size) != NULL) {
+    if (sheard_advice_noise_shape(r, plan, buf, size) != NULL ||
+        sheard_advice_no_noise(r, plan, buf, size) != NULL) {
         return NULL; /* white noise is no measure of the steps of correlated noise */
     }
     const bool real = fabs(r->border_step2) > ROUNDING * r->border_noise_var;
@@ -140,8 +140,8 @@ const char *shear_advice_gradient(const shear_result *r, const shear_plan_info *
     return NULL;
 }
 
-const char *shear_advice_many_artefacts(const shear_result *r, const shear_plan_info *plan,
-                                        char *buf, size_t size) {
+const char *sheard_advice_many_artefacts(const shear_result *r, const shear_plan_info *plan,
+                                         char *buf, size_t size) {
     int64_t n = 0;
     (void)plan;
     for (unsigned bit = 0; bit < SHEAR_N_FLAGS; bit++) {
@@ -160,26 +160,26 @@ const char *shear_advice_many_artefacts(const shear_result *r, const shear_plan_
     return buf;
 }
 
-void shear_advice_all(shear_advice_list *list, const shear_result *r, const shear_plan_info *plan,
-                      const char *top_file) {
-    static const char *(*const all[SHEAR_RESULT_ADVICES])(
+void sheard_advice_all(sheard_advice_list *list, const shear_result *r, const shear_plan_info *plan,
+                       const char *top_file) {
+    static const char *(*const all[SHEARD_RESULT_ADVICES])(
         const shear_result *, const shear_plan_info *, char *, size_t) = {
-        shear_advice_no_noise,     shear_advice_small_stamps,    shear_advice_noise_scatter,
-        shear_advice_noise_level,  shear_advice_noise_unchecked, shear_advice_noise_shape,
-        shear_advice_errors,       shear_advice_filter,          shear_advice_bright_border,
-        shear_advice_rough_border, shear_advice_gradient,        shear_advice_many_artefacts};
+        sheard_advice_no_noise,     sheard_advice_small_stamps,    sheard_advice_noise_scatter,
+        sheard_advice_noise_level,  sheard_advice_noise_unchecked, sheard_advice_noise_shape,
+        sheard_advice_errors,       sheard_advice_filter,          sheard_advice_bright_border,
+        sheard_advice_rough_border, sheard_advice_gradient,        sheard_advice_many_artefacts};
     list->n = 0;
-    const char *line = shear_advice_influence(r, top_file, list->text[0], SHEAR_ADVICE_SIZE);
-    if (line) {
+    const char *line = sheard_advice_influence(r, top_file, list->text[0], SHEARD_ADVICE_SIZE);
+    if (line != NULL) {
         list->lines[list->n++] = line;
     }
-    for (size_t i = 0; plan && i < SHEAR_RESULT_ADVICES; i++) {
-        line = all[i](r, plan, list->text[list->n], SHEAR_ADVICE_SIZE);
-        if (line) {
+    for (size_t i = 0; plan != NULL && i < SHEARD_RESULT_ADVICES; i++) {
+        line = all[i](r, plan, list->text[list->n], SHEARD_ADVICE_SIZE);
+        if (line != NULL) {
             list->lines[list->n++] = line;
         }
     }
-    if (plan) {
-        shear_advice_psf(list, plan);
+    if (plan != NULL) {
+        sheard_advice_psf(list, plan);
     }
 }

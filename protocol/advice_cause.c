@@ -31,7 +31,7 @@ static double d_of_noise(double variance, const shear_plan_info *plan) {
     return gamma2 > 0.1 * r2 ? -variance * area * r2 / (4.0 * M_PI * pow(gamma2, 3.0)) : 0.0;
 }
 
-double shear_advice_noise_left(const shear_result *r, const shear_plan_info *plan) {
+double sheard_advice_noise_left(const shear_result *r, const shear_plan_info *plan) {
     const double variance = noise_of_galaxies(r);
     const double noise_d = r->sum_weight * d_of_noise(variance, plan);
     const double corrected = r->noise_share * r->sum_d; /* by the noise stamps */
@@ -41,10 +41,10 @@ double shear_advice_noise_left(const shear_result *r, const shear_plan_info *pla
     return has_none ? noise_d / fabs(r->sum_d - noise_d) : 0.0;
 }
 
-const char *shear_advice_no_noise(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                  size_t size) {
+const char *sheard_advice_no_noise(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                   size_t size) {
     char effect[64] = "and there is no shear";
-    const double left = shear_advice_noise_left(r, plan);
+    const double left = sheard_advice_noise_left(r, plan);
     if (!(fabs(left) > BIAS_MIN)) {
         return NULL;
     }
@@ -60,8 +60,8 @@ const char *shear_advice_no_noise(const shear_result *r, const shear_plan_info *
     return buf;
 }
 
-const char *shear_advice_small_stamps(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                      size_t size) {
+const char *sheard_advice_small_stamps(const shear_result *r, const shear_plan_info *plan,
+                                       char *buf, size_t size) {
     char much[32] = "by more than 10 %";
     const double bias = shear_plan_periodic_bias(plan);
     (void)r;
@@ -81,28 +81,28 @@ const char *shear_advice_small_stamps(const shear_result *r, const shear_plan_in
 
 /* The noises' spectra differ by so much. */
 static bool has_wrong_noise(const shear_result *r, const shear_plan_info *plan) {
-    char line[SHEAR_ADVICE_SIZE];
-    return shear_advice_noise_shape(r, plan, line, sizeof line) != NULL &&
+    char line[SHEARD_ADVICE_SIZE];
+    return sheard_advice_noise_shape(r, plan, line, sizeof line) != NULL &&
            fabs(r->noise_shape * r->noise_share) > BIAS_BAD;
 }
 
 static bool lacks_shear(const shear_result *r) {
     return !r->valid &&
            (r->why == SHEAR_TOO_NARROW || r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED) &&
-           !shear_one_outweighs(r);
+           !sheard_one_outweighs(r);
 }
 
-bool shear_cause_of(const shear_result *r, const shear_plan_info *plan, shear_cause *cause) {
+bool sheard_cause_of(const shear_result *r, const shear_plan_info *plan, sheard_cause *cause) {
     const bool looked_at = r->valid || lacks_shear(r);
-    if (looked_at && fabs(shear_advice_noise_left(r, plan)) > BIAS_BAD) {
-        *cause = (shear_cause){"the noise stamps hold no noise, and the galaxies do",
-                               "give noise stamps of the same image as the galaxies"};
+    if (looked_at && fabs(sheard_advice_noise_left(r, plan)) > BIAS_BAD) {
+        *cause = (sheard_cause){"the noise stamps hold no noise, and the galaxies do",
+                                "give noise stamps of the same image as the galaxies"};
     } else if (has_wrong_noise(r, plan)) {
-        *cause = (shear_cause){
+        *cause = (sheard_cause){
             "the noise under the galaxies has another spectrum than that of the noise stamps",
             "take noise stamps from the same image, resampled alike"};
     } else if (looked_at && shear_plan_periodic_bias(plan) > BIAS_NONE) {
-        *cause = (shear_cause){
+        *cause = (sheard_cause){
             "the stamps are too small for beta, or the PSF is not as wide (OVERSAMP forgotten?)",
             "cut stamps that are 10 beta wide at least; give the keyword OVERSAMP where the PSF "
             "has several samples a galaxy pixel"};

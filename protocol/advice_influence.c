@@ -12,8 +12,8 @@ enum { MANY = 50 };
 static const double ERRORS_APART = 1.5, ERRORS_SIGMA = 3.0;
 enum { LEAST_GROUPS = 10 };
 
-const char *shear_advice_influence(const shear_result *r, const char *top_file, char *buf,
-                                   size_t size) {
+const char *sheard_advice_influence(const shear_result *r, const char *top_file, char *buf,
+                                    size_t size) {
     const bool one = r->top_share > SHARE_MIN && r->top_share * (double)r->n_used > SHARE_STAMPS;
     const bool few = r->n_eff < FEW_EFFECTIVE && r->n_used > MANY;
     if (!r->valid || shear_estimator_is_symmetric(r->estimator) || r->top_stamp < 0 ||
@@ -35,8 +35,8 @@ static double far_apart(int groups) {
     return fmax(ERRORS_APART, exp(ERRORS_SIGMA / sqrt(2.0 * (groups - 1))));
 }
 
-const char *shear_advice_errors(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                size_t size) {
+const char *sheard_advice_errors(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                 size_t size) {
     (void)plan;
     if (!r->valid || r->jackknife < LEAST_GROUPS) {
         return NULL;

@@ -15,7 +15,7 @@ static const double SHARE_MIN = 0.5;
 static const double NARROW_PX = 1.0; /* R_PSF: galaxies have power at all wave numbers below */
 static const double NO_DIGITS = 0.1; /* of D that would be left */
 
-const char *shear_advice_without_level(double effect, char *buf, size_t size) {
+const char *sheard_advice_without_level(double effect, char *buf, size_t size) {
     if (1.0 + effect < NO_DIGITS) {
         snprintf(buf, size, "there would be no shear");
     } else {
@@ -37,8 +37,8 @@ static bool has_other_shape(const shear_result *r) {
            shape > SHAPE_SIGMA * r->noise_shape_err && shape * fabs(r->noise_share) > EFFECT_MIN;
 }
 
-const char *shear_advice_noise_level(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                     size_t size) {
+const char *sheard_advice_noise_level(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                      size_t size) {
     char effect[64];
     const double more = r->noise_level - 1.0;
     const double err = r->noise_level_err;
@@ -47,7 +47,7 @@ const char *shear_advice_noise_level(const shear_result *r, const shear_plan_inf
         !(fabs(r->noise_effect) > EFFECT_MIN) || has_other_shape(r)) {
         return NULL;
     }
-    shear_advice_without_level(r->noise_effect, effect, sizeof effect);
+    sheard_advice_without_level(r->noise_effect, effect, sizeof effect);
     if (is_far(r->noise_level)) {
         snprintf(buf, size,
                  "the noise stamps are not of the galaxies' noise: under the galaxies it has %.3g "
@@ -69,8 +69,8 @@ const char *shear_advice_noise_level(const shear_result *r, const shear_plan_inf
     return buf;
 }
 
-const char *shear_advice_noise_unchecked(const shear_result *r, const shear_plan_info *plan,
-                                         char *buf, size_t size) {
+const char *sheard_advice_noise_unchecked(const shear_result *r, const shear_plan_info *plan,
+                                          char *buf, size_t size) {
     char cause[64];
     char effect[64];
     const bool narrow = plan->r_psf_px < NARROW_PX;
@@ -86,12 +86,12 @@ const char *shear_advice_noise_unchecked(const shear_result *r, const shear_plan
     snprintf(buf, size,
              "the level of the noise cannot be checked (%s): were it 1 %% higher under the "
              "galaxies than in the noise stamps, %s",
-             cause, shear_advice_without_level(0.01 * r->noise_share, effect, sizeof effect));
+             cause, sheard_advice_without_level(0.01 * r->noise_share, effect, sizeof effect));
     return buf;
 }
 
-const char *shear_advice_noise_shape(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                     size_t size) {
+const char *sheard_advice_noise_shape(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                      size_t size) {
     (void)plan;
     if (!has_other_shape(r)) {
         return NULL;
@@ -106,8 +106,8 @@ const char *shear_advice_noise_shape(const shear_result *r, const shear_plan_inf
     return buf;
 }
 
-const char *shear_advice_noise_scatter(const shear_result *r, const shear_plan_info *plan,
-                                       char *buf, size_t size) {
+const char *sheard_advice_noise_scatter(const shear_result *r, const shear_plan_info *plan,
+                                        char *buf, size_t size) {
     (void)plan;
     const double err = r->noise_level_err;
     if (!r->valid || !(err > SCATTER_MAX * r->noise_level) ||

@@ -98,7 +98,7 @@ static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) 
     return buf;
 }
 
-void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan) {
+void sheard_advice_psf(sheard_advice_list *list, const shear_plan_info *plan) {
     static const char *(*const flaws[SHEAR_N_PSF_FLAWS])(
         const shear_plan_info *, char *, size_t) = {[SHEAR_PSF_PEDESTAL] = pedestal,
                                                     [SHEAR_PSF_CUT] = cut,
@@ -106,34 +106,34 @@ void shear_advice_psf(shear_advice_list *list, const shear_plan_info *plan) {
                                                     [SHEAR_PSF_UNDERSAMPLED] = undersampled,
                                                     [SHEAR_PSF_NEGATIVE] = negative};
     if (plan->psf.unusable > 0) {
-        list->lines[list->n] = unusable(&plan->psf, list->text[list->n], SHEAR_ADVICE_SIZE);
+        list->lines[list->n] = unusable(&plan->psf, list->text[list->n], SHEARD_ADVICE_SIZE);
         list->n++;
     }
     for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
         if (plan->psf.flawed[i] > 0) {
-            list->lines[list->n] = flaws[i](plan, list->text[list->n], SHEAR_ADVICE_SIZE);
+            list->lines[list->n] = flaws[i](plan, list->text[list->n], SHEARD_ADVICE_SIZE);
             list->n++;
         }
     }
 }
 
-const char *shear_advice_other_psfs(const shear_report_file *files, size_t n, const char *first,
-                                    char *buf, size_t size) {
-    shear_advice_list said = {.n = 0};
+const char *sheard_advice_other_psfs(const sheard_report_file *files, size_t n, const char *first,
+                                     char *buf, size_t size) {
+    sheard_advice_list said = {.n = 0};
     const char *example = NULL; /* may have no path */
     size_t others = 0;
     size_t doubtful = 0;
     for (size_t i = 0; i < n; i++) {
-        shear_advice_list list = {.n = 0};
+        sheard_advice_list list = {.n = 0};
         if (files[i].path != NULL && first != NULL && strcmp(files[i].path, first) == 0) {
             continue;
         }
         others++;
         if (files[i].plan != NULL) {
-            shear_advice_psf(&list, files[i].plan);
+            sheard_advice_psf(&list, files[i].plan);
         }
         if (list.n > 0 && doubtful++ == 0) {
-            shear_advice_psf(&said, files[i].plan);
+            sheard_advice_psf(&said, files[i].plan);
             example = files[i].path;
         }
     }

@@ -8,20 +8,20 @@
 /* A connection that is quiet keeps no more than this. */
 enum { SMALL = 4096 };
 
-void shear_frame_init(shear_frame *f, size_t limit) {
-    *f = (shear_frame){.limit = limit};
+void sheard_frame_init(sheard_frame *f, size_t limit) {
+    *f = (sheard_frame){.limit = limit};
 }
 
-void shear_frame_deinit(shear_frame *f) {
+void sheard_frame_deinit(sheard_frame *f) {
     free(f->kept);
-    *f = (shear_frame){.limit = f->limit};
+    *f = (sheard_frame){.limit = f->limit};
 }
 
-size_t shear_frame_pending(const shear_frame *f) {
+size_t sheard_frame_pending(const sheard_frame *f) {
     return f->delivered ? 0 : f->used;
 }
 
-static void forget(shear_frame *f) {
+static void forget(sheard_frame *f) {
     f->used = 0;
     f->delivered = false;
     if (f->size > SMALL) {
@@ -33,9 +33,9 @@ static void forget(shear_frame *f) {
 
 /* Doubling, so that a line that comes byte by byte costs no more than its length; never beyond the
  * limit. */
-static int make_room(shear_frame *f, size_t n) {
+static int make_room(sheard_frame *f, size_t n) {
     if (n <= f->size) {
-        return SHEAR_FRAME_MORE;
+        return SHEARD_FRAME_MORE;
     }
     size_t size = f->size < 256 ? 256 : f->size;
     while (size < n) {
@@ -45,25 +45,25 @@ static int make_room(shear_frame *f, size_t n) {
         size = f->limit;
     }
     char *larger = realloc(f->kept, size);
-    if (!larger) {
-        return SHEAR_FRAME_NOMEM;
+    if (larger == NULL) {
+        return SHEARD_FRAME_NOMEM;
     }
     f->kept = larger;
     f->size = size;
-    return SHEAR_FRAME_MORE;
+    return SHEARD_FRAME_MORE;
 }
 
 /* Is there something wrong with the line that goes on with these n bytes? The first wrong byte
  * counts, so that the answer does not depend on the pieces. */
-static int look_for_faults(const shear_frame *f, const char *bytes, size_t n) {
+static int look_for_faults(const sheard_frame *f, const char *bytes, size_t n) {
     const size_t room = f->limit - f->used;
     const char *nul = memchr(bytes, '\0', n < room ? n : room);
-    return nul ? SHEAR_FRAME_NUL : n > room ? SHEAR_FRAME_TOO_LONG : SHEAR_FRAME_MORE;
+    return nul != NULL ? SHEARD_FRAME_NUL : n > room ? SHEARD_FRAME_TOO_LONG : SHEARD_FRAME_MORE;
 }
 
-static int keep(shear_frame *f, const char *bytes, size_t n) {
+static int keep(sheard_frame *f, const char *bytes, size_t n) {
     const int event = make_room(f, f->used + n);
-    if (event == SHEAR_FRAME_MORE) {
+    if (event == SHEARD_FRAME_MORE) {
         memcpy(f->kept + f->used, bytes, n);
         f->used += n;
     }
@@ -71,12 +71,12 @@ static int keep(shear_frame *f, const char *bytes, size_t n) {
 }
 
 /* The n bytes end a line, which may have begun in `kept`. An empty line is no event. */
-static int finish(shear_frame *f, const char *bytes, size_t n, const char **line, size_t *length) {
+static int finish(sheard_frame *f, const char *bytes, size_t n, const char **line, size_t *length) {
     *line = bytes;
     *length = n;
     if (f->used > 0) {
-        const int event = n > 0 ? keep(f, bytes, n) : SHEAR_FRAME_MORE;
-        if (event != SHEAR_FRAME_MORE) {
+        const int event = n > 0 ? keep(f, bytes, n) : SHEARD_FRAME_MORE;
+        if (event != SHEARD_FRAME_MORE) {
             return event;
         }
         *line = f->kept;
@@ -86,31 +86,31 @@ static int finish(shear_frame *f, const char *bytes, size_t n, const char **line
     if (*length > 0 && (*line)[*length - 1] == '\r') {
         --*length;
     }
-    return *length > 0 ? SHEAR_FRAME_LINE : SHEAR_FRAME_MORE;
+    return *length > 0 ? SHEARD_FRAME_LINE : SHEARD_FRAME_MORE;
 }
 
 /* Take n bytes of one line, `ended` if its \n follows. */
-static int take(shear_frame *f, const char *bytes, size_t n, bool ended, const char **line,
+static int take(sheard_frame *f, const char *bytes, size_t n, bool ended, const char **line,
                 size_t *length) {
     if (f->skipping) {
         f->skipping = !ended;
-        return SHEAR_FRAME_MORE;
+        return SHEARD_FRAME_MORE;
     }
     int event = look_for_faults(f, bytes, n);
-    if (event == SHEAR_FRAME_MORE) {
+    if (event == SHEARD_FRAME_MORE) {
         event = ended   ? finish(f, bytes, n, line, length)
                 : n > 0 ? keep(f, bytes, n)
-                        : SHEAR_FRAME_MORE;
+                        : SHEARD_FRAME_MORE;
     }
-    if (event != SHEAR_FRAME_MORE && event != SHEAR_FRAME_LINE) {
+    if (event != SHEARD_FRAME_MORE && event != SHEARD_FRAME_LINE) {
         forget(f);
         f->skipping = !ended;
     }
     return event;
 }
 
-int shear_frame_next(shear_frame *f, const char **input, size_t *n, const char **line,
-                     size_t *length) {
+int sheard_frame_next(sheard_frame *f, const char **input, size_t *n, const char **line,
+                      size_t *length) {
     *line = NULL;
     *length = 0;
     for (;;) {
@@ -118,15 +118,15 @@ int shear_frame_next(shear_frame *f, const char **input, size_t *n, const char *
             forget(f);
         }
         if (*n == 0) {
-            return SHEAR_FRAME_MORE;
+            return SHEARD_FRAME_MORE;
         }
         const char *bytes = *input;
         const char *newline = memchr(bytes, '\n', *n);
-        const size_t taken = newline ? (size_t)(newline - bytes) : *n;
+        const size_t taken = newline != NULL ? (size_t)(newline - bytes) : *n;
         *input += taken + (newline != NULL);
         *n -= taken + (newline != NULL);
         const int event = take(f, bytes, taken, newline != NULL, line, length);
-        if (event != SHEAR_FRAME_MORE) {
+        if (event != SHEARD_FRAME_MORE) {
             return event;
         }
     }

@@ -29,22 +29,22 @@ static size_t sequence_length(const unsigned char *s, size_t left) {
 }
 
 json_t *json_text_string(const char *text) {
-    if (!text) {
+    if (text == NULL) {
         return json_null();
     }
     size_t length = strlen(text);
     char *clean = malloc(3 * length + 1); /* U+FFFD has three bytes */
-    if (!clean) {
+    if (clean == NULL) {
         return NULL;
     }
     size_t used = 0;
     for (size_t i = 0; i < length;) {
         size_t step = sequence_length((const unsigned char *)text + i, length - i);
-        const char *from = step ? text + i : "\xEF\xBF\xBD";
-        size_t n = step ? step : 3;
+        const char *from = step != 0 ? text + i : "\xEF\xBF\xBD";
+        size_t n = step != 0 ? step : 3;
         memcpy(clean + used, from, n);
         used += n;
-        i += step ? step : 1;
+        i += step != 0 ? step : 1;
     }
     json_t *string = json_stringn(clean, used);
     free(clean);
@@ -92,7 +92,7 @@ json_t *json_text_settings(const shear_settings *s) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     json_t *object = json_object();
-    bool failed = !object;
+    bool failed = object == NULL;
     for (size_t i = 0; i < n; i++) {
         json_text_set(object, table[i].name, setting_value(s, &table[i]), &failed);
     }
@@ -100,11 +100,11 @@ json_t *json_text_settings(const shear_settings *s) {
 }
 
 json_t *json_text_plan(const shear_plan_info *plan) {
-    if (!plan) {
+    if (plan == NULL) {
         return json_null();
     }
     json_t *o = json_object();
-    bool failed = !o;
+    bool failed = o == NULL;
     json_text_set(o, "interpolation",
                   json_text_string(shear_interpolation_name(plan->interpolation)), &failed);
     json_text_set(o, "oversample", json_integer(plan->oversample), &failed);
@@ -122,7 +122,7 @@ json_t *json_text_plan(const shear_plan_info *plan) {
 
 static json_t *flaw_counts(const shear_psf_summary *s) {
     json_t *o = json_object();
-    bool failed = !o;
+    bool failed = o == NULL;
     for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
         json_text_set(o, shear_psf_flaw_name(i), json_integer(s->flawed[i]), &failed);
     }
@@ -130,12 +130,12 @@ static json_t *flaw_counts(const shear_psf_summary *s) {
 }
 
 json_t *json_text_psf(const shear_psf_summary *s) {
-    if (!s) {
+    if (s == NULL) {
         return json_null();
     }
     const shear_psf_quality *q = &s->worst;
     json_t *o = json_object();
-    bool failed = !o;
+    bool failed = o == NULL;
     json_text_set(o, "looked_at", json_integer(s->looked_at), &failed);
     json_text_set(o, "unusable", json_integer(s->unusable), &failed);
     json_text_set(o, "flaws", flaw_counts(s), &failed);
@@ -171,11 +171,11 @@ static char *dump(const json_t *object) {
     enum { FLAGS = JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(17) };
     size_t size = json_dumpb(object, NULL, 0, FLAGS);
     char *text = size > 0 ? malloc(size + 1) : NULL;
-    if (text && json_dumpb(object, text, size, FLAGS) != size) {
+    if (text != NULL && json_dumpb(object, text, size, FLAGS) != size) {
         free(text);
         return NULL;
     }
-    if (text) {
+    if (text != NULL) {
         text[size] = '\0';
     }
     return text;
@@ -184,7 +184,7 @@ static char *dump(const json_t *object) {
 int json_text_finish(char **text, json_t *object, bool failed, shear_error *err) {
     *text = failed ? NULL : dump(object);
     json_decref(object);
-    if (!*text) {
+    if (*text == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory while writing JSON");
     }
     return SHEAR_OK;

@@ -14,34 +14,34 @@ const char *const msg_endings[] = {"",         "done",        "failed", "cancell
 const char *const msg_server_states[] = {"running", "draining", "stopping", NULL};
 const char *const msg_modes[] = {"drain", "now", NULL};
 
-const char *shear_job_state_name(int state) {
+const char *sheard_job_state_name(int state) {
     return msg_name(msg_states, state);
 }
 
-const char *shear_job_class_name(int job_class) {
+const char *sheard_job_class_name(int job_class) {
     return msg_name(msg_classes, job_class);
 }
 
-const char *shear_job_outcome_name(int outcome) {
+const char *sheard_job_outcome_name(int outcome) {
     return msg_name(msg_outcomes, outcome);
 }
 
-const char *shear_job_phase_name(int phase) {
+const char *sheard_job_phase_name(int phase) {
     return msg_name(msg_phases, phase);
 }
 
-const char *shear_job_origin_name(int origin) {
+const char *sheard_job_origin_name(int origin) {
     return msg_name(msg_origins, origin);
 }
 
-const char *shear_job_ending_name(int ending) {
+const char *sheard_job_ending_name(int ending) {
     return msg_name(msg_endings, ending);
 }
 
-const char *shear_server_state_name(int state) {
+const char *sheard_server_state_name(int state) {
     return msg_name(msg_server_states, state);
 }
 
-bool shear_job_state_is_final(int state) {
-    return state >= SHEAR_JOB_DONE && state <= SHEAR_JOB_RETRACTED;
+bool sheard_job_state_is_final(int state) {
+    return state >= SHEARD_JOB_DONE && state <= SHEARD_JOB_RETRACTED;
 }

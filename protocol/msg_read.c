@@ -31,15 +31,15 @@ int msg_fail(msg_reader *r, int code, const char *format, ...) {
     vsnprintf(said, sizeof said, format, args);
     va_end(args);
     if (!(r->mode & MSG_STRICT)) {
-        code = SHEAR_RPC_BAD_REPLY;
+        code = SHEARD_RPC_BAD_REPLY;
     }
-    shear_rpc_fail(r->error, code, NULL, "'%.*s': %s", (int)sizeof r->path - 1, r->path, said);
+    sheard_rpc_fail(r->error, code, NULL, "'%.*s': %s", (int)sizeof r->path - 1, r->path, said);
     snprintf(r->error->parameter, sizeof r->error->parameter, "%s", r->path);
     return code;
 }
 
 int msg_no_memory(msg_reader *r) {
-    return shear_rpc_fail(r->error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "out of memory while reading");
+    return sheard_rpc_fail(r->error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory while reading");
 }
 
 const char *msg_kind(const json_t *value) {
@@ -48,7 +48,7 @@ const char *msg_kind(const json_t *value) {
         [JSON_INTEGER] = "a number", [JSON_REAL] = "a number",  [JSON_TRUE] = "true",
         [JSON_FALSE] = "false",      [JSON_NULL] = "null",
     };
-    return value ? kinds[json_typeof(value)] : "nothing";
+    return value != NULL ? kinds[json_typeof(value)] : "nothing";
 }
 
 static const msg_member *find_member(const msg_table *table, const char *name) {
@@ -69,9 +69,9 @@ static int refuse_unknown(msg_reader *r, const msg_table *table, const char *nam
     }
     msg_enter(r, name);
     if (table->n == 0) {
-        return msg_fail(r, SHEAR_RPC_UNKNOWN_PARAMETER, "there are no parameters here");
+        return msg_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "there are no parameters here");
     }
-    return msg_fail(r, SHEAR_RPC_UNKNOWN_PARAMETER, "no such parameter; there are: %s", known);
+    return msg_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "no such parameter; there are: %s", known);
 }
 
 static int check_names(msg_reader *r, const msg_table *table, const json_t *object) {
@@ -79,11 +79,11 @@ static int check_names(msg_reader *r, const msg_table *table, const json_t *obje
     json_t *o = (json_t *)object;
     for (void *i = json_object_iter(o); i; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
-        if (!find_member(table, name)) {
+        if (find_member(table, name) == NULL) {
             return refuse_unknown(r, table, name);
         }
     }
-    return SHEAR_RPC_OK;
+    return SHEARD_RPC_OK;
 }
 
 /* What an object has beside the members that the table names. (json_copy passes over want of
@@ -93,23 +93,23 @@ static int read_merged(msg_reader *r, const char **at, const msg_table *table,
                        const json_t *object) {
     json_t *o = (json_t *)object;
     json_t *rest = json_object();
-    bool failed = !rest;
-    for (void *i = json_object_iter(o); i && !failed; i = json_object_iter_next(o, i)) {
+    bool failed = rest == NULL;
+    for (void *i = json_object_iter(o); i != NULL && !failed; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
-        failed = !find_member(table, name) &&
+        failed = find_member(table, name) == NULL &&
                  json_object_set(rest, name, json_object_iter_value(i)) != 0;
     }
     *at = failed ? NULL : rpc_dump(rest, 0, "", NULL);
     json_decref(rest);
-    return *at ? SHEAR_RPC_OK : msg_no_memory(r);
+    return *at != NULL ? SHEARD_RPC_OK : msg_no_memory(r);
 }
 
 static int read_raw(msg_reader *r, const char **at, const json_t *value) {
     if (!json_is_object(value)) {
-        return msg_fail(r, SHEAR_RPC_BAD_PARAMETER, "expected an object, not %s", msg_kind(value));
+        return msg_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected an object, not %s", msg_kind(value));
     }
     *at = rpc_dump(value, 0, "", NULL);
-    return *at ? SHEAR_RPC_OK : msg_no_memory(r);
+    return *at != NULL ? SHEARD_RPC_OK : msg_no_memory(r);
 }
 
 /* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
@@ -138,23 +138,24 @@ static int read_value(msg_reader *r, void *message, const msg_member *m, const j
 /* null is as good as absent. */
 static int read_member(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
     const size_t mark = msg_enter(r, m->name);
-    int rc = SHEAR_RPC_OK;
-    if (value && !json_is_null(value)) {
+    int rc = SHEARD_RPC_OK;
+    if (value != NULL && !json_is_null(value)) {
         rc = read_value(r, message, m, value);
     } else if (m->flags & MSG_REQUIRED) {
-        rc = value ? msg_fail(r, SHEAR_RPC_BAD_PARAMETER, "must not be null")
-                   : msg_fail(r, SHEAR_RPC_MISSING_PARAMETER, "is missing");
+        rc = value != NULL ? msg_fail(r, SHEARD_RPC_BAD_PARAMETER, "must not be null")
+                           : msg_fail(r, SHEARD_RPC_MISSING_PARAMETER, "is missing");
     }
     msg_leave(r, mark);
     return rc;
 }
 
 int msg_read_object(msg_reader *r, void *message, const msg_table *table, const json_t *object) {
-    if (object && !json_is_object(object)) {
-        return msg_fail(r, SHEAR_RPC_BAD_PARAMETER, "expected an object, not %s", msg_kind(object));
+    if (object != NULL && !json_is_object(object)) {
+        return msg_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected an object, not %s",
+                        msg_kind(object));
     }
-    int rc = r->mode & MSG_STRICT && object ? check_names(r, table, object) : SHEAR_RPC_OK;
-    for (size_t i = 0; rc == SHEAR_RPC_OK && i < table->n; i++) {
+    int rc = r->mode & MSG_STRICT && object != NULL ? check_names(r, table, object) : SHEARD_RPC_OK;
+    for (size_t i = 0; rc == SHEARD_RPC_OK && i < table->n; i++) {
         const msg_member *m = &table->members[i];
         rc = m->type == MSG_MERGED
                  ? read_merged(r, (void *)((char *)message + m->offset), table, object)
@@ -166,14 +167,14 @@ int msg_read_object(msg_reader *r, void *message, const msg_table *table, const 
 /* NOLINTEND(misc-no-recursion) */
 
 int msg_read(void *message, const msg_table *table, const json_t *object, unsigned mode,
-             shear_rpc_error *error) {
+             sheard_rpc_error *error) {
     msg_reader r = {.mode = mode, .error = error};
     msg_init(message, table);
     int rc = msg_read_object(&r, message, table, object);
-    if (rc == SHEAR_RPC_OK && mode & MSG_STRICT && table->check) {
+    if (rc == SHEARD_RPC_OK && mode & MSG_STRICT && table->check != NULL) {
         rc = table->check(message, error);
     }
-    if (rc != SHEAR_RPC_OK) {
+    if (rc != SHEARD_RPC_OK) {
         msg_deinit(message, table);
     }
     return rc;

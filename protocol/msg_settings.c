@@ -29,7 +29,7 @@ static bool add_line(char *buf, size_t size, const shear_settings *s,
     return n > 0 && (size_t)n < size - used;
 }
 
-int shear_settings_write(const shear_settings *s, char *buf, size_t size, shear_error *err) {
+int sheard_settings_write(const shear_settings *s, char *buf, size_t size, shear_error *err) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     bool fits = size > 0;
@@ -53,17 +53,17 @@ static int take_line(const char **text, char line[LINE_SIZE], char **value, shea
     line[n] = '\0';
     *text += n + ((*text)[n] == '\n');
     *value = strchr(line, '=');
-    if (!*value) {
+    if (*value == NULL) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "settings: '%s' is not NAME=VALUE", line);
     }
     *(*value)++ = '\0';
     return SHEAR_OK;
 }
 
-int shear_settings_apply(shear_settings *s, const char *text, shear_error *err) {
+int sheard_settings_apply(shear_settings *s, const char *text, shear_error *err) {
     char line[LINE_SIZE];
     char *value = NULL;
-    while (text && *text != '\0') {
+    while (text != NULL && *text != '\0') {
         int rc = take_line(&text, line, &value, err);
         if (rc == SHEAR_OK) {
             rc = shear_settings_set(s, line, value, err);
@@ -80,7 +80,7 @@ static int read_old(shear_settings *s, const char *text, shear_error *err) {
     shear_settings_init(s);
     int code = shear_settings_set(s, "preset", "zhang2010", err);
     if (code == SHEAR_OK) {
-        code = shear_settings_apply(s, text, err);
+        code = sheard_settings_apply(s, text, err);
     }
     if (code == SHEAR_OK && s->interpolation == SHEAR_INTERP_AUTO) {
         code = shear_settings_set(s, "interpolation", "paper", err);
@@ -91,19 +91,19 @@ static int read_old(shear_settings *s, const char *text, shear_error *err) {
     return code;
 }
 
-int shear_settings_read(shear_settings *s, const char *text, shear_error *err) {
+int sheard_settings_read(shear_settings *s, const char *text, shear_error *err) {
     static const char first[] = "preset=";
     if (strncmp(text, first, sizeof first - 1) != 0) {
         return read_old(s, text, err);
     }
     shear_settings_init(s);
-    return shear_settings_apply(s, text, err);
+    return sheard_settings_apply(s, text, err);
 }
 
-int shear_settings_digest(const shear_settings *s, shear_digest *hash, char *hex, size_t size,
-                          shear_error *err) {
-    char text[SHEAR_MSG_SETTINGS_SIZE];
-    const int rc = shear_settings_write(s, text, sizeof text, err);
+int sheard_settings_digest(const shear_settings *s, sheard_digest *hash, char *hex, size_t size,
+                           shear_error *err) {
+    char text[SHEARD_MSG_SETTINGS_SIZE];
+    const int rc = sheard_settings_write(s, text, sizeof text, err);
     if (rc == SHEAR_OK) {
         hash(text, strlen(text), hex, size);
     }
@@ -129,7 +129,7 @@ static const char *expected(const shear_setting_def *def) {
 
 static bool is_auto(const shear_setting_def *def, const json_t *value) {
     const char *text = json_string_value(value);
-    return def->has_auto && text && strcmp(text, shear_setting_auto(def)) == 0 &&
+    return def->has_auto && text != NULL && strcmp(text, shear_setting_auto(def)) == 0 &&
            json_string_length(value) == strlen(text);
 }
 
@@ -166,13 +166,13 @@ static int read_one(msg_reader *r, shear_settings *s, const shear_setting_def *d
                     const json_t *value) {
     char text[VALUE_SIZE];
     if (!value_text(def, value, text, sizeof text)) {
-        return msg_fail(r, SHEAR_RPC_BAD_SETTING, "expected %s, not %s", expected(def),
+        return msg_fail(r, SHEARD_RPC_BAD_SETTING, "expected %s, not %s", expected(def),
                         msg_kind(value));
     }
     shear_error err = {0};
     return shear_settings_set(s, def->name, text, &err) == SHEAR_OK
-               ? SHEAR_RPC_OK
-               : msg_fail(r, SHEAR_RPC_BAD_SETTING, "%s", err.message);
+               ? SHEARD_RPC_OK
+               : msg_fail(r, SHEARD_RPC_BAD_SETTING, "%s", err.message);
 }
 
 /* One member of an object of settings. A newer service may have settings that we do not know: they
@@ -182,18 +182,18 @@ static int read_member(msg_reader *r, shear_settings *s, bool *given, const char
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     const shear_setting_def *def = shear_settings_find(name);
-    if (!def && !(r->mode & MSG_STRICT)) {
-        return SHEAR_RPC_OK;
+    if (def == NULL && !(r->mode & MSG_STRICT)) {
+        return SHEARD_RPC_OK;
     }
     const size_t mark = msg_enter(r, name);
-    if (!def) {
-        return msg_fail(r, SHEAR_RPC_BAD_SETTING, "there is no such setting");
+    if (def == NULL) {
+        return msg_fail(r, SHEARD_RPC_BAD_SETTING, "there is no such setting");
     }
     if (given[def - table]) {
-        return msg_fail(r, SHEAR_RPC_BAD_SETTING, "is given twice ('-' and '_' are the same)");
+        return msg_fail(r, SHEARD_RPC_BAD_SETTING, "is given twice ('-' and '_' are the same)");
     }
     const int rc = read_one(r, s, def, value);
-    if (rc == SHEAR_RPC_OK) {
+    if (rc == SHEARD_RPC_OK) {
         given[def - table] = true;
         msg_leave(r, mark);
     }
@@ -206,11 +206,12 @@ static int read_given(msg_reader *r, shear_settings *s, bool *given, const json_
     const shear_setting_def *table = shear_settings_table(&n);
     json_t *o = (json_t *)object; /* jansson's iterators take no const */
     const char *preset = table[0].name;
-    int rc = SHEAR_RPC_OK;
+    int rc = SHEARD_RPC_OK;
     if (json_object_get(o, preset) != NULL) { /* the others override it, wherever it stands */
         rc = read_member(r, s, given, preset, json_object_get(o, preset));
     }
-    for (void *i = json_object_iter(o); i && rc == SHEAR_RPC_OK; i = json_object_iter_next(o, i)) {
+    for (void *i = json_object_iter(o); i != NULL && rc == SHEARD_RPC_OK;
+         i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
         if (strcmp(name, preset) != 0) {
             rc = read_member(r, s, given, name, json_object_iter_value(i));
@@ -223,29 +224,29 @@ enum { MOST_SETTINGS = 64 }; /* more than the table has */
 
 int msg_read_settings(msg_reader *r, const char **at, const json_t *value) {
     if (!json_is_object(value)) {
-        return msg_fail(r, SHEAR_RPC_BAD_PARAMETER, "expected an object, not %s", msg_kind(value));
+        return msg_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected an object, not %s", msg_kind(value));
     }
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     bool given[MOST_SETTINGS] = {false};
-    char text[SHEAR_MSG_SETTINGS_SIZE] = "";
+    char text[SHEARD_MSG_SETTINGS_SIZE] = "";
     shear_settings s;
     shear_settings_init(&s);
-    const int rc = n > MOST_SETTINGS ? msg_fail(r, SHEAR_RPC_INTERNAL, "has too many settings")
+    const int rc = n > MOST_SETTINGS ? msg_fail(r, SHEARD_RPC_INTERNAL, "has too many settings")
                                      : read_given(r, &s, given, value);
-    if (rc != SHEAR_RPC_OK) {
+    if (rc != SHEARD_RPC_OK) {
         return rc;
     }
     for (size_t i = 0; i < n; i++) {
         if (given[i] && !add_line(text, sizeof text, &s, &table[i])) {
-            return msg_fail(r, SHEAR_RPC_BAD_SETTING, "is too long");
+            return msg_fail(r, SHEARD_RPC_BAD_SETTING, "is too long");
         }
     }
     if (text[0] == '\0') {
-        return SHEAR_RPC_OK;
+        return SHEARD_RPC_OK;
     }
     *at = msg_copy(text, strlen(text));
-    return *at ? SHEAR_RPC_OK : msg_no_memory(r);
+    return *at != NULL ? SHEARD_RPC_OK : msg_no_memory(r);
 }
 
 /* ---- Writing ---- */
@@ -276,8 +277,8 @@ json_t *msg_write_settings(const char *text, bool *bad) {
         }
     }
     json_t *all = json_text_settings(&s);
-    json_t *object = all ? json_object() : NULL;
-    if (object && !pick_named(object, all, text)) {
+    json_t *object = all != NULL ? json_object() : NULL;
+    if (object != NULL && !pick_named(object, all, text)) {
         json_decref(object);
         object = NULL;
     }

@@ -57,7 +57,7 @@ typedef struct msg_table {
     size_t n;
     /* What one member alone does not show; NULL: nothing. Called only on what a client sent or is
      * about to send. */
-    int (*check)(const void *message, shear_rpc_error *error);
+    int (*check)(const void *message, sheard_rpc_error *error);
 } msg_table;
 
 /* The offset of a member that must be of this type. (sizeof a type's name cannot be put in
@@ -168,14 +168,14 @@ enum msg_mode {
 /* Where in a message we are, for errors. */
 typedef struct msg_reader {
     unsigned mode;
-    shear_rpc_error *error;
-    char path[SHEAR_RPC_PARAMETER_SIZE];
+    sheard_rpc_error *error;
+    char path[SHEARD_RPC_PARAMETER_SIZE];
 } msg_reader;
 
 /* Fill `message` from `object` (NULL: an empty one). On an error it is empty. The path of what is
  * wrong goes to error->parameter. */
 int msg_read(void *message, const msg_table *table, const json_t *object, unsigned mode,
-             shear_rpc_error *error);
+             sheard_rpc_error *error);
 /* "PATH: MESSAGE", with error->parameter. */
 int msg_fail(msg_reader *r, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -199,7 +199,7 @@ char *msg_copy(const char *bytes, size_t n);
 
 /* A new object, or NULL with *error set. */
 json_t *msg_write(const void *message, const msg_table *table, unsigned mode,
-                  shear_rpc_error *error);
+                  sheard_rpc_error *error);
 /* Canonical settings as an object. NULL: *bad says whether the text is none, or memory is out. */
 json_t *msg_write_settings(const char *text, bool *bad);
 

@@ -11,7 +11,7 @@ enum { LAST_YEAR = 9999 };
 /* The first millisecond of year 0 and the last of year 9999: what four digits can say. */
 static const int64_t earliest = INT64_C(-62167219200000), latest = INT64_C(253402300799999);
 
-char *shear_time_format(int64_t ms, char buf[SHEAR_TIME_SIZE]) {
+char *sheard_time_format(int64_t ms, char buf[SHEARD_TIME_SIZE]) {
     const int64_t kept = ms < earliest ? earliest : ms > latest ? latest : ms;
     int64_t seconds = kept / 1000;
     int64_t rest = kept % 1000;
@@ -22,7 +22,7 @@ char *shear_time_format(int64_t ms, char buf[SHEAR_TIME_SIZE]) {
     const time_t t = (time_t)seconds;
     struct tm tm;
     gmtime_r(&t, &tm);
-    snprintf(buf, SHEAR_TIME_SIZE, "%04u-%02u-%02uT%02u:%02u:%02u.%03uZ",
+    snprintf(buf, SHEARD_TIME_SIZE, "%04u-%02u-%02uT%02u:%02u:%02u.%03uZ",
              (unsigned)(tm.tm_year + 1900) % 10000U, (unsigned)(tm.tm_mon + 1) % 100U,
              (unsigned)tm.tm_mday % 100U, (unsigned)tm.tm_hour % 100U, (unsigned)tm.tm_min % 100U,
              (unsigned)tm.tm_sec % 100U, (unsigned)rest % 1000U);
@@ -98,7 +98,7 @@ static bool take_offset(const char **text, int *seconds) {
     return true;
 }
 
-bool shear_time_parse(int64_t *ms, const char *text) {
+bool sheard_time_parse(int64_t *ms, const char *text) {
     struct tm tm = {0};
     int fraction = 0;
     int offset = 0;

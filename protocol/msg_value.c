@@ -53,7 +53,7 @@ void msg_init(void *message, const msg_table *table) {
 static void free_items(void *message, const msg_member *m) {
     char *list = msg_pointer(message, m->offset);
     const size_t n = *(const size_t *)((const char *)message + m->count_offset);
-    for (size_t i = 0; list && i < n; i++) {
+    for (size_t i = 0; list != NULL && i < n; i++) {
         if (m->type == MSG_OBJECTS) {
             msg_deinit(list + i * m->table->size, m->table);
         } else if (m->type == MSG_TEXTS) {
@@ -100,7 +100,7 @@ bool msg_is_there(const void *message, const msg_table *table) {
 
 char *msg_copy(const char *bytes, size_t n) {
     char *copy = malloc(n + 1);
-    if (copy) {
+    if (copy != NULL) {
         memcpy(copy, bytes, n);
         copy[n] = '\0';
     }
@@ -108,7 +108,7 @@ char *msg_copy(const char *bytes, size_t n) {
 }
 
 const char *msg_name(const char *const *names, int index) {
-    for (int i = 0; index >= 0 && names[i]; i++) {
+    for (int i = 0; index >= 0 && names[i] != NULL; i++) {
         if (i == index) {
             return names[i];
         }

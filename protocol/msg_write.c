@@ -10,7 +10,7 @@
 
 typedef struct writer {
     unsigned mode;
-    shear_rpc_error *error; /* set at the first failure */
+    sheard_rpc_error *error; /* set at the first failure */
     bool failed;
 } writer;
 
@@ -22,59 +22,60 @@ static json_t *fail(writer *w, int code, const char *member) {
         return NULL;
     }
     w->failed = true;
-    if (code == SHEAR_RPC_OUT_OF_MEMORY) {
-        shear_rpc_fail(w->error, code, NULL, "out of memory while writing");
+    if (code == SHEARD_RPC_OUT_OF_MEMORY) {
+        sheard_rpc_fail(w->error, code, NULL, "out of memory while writing");
     } else {
-        shear_rpc_fail(w->error, code, NULL, "'%.60s': %s", member,
-                       code == SHEAR_RPC_INTERNAL ? "is not well-formed" : "is not UTF-8");
+        sheard_rpc_fail(w->error, code, NULL, "'%.60s': %s", member,
+                        code == SHEARD_RPC_INTERNAL ? "is not well-formed" : "is not UTF-8");
         snprintf(w->error->parameter, sizeof w->error->parameter, "%s", member);
     }
     return NULL;
 }
 
 static json_t *made(writer *w, json_t *value) {
-    return value ? value : fail(w, SHEAR_RPC_OUT_OF_MEMORY, "");
+    return value != NULL ? value : fail(w, SHEARD_RPC_OUT_OF_MEMORY, "");
 }
 
 /* A request must say what was meant: a path with a byte replaced would be another path. */
 static json_t *write_text(writer *w, const char *member, const char *text) {
     json_t *value = made(w, json_text_string(text));
-    if (value && text && w->mode & MSG_SPARSE && strcmp(json_string_value(value), text) != 0) {
+    if (value != NULL && text != NULL && w->mode & MSG_SPARSE &&
+        strcmp(json_string_value(value), text) != 0) {
         json_decref(value);
-        return fail(w, SHEAR_RPC_BAD_PARAMETER, member);
+        return fail(w, SHEARD_RPC_BAD_PARAMETER, member);
     }
     return value;
 }
 
 static json_t *write_raw(writer *w, const char *member, const char *text) {
-    if (!text) {
+    if (text == NULL) {
         return json_null();
     }
     rpc_load_error why;
     json_t *value = rpc_load(text, strlen(text), 0, &why);
-    if (value && !json_is_object(value)) {
+    if (value != NULL && !json_is_object(value)) {
         json_decref(value);
-        return fail(w, SHEAR_RPC_INTERNAL, member);
+        return fail(w, SHEARD_RPC_INTERNAL, member);
     }
-    return value ? value
-                 : fail(w,
-                        why.code == SHEAR_RPC_OUT_OF_MEMORY ? SHEAR_RPC_OUT_OF_MEMORY
-                                                            : SHEAR_RPC_INTERNAL,
-                        member);
+    return value != NULL ? value
+                         : fail(w,
+                                why.code == SHEARD_RPC_OUT_OF_MEMORY ? SHEARD_RPC_OUT_OF_MEMORY
+                                                                     : SHEARD_RPC_INTERNAL,
+                                member);
 }
 
 static json_t *write_settings(writer *w, const char *member, const char *text) {
     bool bad = false;
-    json_t *value = text ? msg_write_settings(text, &bad) : json_null();
+    json_t *value = text != NULL ? msg_write_settings(text, &bad) : json_null();
     if (bad) {
-        return fail(w, w->mode & MSG_SPARSE ? SHEAR_RPC_BAD_SETTING : SHEAR_RPC_INTERNAL, member);
+        return fail(w, w->mode & MSG_SPARSE ? SHEARD_RPC_BAD_SETTING : SHEARD_RPC_INTERNAL, member);
     }
     return made(w, value);
 }
 
 static json_t *write_states(writer *w, unsigned set, const msg_member *m) {
     json_t *array = json_array();
-    for (int i = 0; array && m->names[i]; i++) {
+    for (int i = 0; array != NULL && m->names[i] != NULL; i++) {
         if (set & 1u << i && json_array_append_new(array, json_string(m->names[i])) != 0) {
             json_decref(array);
             array = NULL;
@@ -103,11 +104,11 @@ static json_t *write_list(writer *w, const void *message, const msg_member *m) {
                         : m->type == MSG_TEXTS ? sizeof(char *)
                                                : m->table->size;
     json_t *array = made(w, json_array());
-    for (size_t i = 0; array && i < n; i++) {
+    for (size_t i = 0; array != NULL && i < n; i++) {
         json_t *item = write_item(w, list + i * size, m);
         if (json_array_append_new(array, item) != 0) {
             json_decref(array);
-            return fail(w, SHEAR_RPC_OUT_OF_MEMORY, "");
+            return fail(w, SHEARD_RPC_OUT_OF_MEMORY, "");
         }
     }
     return array;
@@ -119,8 +120,8 @@ static json_t *write_name(writer *w, int index, const msg_member *m) {
 }
 
 static json_t *write_time(writer *w, int64_t ms) {
-    char text[SHEAR_TIME_SIZE];
-    return ms == 0 ? json_null() : made(w, json_string(shear_time_format(ms, text)));
+    char text[SHEARD_TIME_SIZE];
+    return ms == 0 ? json_null() : made(w, json_string(sheard_time_format(ms, text)));
 }
 
 static json_t *write_scalar(writer *w, const void *at, const msg_member *m) {
@@ -196,19 +197,19 @@ static json_t *begin(writer *w, const void *message, const msg_table *table) {
     const msg_member *first = table->members;
     const char *merged =
         table->n > 0 && first->type == MSG_MERGED ? msg_pointer(message, first->offset) : NULL;
-    return merged ? write_raw(w, "report", merged) : made(w, json_object());
+    return merged != NULL ? write_raw(w, "report", merged) : made(w, json_object());
 }
 
 static json_t *write_object(writer *w, const void *message, const msg_table *table) {
     json_t *object = begin(w, message, table);
-    for (size_t i = 0; object && i < table->n; i++) {
+    for (size_t i = 0; object != NULL && i < table->n; i++) {
         const msg_member *m = &table->members[i];
         if (m->type == MSG_MERGED || (w->mode & MSG_SPARSE && at_fallback(message, m))) {
             continue;
         }
         if (json_object_set_new(object, m->name, write_value(w, message, m)) != 0) {
             json_decref(object);
-            return fail(w, SHEAR_RPC_OUT_OF_MEMORY, "");
+            return fail(w, SHEARD_RPC_OUT_OF_MEMORY, "");
         }
     }
     return object;
@@ -217,7 +218,7 @@ static json_t *write_object(writer *w, const void *message, const msg_table *tab
 /* NOLINTEND(misc-no-recursion) */
 
 json_t *msg_write(const void *message, const msg_table *table, unsigned mode,
-                  shear_rpc_error *error) {
+                  sheard_rpc_error *error) {
     writer w = {.mode = mode, .error = error};
     return write_object(&w, message, table);
 }

@@ -37,11 +37,11 @@ static const reason *reason_of(int why) {
     return &reasons[why >= 0 && why < N_REASONS ? why : SHEAR_HAS_SHEAR];
 }
 
-const char *shear_no_shear_name(int why) {
+const char *sheard_no_shear_name(int why) {
     return reason_of(why)->name;
 }
 
-int shear_no_shear_of(const char *name) {
+int sheard_no_shear_of(const char *name) {
     for (int why = 0; name != NULL && why < N_REASONS; why++) {
         if (reasons[why].name != NULL && strcmp(reasons[why].name, name) == 0) {
             return why;
@@ -50,11 +50,11 @@ int shear_no_shear_of(const char *name) {
     return SHEAR_HAS_SHEAR;
 }
 
-const char *shear_no_shear_words(int why) {
+const char *sheard_no_shear_words(int why) {
     return reason_of(why)->words;
 }
 
-bool shear_one_outweighs(const shear_result *r) {
+bool sheard_one_outweighs(const shear_result *r) {
     enum { FEW = 5 };
     return r->n_used > FEW && r->top_stamp >= 0 && r->top_share * r->top_share * r->n_eff > 0.5;
 }
@@ -64,15 +64,15 @@ enum { LEAST_FOR_SYMMETRY = 16 }; /* shear/symmetry.h */
 static bool is_spoilt(const shear_result *r) {
     const bool by_sum = r->why == SHEAR_NO_SIGNAL || r->why == SHEAR_SWAPPED ||
                         r->why == SHEAR_TOO_NARROW || r->why == SHEAR_NOT_FINITE;
-    return by_sum && shear_one_outweighs(r);
+    return by_sum && sheard_one_outweighs(r);
 }
 
-const char *shear_no_shear_brief(const shear_result *r) {
+const char *sheard_no_shear_brief(const shear_result *r) {
     return is_spoilt(r) ? "one stamp outweighs all others in the sum of w D"
-                        : shear_no_shear_words(r->why);
+                        : sheard_no_shear_words(r->why);
 }
 
-const char *shear_no_shear_text(const shear_result *r, char *buf, size_t size) {
+const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size) {
     const char *words = reason_of(r->why)->words;
     if (is_spoilt(r)) {
         snprintf(buf, size,
@@ -91,7 +91,7 @@ const char *shear_no_shear_text(const shear_result *r, char *buf, size_t size) {
     return buf;
 }
 
-const char *shear_no_shear_advice(const shear_result *r, char *buf, size_t size) {
+const char *sheard_no_shear_advice(const shear_result *r, char *buf, size_t size) {
     const char *advice = reason_of(r->why)->advice;
     if (is_spoilt(r)) {
         snprintf(buf, size,

@@ -8,6 +8,6 @@
 #include <jansson.h>
 
 /* A new reference; NULL: no memory. */
-json_t *report_file_json(const shear_report_file *file);
+json_t *report_file_json(const sheard_report_file *file);
 
 #endif

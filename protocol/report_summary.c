@@ -18,10 +18,10 @@ static int64_t count(const json_t *object, const char *key) {
 
 static void text_of(const json_t *object, const char *key, char *buf, size_t size) {
     const char *text = json_string_value(json_object_get(object, key));
-    snprintf(buf, size, "%s", text ? text : "");
+    snprintf(buf, size, "%s", text != NULL ? text : "");
 }
 
-static void read_shear(shear_report_summary *s, const json_t *o) {
+static void read_shear(sheard_report_summary *s, const json_t *o) {
     s->g1 = number(o, "g1");
     s->g1_err = number(o, "g1_err");
     s->g2 = number(o, "g2");
@@ -44,7 +44,7 @@ static void read_shear(shear_report_summary *s, const json_t *o) {
     s->seconds = number(o, "seconds");
 }
 
-static void read_quality(shear_report_summary *s, const json_t *o) {
+static void read_quality(sheard_report_summary *s, const json_t *o) {
     const json_t *level = json_object_get(o, "noise_level");
     const json_t *influence = json_object_get(o, "influence");
     text_of(o, "no_shear", s->no_shear, sizeof s->no_shear);
@@ -60,7 +60,7 @@ static void read_quality(shear_report_summary *s, const json_t *o) {
                        : -1;
 }
 
-static void read_plan(shear_report_summary *s, const json_t *plan) {
+static void read_plan(sheard_report_summary *s, const json_t *plan) {
     text_of(plan, "interpolation", s->interpolation, sizeof s->interpolation);
     text_of(plan, "filter", s->filter, sizeof s->filter);
     s->oversample = count(plan, "oversample");
@@ -82,51 +82,51 @@ static void read_range(const json_t *files, const char *key, double *from, doubl
     }
 }
 
-static void read_ranges(shear_report_summary *s, const json_t *files) {
+static void read_ranges(sheard_report_summary *s, const json_t *files) {
     read_range(files, "beta_px", &s->beta_px, &s->beta_to);
     read_range(files, "r_psf_px", &s->r_psf_px, &s->r_psf_to);
     read_range(files, "core_px", &s->core_px, &s->core_to);
 }
 
-static void read_settings(shear_report_summary *s, const json_t *settings) {
+static void read_settings(sheard_report_summary *s, const json_t *settings) {
     text_of(settings, "filter", s->asked_filter, sizeof s->asked_filter);
     text_of(settings, "background", s->background, sizeof s->background);
     text_of(settings, "artefacts", s->artefacts, sizeof s->artefacts);
 }
 
-static bool read_warnings(shear_report_summary *s, const json_t *list) {
+static bool read_warnings(sheard_report_summary *s, const json_t *list) {
     const size_t n = json_array_size(list);
-    s->warnings = n ? calloc(n, sizeof *s->warnings) : NULL;
-    if (n && !s->warnings) {
+    s->warnings = n != 0 ? calloc(n, sizeof *s->warnings) : NULL;
+    if (n != 0 && s->warnings == NULL) {
         return false;
     }
     for (size_t i = 0; i < n; i++) {
         const char *text = json_string_value(json_array_get(list, i));
-        char *copy = text ? strdup(text) : NULL;
-        if (text && !copy) {
+        char *copy = text != NULL ? strdup(text) : NULL;
+        if (text != NULL && copy == NULL) {
             return false;
         }
-        if (copy) {
+        if (copy != NULL) {
             s->warnings[s->n_warnings++] = copy;
         }
     }
     return true;
 }
 
-void shear_report_summary_deinit(shear_report_summary *s) {
+void sheard_report_summary_deinit(sheard_report_summary *s) {
     for (int64_t i = 0; i < s->n_warnings; i++) {
         free(s->warnings[i]);
     }
     free((void *)s->warnings);
-    *s = (shear_report_summary){0};
+    *s = (sheard_report_summary){0};
 }
 
-int shear_report_summary_parse(shear_report_summary *s, const char *text, shear_error *err) {
+int sheard_report_summary_parse(sheard_report_summary *s, const char *text, shear_error *err) {
     json_error_t why;
-    *s = (shear_report_summary){0};
+    *s = (sheard_report_summary){0};
     json_t *o = json_loads(text, 0, &why);
     if (!json_is_object(o)) {
-        const bool out_of_memory = !o && json_error_code(&why) == json_error_out_of_memory;
+        const bool out_of_memory = o == NULL && json_error_code(&why) == json_error_out_of_memory;
         json_decref(o);
         return out_of_memory ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a result")
                              : shear_fail(err, SHEAR_E_FORMAT, NULL, "a result is no JSON object");
@@ -139,7 +139,7 @@ int shear_report_summary_parse(shear_report_summary *s, const char *text, shear_
     const bool good = read_warnings(s, json_object_get(o, "warnings"));
     json_decref(o);
     if (!good) {
-        shear_report_summary_deinit(s);
+        sheard_report_summary_deinit(s);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a result");
     }
     return SHEAR_OK;

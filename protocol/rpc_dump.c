@@ -23,7 +23,7 @@ static bool make_room(sink *s, size_t n) {
     const size_t doubled = s->size > SIZE_MAX / 2 ? 0 : 2 * s->size;
     const size_t size = wanted > doubled ? wanted : doubled;
     char *larger = wanted > 0 ? realloc(s->bytes, size) : NULL;
-    if (!larger) {
+    if (larger == NULL) {
         return false;
     }
     s->bytes = larger;
@@ -46,7 +46,7 @@ char *rpc_dump(const json_t *value, size_t flags, const char *tail, size_t *n) {
     enum { USUAL = 512 };
     sink s = {.bytes = malloc(USUAL), .size = USUAL};
     const size_t layout = flags != 0 ? flags : JSON_COMPACT;
-    bool good = value && s.bytes &&
+    bool good = value != NULL && s.bytes != NULL &&
                 json_dump_callback(value, collect, &s,
                                    layout | JSON_ENSURE_ASCII | JSON_ENCODE_ANY |
                                        JSON_REAL_PRECISION(17)) == 0;
@@ -55,7 +55,7 @@ char *rpc_dump(const json_t *value, size_t flags, const char *tail, size_t *n) {
         free(s.bytes);
         return NULL;
     }
-    if (n) {
+    if (n != NULL) {
         *n = s.used - 1;
     }
     return s.bytes;

@@ -35,12 +35,12 @@ static void *from_reserve(reserve *r, size_t n) {
 
 static void *take(size_t n) {
     void *p = malloc(n);
-    return p || !active ? p : from_reserve(active, n);
+    return p != NULL || active == NULL ? p : from_reserve(active, n);
 }
 
 static void give_back(void *p) {
     const uintptr_t at = (uintptr_t)p;
-    if (active && at >= (uintptr_t)active->bytes && at < (uintptr_t)active->limit) {
+    if (active != NULL && at >= (uintptr_t)active->bytes && at < (uintptr_t)active->limit) {
         return;
     }
     free(p);
@@ -62,21 +62,21 @@ static size_t feed(void *buffer, size_t size, void *data) {
 }
 
 static void explain(rpc_load_error *why, const json_error_t *error) {
-    why->code = json_error_code(error) == json_error_duplicate_key ? SHEAR_RPC_DUPLICATE_KEY
-                                                                   : SHEAR_RPC_PARSE_ERROR;
+    why->code = json_error_code(error) == json_error_duplicate_key ? SHEARD_RPC_DUPLICATE_KEY
+                                                                   : SHEARD_RPC_PARSE_ERROR;
     snprintf(why->text, sizeof why->text, "%s (line %d, column %d)", error->text, error->line,
              error->column);
 }
 
 json_t *rpc_load(const char *text, size_t n, size_t flags, rpc_load_error *why) {
-    *why = (rpc_load_error){SHEAR_RPC_OUT_OF_MEMORY, "out of memory"};
+    *why = (rpc_load_error){SHEARD_RPC_OUT_OF_MEMORY, "out of memory"};
     enum { SLACK = 256 };
     if (n > SIZE_MAX / 4) {
         return NULL;
     }
     const size_t spare = 2 * n + SLACK;
     reserve *r = malloc(sizeof *r + spare);
-    if (!r) {
+    if (r == NULL) {
         return NULL;
     }
     *r = (reserve){.next = text, .end = text + n, .free = r->bytes, .limit = r->bytes + spare};
@@ -87,7 +87,7 @@ json_t *rpc_load(const char *text, size_t n, size_t flags, rpc_load_error *why) 
     if (r->spent) {
         json_decref(value);
         value = NULL;
-    } else if (!value) {
+    } else if (value == NULL) {
         explain(why, &error);
     }
     active = NULL;

@@ -8,7 +8,7 @@
 #include <jansson.h>
 
 typedef struct rpc_load_error {
-    int code;       /* SHEAR_RPC_PARSE_ERROR, _DUPLICATE_KEY or _OUT_OF_MEMORY */
+    int code;       /* SHEARD_RPC_PARSE_ERROR, _DUPLICATE_KEY or _OUT_OF_MEMORY */
     char text[200]; /* jansson's words, with line and column */
 } rpc_load_error;
 

@@ -16,12 +16,12 @@ typedef struct rpc_notice {
     const msg_table *params;
 } rpc_notice;
 
-extern const rpc_method rpc_methods[SHEAR_N_METHODS];
-extern const rpc_notice rpc_notices[SHEAR_N_NOTICES];
+extern const rpc_method rpc_methods[SHEARD_N_METHODS];
+extern const rpc_notice rpc_notices[SHEARD_N_NOTICES];
 
 /* `params` as submit's, with its settings checked upon `defaults` (NULL: shear_settings_init). On
  * an error it is empty. */
-int rpc_read_submit(shear_msg_submit *submit, const json_t *params, const shear_settings *defaults,
-                    shear_rpc_error *error);
+int rpc_read_submit(sheard_msg_submit *submit, const json_t *params, const shear_settings *defaults,
+                    sheard_rpc_error *error);
 
 #endif

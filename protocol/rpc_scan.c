@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-const shear_rpc_limits shear_rpc_request_limits = {
+const sheard_rpc_limits sheard_rpc_request_limits = {
     .line = 65536, .depth = 8, .values = 4096, .text = 32768};
-const shear_rpc_limits shear_rpc_reply_limits = {
+const sheard_rpc_limits sheard_rpc_reply_limits = {
     .line = 32u << 20, .depth = 16, .values = 4u << 20, .text = 32u << 20};
 
 typedef struct scanner {
@@ -87,36 +87,36 @@ static void outside_string(scanner *s, rpc_scan *scan, char c) {
     }
 }
 
-static int judge(const scanner *s, const shear_rpc_limits *limits, shear_rpc_error *error) {
+static int judge(const scanner *s, const sheard_rpc_limits *limits, sheard_rpc_error *error) {
     if (s->deepest > limits->depth) {
-        return shear_rpc_fail(error, SHEAR_RPC_TOO_COMPLEX, NULL,
-                              "objects and arrays are %d deep; at most %d are taken", s->deepest,
-                              limits->depth);
+        return sheard_rpc_fail(error, SHEARD_RPC_TOO_COMPLEX, NULL,
+                               "objects and arrays are %d deep; at most %d are taken", s->deepest,
+                               limits->depth);
     }
     if (s->values > limits->values) {
-        return shear_rpc_fail(error, SHEAR_RPC_TOO_COMPLEX, NULL,
-                              "there are %zu members and elements; at most %zu are taken",
-                              s->values, limits->values);
+        return sheard_rpc_fail(error, SHEARD_RPC_TOO_COMPLEX, NULL,
+                               "there are %zu members and elements; at most %zu are taken",
+                               s->values, limits->values);
     }
     const size_t longest =
         s->in_string && s->at - s->text_at > s->longest ? s->at - s->text_at : s->longest;
     if (longest > limits->text) {
-        return shear_rpc_fail(error, SHEAR_RPC_TOO_COMPLEX, NULL,
-                              "a string has %zu bytes; at most %zu are taken", longest,
-                              limits->text);
+        return sheard_rpc_fail(error, SHEARD_RPC_TOO_COMPLEX, NULL,
+                               "a string has %zu bytes; at most %zu are taken", longest,
+                               limits->text);
     }
-    return SHEAR_RPC_OK;
+    return SHEARD_RPC_OK;
 }
 
-int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const shear_rpc_limits *limits,
-                  shear_rpc_error *error) {
+int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const sheard_rpc_limits *limits,
+                  sheard_rpc_error *error) {
     *scan = (rpc_scan){0};
     if (n > limits->line) {
-        return shear_rpc_fail(error, SHEAR_RPC_LINE_TOO_LONG, NULL,
-                              "%zu bytes; at most %zu are taken", n, limits->line);
+        return sheard_rpc_fail(error, SHEARD_RPC_LINE_TOO_LONG, NULL,
+                               "%zu bytes; at most %zu are taken", n, limits->line);
     }
-    if (memchr(line, '\0', n)) {
-        return shear_rpc_fail(error, SHEAR_RPC_NUL_BYTE, NULL, "there is a NUL byte in the text");
+    if (memchr(line, '\0', n) != NULL) {
+        return sheard_rpc_fail(error, SHEARD_RPC_NUL_BYTE, NULL, "there is a NUL byte in the text");
     }
     scanner s = {.line = line};
     for (; s.at < n; s.at++) {

@@ -10,8 +10,8 @@ typedef struct rpc_scan {
     int n_ids;            /* how many there are; it is known only if 1 */
 } rpc_scan;
 
-/* SHEAR_RPC_OK, _LINE_TOO_LONG, _NUL_BYTE or _TOO_COMPLEX. *scan is filled in any case. */
-int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const shear_rpc_limits *limits,
-                  shear_rpc_error *error);
+/* SHEARD_RPC_OK, _LINE_TOO_LONG, _NUL_BYTE or _TOO_COMPLEX. *scan is filled in any case. */
+int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const sheard_rpc_limits *limits,
+                  sheard_rpc_error *error);
 
 #endif

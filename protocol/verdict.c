@@ -5,21 +5,21 @@
 #include "report_quality.h"
 #include "shear/version.h"
 
-static json_t *fault(const shear_fault *f) {
+static json_t *fault(const sheard_fault *f) {
     json_t *object = json_object();
     json_t *first = json_array();
-    bool failed = !object || !first;
+    bool failed = object == NULL || first == NULL;
     json_text_set(object, "count", json_integer(f->count), &failed);
-    for (int i = 0; i < SHEAR_FAULT_SAMPLES && i < f->count; i++) {
+    for (int i = 0; i < SHEARD_FAULT_SAMPLES && i < f->count; i++) {
         failed = json_array_append_new(first, json_integer(f->first[i])) != 0 || failed;
     }
     json_text_set(object, "first", first, &failed); /* takes the reference, also when it fails */
     return json_text_whole(object, failed);
 }
 
-static json_t *all_flags(const shear_verdict *v) {
+static json_t *all_flags(const sheard_verdict *v) {
     json_t *object = json_object();
-    bool failed = !object;
+    bool failed = object == NULL;
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
         json_text_set(object, shear_flag_name(bit), fault(&v->flags[bit]), &failed);
     }
@@ -43,11 +43,11 @@ static void set_shape(json_t *o, const shear_field_info *f, bool *failed) {
 }
 
 static json_t *field_object(const shear_field_info *f) {
-    if (!f) {
+    if (f == NULL) {
         return json_null();
     }
     json_t *o = json_object();
-    bool failed = !o;
+    bool failed = o == NULL;
     json_text_set(o, "name", json_text_string(f->name), &failed);
     json_text_set(o, "n_stamps", json_integer(f->n_stamps), &failed);
     set_shape(o, f, &failed);
@@ -63,19 +63,19 @@ static json_t *field_object(const shear_field_info *f) {
     return json_text_whole(o, failed);
 }
 
-static json_t *noise_object(const shear_verdict *v) {
+static json_t *noise_object(const sheard_verdict *v) {
     json_t *o = json_object();
-    bool failed = !o;
+    bool failed = o == NULL;
     json_text_set(o, "mean", json_text_number(v->noise_mean), &failed);
     json_text_set(o, "mean_err", json_text_number(v->noise_mean_err), &failed);
     json_text_set(o, "rms", json_text_number(v->noise_rms), &failed);
     return json_text_whole(o, failed);
 }
 
-int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
+int sheard_verdict_json(char **text, const sheard_verdict *v, shear_error *err) {
     const shear_result *result = v->measured ? &v->result : NULL;
     json_t *o = json_object();
-    bool failed = !o;
+    bool failed = o == NULL;
     json_text_set(o, "path", json_text_string(v->path), &failed);
     json_text_set(o, "good", json_boolean(v->good), &failed);
     json_text_set(o, "verdict", json_text_string(v->verdict), &failed);
@@ -83,7 +83,7 @@ int shear_verdict_json(char **text, const shear_verdict *v, shear_error *err) {
     json_text_set(o, "field", field_object(v->field), &failed);
     json_text_set(o, "settings", json_text_settings(v->settings), &failed);
     json_text_set(o, "resolved", json_text_plan(v->plan), &failed);
-    json_text_set(o, "psf", json_text_psf(v->plan ? &v->plan->psf : NULL), &failed);
+    json_text_set(o, "psf", json_text_psf(v->plan != NULL ? &v->plan->psf : NULL), &failed);
     json_text_set(o, "warnings", json_text_strings(v->warnings, v->n_warnings), &failed);
     json_text_set(o, "n_measurable", v->scanned ? json_integer(v->n_measurable) : json_null(),
                   &failed);

@@ -25,7 +25,7 @@ static double folded(double kx, double ky, const double sigma_px[2], power_funct
             const double x = kx + period * i;
             const double y = ky + period * j;
             const double fall = x2 * (x * x - kx * kx) + y2 * (y * y - ky * ky);
-            sum += i || j ? power(hypot(x, y), context) * exp(-fall) : 0.0;
+            sum += i != 0 || j != 0 ? power(hypot(x, y), context) * exp(-fall) : 0.0;
         }
     }
     return sum;

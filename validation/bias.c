@@ -6,12 +6,12 @@
 #include <math.h>
 
 static double shear_of(const struct total *total, int c) {
-    return (c ? total->n2 : total->n1) / total->d;
+    return (c != 0 ? total->n2 : total->n1) / total->d;
 }
 
 /* m1, c1, m2, c2 */
 static void fit_lines(const struct total *totals, const void *context, double *out) {
-    const struct shear_set *set = context;
+    const shear_set *set = context;
     for (int c = 0; c < 2; c++) {
         double x[BIAS_MAX_SHEARS];
         double y[BIAS_MAX_SHEARS];
@@ -23,8 +23,7 @@ static void fit_lines(const struct total *totals, const void *context, double *o
     }
 }
 
-int bias_fit(const struct tally *t, const struct shear_set *set, struct bias *out,
-             shear_error *err) {
+int bias_fit(const struct tally *t, const shear_set *set, struct bias *out, shear_error *err) {
     enum { N = 4 };
     double v[N];
     double cov[N * N];
@@ -39,7 +38,7 @@ int bias_fit(const struct tally *t, const struct shear_set *set, struct bias *ou
 }
 
 static void fit_difference(const struct total *totals, const void *context, double *out) {
-    const struct shear_set *const *sets = context;
+    const shear_set *const *sets = context;
     double a[4];
     double b[4];
     fit_lines(totals, sets[0], a);
@@ -48,20 +47,20 @@ static void fit_difference(const struct total *totals, const void *context, doub
     out[1] = a[2] - b[2];
 }
 
-int bias_compare(const struct tally *t, const struct shear_set *a, const struct shear_set *b,
-                 double dm[2], double dm_err[2], shear_error *err) {
-    const struct shear_set *const sets[] = {a, b};
+int bias_compare(const struct tally *t, const shear_set *a, const shear_set *b, double dm[2],
+                 double dm_err[2], shear_error *err) {
+    const shear_set *const sets[] = {a, b};
     double cov[4];
     int code = tally_jackknife(t, fit_difference, sets, 2, dm, cov, err);
-    dm_err[0] = code ? NAN : sqrt(cov[0]);
-    dm_err[1] = code ? NAN : sqrt(cov[3]);
+    dm_err[0] = code != SHEAR_OK ? NAN : sqrt(cov[0]);
+    dm_err[1] = code != SHEAR_OK ? NAN : sqrt(cov[3]);
     return code;
 }
 
 /* Least squares for m and a in d_i = c_i + m g_i + a |g|^2 g_i. The shears come in pairs +g and -g,
  * so that the odd terms do not mix with c, which is left out. */
 static void fit_cubic(const struct total *totals, const void *context, double *out) {
-    const struct shear_set *set = context;
+    const shear_set *set = context;
     double s11 = 0.0;
     double s12 = 0.0;
     double s22 = 0.0;
@@ -85,13 +84,12 @@ static void fit_cubic(const struct total *totals, const void *context, double *o
     out[1] = (s11 * y2 - s12 * y1) / det;
 }
 
-int bias_fit_cubic(const struct tally *t, const struct shear_set *set, struct nonlinear *out,
-                   shear_error *err) {
+int bias_fit_cubic(const struct tally *t, const shear_set *set, nonlinear *out, shear_error *err) {
     double v[2];
     double cov[4];
     int code = tally_jackknife(t, fit_cubic, set, 2, v, cov, err);
     if (code == SHEAR_OK) {
-        *out = (struct nonlinear){v[0], sqrt(cov[0]), v[1], sqrt(cov[3])};
+        *out = (nonlinear){v[0], sqrt(cov[0]), v[1], sqrt(cov[3])};
     }
     return code;
 }

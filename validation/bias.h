@@ -13,29 +13,27 @@
 enum { BIAS_MAX_SHEARS = 16 };
 
 /* Which series of a tally show which true shear. */
-struct shear_set {
+typedef struct shear_set {
     int n;
     int series[BIAS_MAX_SHEARS];
     double g[BIAS_MAX_SHEARS][2];
-};
+} shear_set;
 
 struct bias {
     double m[2], m_err[2], c[2], c_err[2]; /* of g1 and g2 */
 };
-int bias_fit(const struct tally *t, const struct shear_set *set, struct bias *out,
-             shear_error *err);
+int bias_fit(const struct tally *t, const shear_set *set, struct bias *out, shear_error *err);
 
 /* m of one set minus m of another of the same galaxies, and its error, of both components. */
-int bias_compare(const struct tally *t, const struct shear_set *a, const struct shear_set *b,
-                 double dm[2], double dm_err[2], shear_error *err);
+int bias_compare(const struct tally *t, const shear_set *a, const shear_set *b, double dm[2],
+                 double dm_err[2], shear_error *err);
 
 /* The lowest orders of measured - true in the true shear, for shears along one axis at a time:
  * measured_i - g_i = c_i + m_i g_i + a |g|^2 g_i. `cubic` and its error are a, from both components
  * together. */
-struct nonlinear {
+typedef struct nonlinear {
     double m, m_err, cubic, cubic_err;
-};
-int bias_fit_cubic(const struct tally *t, const struct shear_set *set, struct nonlinear *out,
-                   shear_error *err);
+} nonlinear;
+int bias_fit_cubic(const struct tally *t, const shear_set *set, nonlinear *out, shear_error *err);
 
 #endif

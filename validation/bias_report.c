@@ -17,7 +17,7 @@ static const char *const ways[] = {"none", "Log-Bicubic", "Log-Spline"};
 static const double m_goal = 1e-3;
 static const double c_goal = 1e-5;
 
-char *bias_case_name(const struct bias_case *b, char *buf, size_t size) {
+char *bias_case_name(const bias_case *b, char *buf, size_t size) {
     snprintf(buf, size, "%s,W_%s,noise=%s%s%s", kinds[b->kind], psfs[b->psf], noises[b->noise],
              b->way > 0 ? ",log" : "", b->large ? ",large" : "");
     return buf;
@@ -25,11 +25,11 @@ char *bias_case_name(const struct bias_case *b, char *buf, size_t size) {
 
 /* A line of the table. */
 struct line {
-    const struct bias_case *of;
+    const bias_case *of;
     int method; /* index of ways */
     double n;
     struct bias bias;
-    struct nonlinear cubic; /* of large shears */
+    nonlinear cubic; /* of large shears */
 };
 
 enum { MAX_LINES = 2 * BIAS_MAX_CASES, MAX_LARGE = 8 };
@@ -77,7 +77,7 @@ static double worst_pull(const struct bias *b) {
 }
 
 static void add_row(struct table *t, const struct line *line) {
-    const struct bias_case *b = line->of;
+    const bias_case *b = line->of;
     table_text(t, kinds[b->kind]);
     table_text(t, psfs[b->psf]);
     table_text(t, ways[line->method]);
@@ -85,8 +85,8 @@ static void add_row(struct table *t, const struct line *line) {
     table_text(t, b->large ? "large" : "small");
     table_number(t, line->n);
     for (int c = 0; c < 2; c++) {
-        table_number(t, b->large ? (c ? NAN : line->cubic.m) : line->bias.m[c]);
-        table_number(t, b->large ? (c ? NAN : line->cubic.m_err) : line->bias.m_err[c]);
+        table_number(t, b->large ? (c != 0 ? NAN : line->cubic.m) : line->bias.m[c]);
+        table_number(t, b->large ? (c != 0 ? NAN : line->cubic.m_err) : line->bias.m_err[c]);
         table_number(t, b->large ? NAN : line->bias.c[c]);
         table_number(t, b->large ? NAN : line->bias.c_err[c]);
     }
@@ -165,7 +165,7 @@ static void draw_bias(shear_figure *f, shear_rect cell, const struct lines *line
         for (int c = 0; c < 2; c++) {
             x[c][n] = of_c ? line->bias.c[c] : line->bias.m[c];
             err[c][n] = of_c ? line->bias.c_err[c] : line->bias.m_err[c];
-            y[c][n] = n + (c ? -0.14 : 0.14);
+            y[c][n] = n + (c != 0 ? -0.14 : 0.14);
         }
         n++;
     }
@@ -186,12 +186,13 @@ static void draw_bias(shear_figure *f, shear_rect cell, const struct lines *line
     shear_axes_vband(f, -goal, goal, &(shear_style){.colour = shear_palette(SHEAR_GREY)});
     shear_axes_vline(f, 0.0, &(shear_style){.dash = SHEAR_DOTTED});
     for (int c = 0; c < 2; c++) {
-        shear_axes_points(f, (size_t)n, x[c], y[c], err[c], NULL,
-                          &(shear_style){.colour = shear_palette(c ? SHEAR_BLUE : SHEAR_VERMILION),
-                                         .size = 5.0,
-                                         .label = of_c ? NULL
-                                                  : c  ? "g_{2}"
-                                                       : "g_{1}"});
+        shear_axes_points(
+            f, (size_t)n, x[c], y[c], err[c], NULL,
+            &(shear_style){.colour = shear_palette(c != 0 ? SHEAR_BLUE : SHEAR_VERMILION),
+                           .size = 5.0,
+                           .label = of_c     ? NULL
+                                    : c != 0 ? "g_{2}"
+                                             : "g_{1}"});
     }
     shear_axes_end(f);
 }
@@ -234,7 +235,7 @@ static int draw(const struct lines *lines, shear_figure **f, shear_error *err) {
 /* Half the difference between +g and -g, over g: what is odd in the shear. Both axes are averaged.
  */
 static void relative(const struct total *totals, const void *context, double *out) {
-    const struct shear_set *set = context;
+    const shear_set *set = context;
     for (int k = 0; k < set->n / 4; k++) {
         const struct total *along1 = &totals[set->series[4 * k]];
         const struct total *along2 = &totals[set->series[4 * k + 2]];
@@ -245,14 +246,14 @@ static void relative(const struct total *totals, const void *context, double *ou
     }
 }
 
-static int take_large(const struct tally *tally, const struct shear_set *set, struct lines *lines,
+static int take_large(const struct tally *tally, const shear_set *set, struct lines *lines,
                       struct line *line, shear_error *err) {
     enum { MOST = BIAS_MAX_SHEARS / 4 };
     double v[MOST];
     double cov[MOST * MOST];
     int n = set->n / 4;
     int code = bias_fit_cubic(tally, set, &line->cubic, err);
-    code = code ? code : tally_jackknife(tally, relative, set, n, v, cov, err);
+    code = code != SHEAR_OK ? code : tally_jackknife(tally, relative, set, n, v, cov, err);
     if (code == SHEAR_OK && lines->n_large < MAX_LARGE) {
         struct curve *curve = &lines->large[lines->n_large];
         *curve = (struct curve){.hue = 1 + lines->n_large, .marker = lines->n_large % 4};
@@ -267,13 +268,13 @@ static int take_large(const struct tally *tally, const struct shear_set *set, st
     return code;
 }
 
-static int take_case(const struct request *r, struct ledger *ledger, const struct bias_case *b,
+static int take_case(const struct request *r, struct ledger *ledger, const bias_case *b,
                      struct table *t, struct lines *lines, shear_error *err) {
     struct tally *tally = NULL;
     int code = bias_measure(r, ledger, b, &tally, err);
     for (int k = 0; code == SHEAR_OK && k < (b->way > 0 ? 2 : 1); k++) {
         struct line *line = &lines->line[lines->n];
-        const struct shear_set set = bias_shears(r, b, k);
+        const shear_set set = bias_shears(r, b, k);
         *line = (struct line){.of = b, .method = b->way > 0 ? 1 + k : 0};
         for (int group = 0; group < tally->groups; group++) {
             line->n += (double)tally_at(tally, set.series[0], group)->n_used;
@@ -289,8 +290,8 @@ static int take_case(const struct request *r, struct ledger *ledger, const struc
     return code;
 }
 
-int bias_report(const struct request *r, struct ledger *ledger, const struct bias_case *cases,
-                int n, shear_error *err) {
+int bias_report(const struct request *r, struct ledger *ledger, const bias_case *cases, int n,
+                shear_error *err) {
     struct table *t = table_new(r);
     shear_figure *f = NULL;
     int code = SHEAR_OK;
@@ -303,7 +304,7 @@ int bias_report(const struct request *r, struct ledger *ledger, const struct bia
         judge(t, lines);
         code = draw(lines, &f, err);
     }
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     free(lines);
     table_free(t);

@@ -17,7 +17,7 @@ static double uniform(uint64_t seed, uint64_t index) {
     return (double)(z >> 11) / 9007199254740992.0;
 }
 
-double brightness_flux(const struct brightness *b, uint64_t seed, int64_t galaxy) {
+double brightness_flux(const brightness *b, uint64_t seed, int64_t galaxy) {
     const double u = uniform(seed, (uint64_t)galaxy);
     const double power = 1.0 - b->slope;
     if (fabs(power) < 1e-9) {
@@ -38,8 +38,8 @@ int brightness_sigma(const shear_mock_spec *spec, double snr, double *sigma, she
     const size_t n = PROBES * (size_t)m.nx * (size_t)m.ny;
     int code = SHEAR_OK;
     double *galaxy = memory_new(2 * n, sizeof *galaxy, "stamps", &code, err);
-    code = code ? code : shear_mock_new(&mock, &m, err);
-    code = code ? code : shear_mock_stamps(mock, 0, PROBES, 1, galaxy, galaxy + n, err);
+    code = code != SHEAR_OK ? code : shear_mock_new(&mock, &m, err);
+    code = code != SHEAR_OK ? code : shear_mock_stamps(mock, 0, PROBES, 1, galaxy, galaxy + n, err);
     double sum = 0.0;
     for (size_t i = 0; code == SHEAR_OK && i < n; i++) {
         sum += galaxy[i] * galaxy[i];
@@ -51,36 +51,36 @@ int brightness_sigma(const shear_mock_spec *spec, double snr, double *sigma, she
 }
 
 /* One thread's images [TILE][ny][nx] and scratch. */
-struct desk {
+typedef struct desk {
     shear_workspace *ws;
     double *bare, *none;    /* galaxies without noise; their empty noise stamps */
     double *first, *second; /* unit noise of galaxy and noise stamp */
     double *galaxy, *noise; /* what is measured */
     double *images;         /* behind them all */
-};
+} desk;
 
-struct bright_stamps {
+typedef struct bright_stamps {
     shear_mock *bare, *noisy; /* the latter in noise of sigma 1 */
     shear_plan *plan;
     size_t pixels;
     int n_desks;
-    struct desk *desks;
-};
+    desk *desks;
+} bright_stamps;
 
-static bool desk_init(struct desk *d, const shear_plan *plan, size_t pixels, shear_error *err) {
+static bool desk_init(desk *d, const shear_plan *plan, size_t pixels, shear_error *err) {
     const size_t n = TILE * pixels;
     d->images = calloc(6 * n, sizeof *d->images);
     double **const parts[] = {&d->bare, &d->none, &d->first, &d->second, &d->galaxy, &d->noise};
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
         *parts[i] = d->images + i * n;
     }
-    return d->images && shear_workspace_new(&d->ws, plan, err) == SHEAR_OK;
+    return d->images != NULL && shear_workspace_new(&d->ws, plan, err) == SHEAR_OK;
 }
 
-static int make_plan(struct bright_stamps *s, const shear_settings *settings, shear_error *err) {
+static int make_plan(bright_stamps *s, const shear_settings *settings, shear_error *err) {
     const shear_geometry *g = &shear_mock_get_info(s->bare)->geometry;
     double *psf = calloc((size_t)g->psf_nx * (size_t)g->psf_ny, sizeof *psf);
-    int code = psf ? SHEAR_OK : no_memory(err);
+    int code = psf != NULL ? SHEAR_OK : no_memory(err);
     if (code == SHEAR_OK) {
         shear_mock_psf_image(s->bare, 0, psf);
         code = shear_plan_new(&s->plan, settings, g, psf, NAN, false, err);
@@ -89,32 +89,32 @@ static int make_plan(struct bright_stamps *s, const shear_settings *settings, sh
     return code;
 }
 
-static int make_desks(struct bright_stamps *s, int threads, shear_error *err) {
+static int make_desks(bright_stamps *s, int threads, shear_error *err) {
     s->n_desks = threads > 0 ? threads : omp_get_max_threads();
     s->desks = calloc((size_t)s->n_desks, sizeof *s->desks);
-    for (int i = 0; s->desks && i < s->n_desks; i++) {
+    for (int i = 0; s->desks != NULL && i < s->n_desks; i++) {
         if (!desk_init(&s->desks[i], s->plan, s->pixels, err)) {
             return no_memory(err);
         }
     }
-    return s->desks ? SHEAR_OK : no_memory(err);
+    return s->desks != NULL ? SHEAR_OK : no_memory(err);
 }
 
-int bright_stamps_new(struct bright_stamps **out, const shear_mock_spec *mock,
+int bright_stamps_new(bright_stamps **out, const shear_mock_spec *mock,
                       const shear_settings *settings, int threads, shear_error *err) {
     shear_mock_spec noisy = *mock;
     noisy.white_sigma = 1.0;
-    struct bright_stamps *s = calloc(1, sizeof *s);
+    bright_stamps *s = calloc(1, sizeof *s);
     *out = NULL;
-    if (!s) {
+    if (s == NULL) {
         return no_memory(err);
     }
     s->pixels = (size_t)mock->nx * (size_t)mock->ny;
     int code = shear_mock_new(&s->bare, mock, err);
-    code = code ? code : shear_mock_new(&s->noisy, &noisy, err);
-    code = code ? code : make_plan(s, settings, err);
-    code = code ? code : make_desks(s, threads, err);
-    if (code) {
+    code = code != SHEAR_OK ? code : shear_mock_new(&s->noisy, &noisy, err);
+    code = code != SHEAR_OK ? code : make_plan(s, settings, err);
+    code = code != SHEAR_OK ? code : make_desks(s, threads, err);
+    if (code != SHEAR_OK) {
         bright_stamps_free(s);
         return code;
     }
@@ -122,11 +122,11 @@ int bright_stamps_new(struct bright_stamps **out, const shear_mock_spec *mock,
     return SHEAR_OK;
 }
 
-void bright_stamps_free(struct bright_stamps *s) {
-    if (!s) {
+void bright_stamps_free(bright_stamps *s) {
+    if (s == NULL) {
         return;
     }
-    for (int i = 0; s->desks && i < s->n_desks; i++) {
+    for (int i = 0; s->desks != NULL && i < s->n_desks; i++) {
         shear_workspace_free(s->desks[i].ws);
         free(s->desks[i].images);
     }
@@ -137,22 +137,23 @@ void bright_stamps_free(struct bright_stamps *s) {
     free(s);
 }
 
-const shear_plan_info *bright_stamps_plan(const struct bright_stamps *s) {
+const shear_plan_info *bright_stamps_plan(const bright_stamps *s) {
     return shear_plan_get_info(s->plan);
 }
 
 struct batch {
     int64_t first;
     int count, n;
-    const struct brightness *cases;
+    const brightness *cases;
     shear_row *rows; /* [n][count] */
 };
 
 /* Galaxies without noise, and unit noise as the difference from those in noise. */
-static int draw(const struct bright_stamps *s, struct desk *d, int64_t first, int count,
-                shear_error *err) {
+static int draw(const bright_stamps *s, desk *d, int64_t first, int count, shear_error *err) {
     int code = shear_mock_stamps(s->bare, first, count, 1, d->bare, d->none, err);
-    code = code ? code : shear_mock_stamps(s->noisy, first, count, 1, d->first, d->second, err);
+    code = code != SHEAR_OK
+               ? code
+               : shear_mock_stamps(s->noisy, first, count, 1, d->first, d->second, err);
     for (size_t i = 0; code == SHEAR_OK && i < (size_t)count * s->pixels; i++) {
         d->first[i] -= d->bare[i];
     }
@@ -171,9 +172,9 @@ static void scale_row(shear_row *row, double flux) {
     row->flux *= flux;
 }
 
-static int measure_case(const struct bright_stamps *s, struct desk *d, const struct batch *b,
-                        int from, int count, int k, shear_error *err) {
-    const struct brightness *c = &b->cases[k];
+static int measure_case(const bright_stamps *s, desk *d, const struct batch *b, int from, int count,
+                        int k, shear_error *err) {
+    const brightness *c = &b->cases[k];
     const shear_mock_spec *m = shear_mock_get_spec(s->bare);
     const shear_stamps stamps = {
         .count = count, .nx = m->nx, .ny = m->ny, .galaxy = d->galaxy, .noise = d->noise};
@@ -193,7 +194,7 @@ static int measure_case(const struct bright_stamps *s, struct desk *d, const str
     return code;
 }
 
-static int do_tile(const struct bright_stamps *s, struct desk *d, const struct batch *b, int tile,
+static int do_tile(const bright_stamps *s, desk *d, const struct batch *b, int tile,
                    shear_error *err) {
     const int from = tile * TILE;
     const int count = b->count - from < TILE ? b->count - from : TILE;
@@ -204,8 +205,8 @@ static int do_tile(const struct bright_stamps *s, struct desk *d, const struct b
     return code;
 }
 
-int bright_stamps_rows(struct bright_stamps *s, int64_t first, int count, int n,
-                       const struct brightness *cases, shear_row *rows, shear_error *err) {
+int bright_stamps_rows(bright_stamps *s, int64_t first, int count, int n, const brightness *cases,
+                       shear_row *rows, shear_error *err) {
     const struct batch batch = {first, count, n, cases, rows};
     const int tiles = (count + TILE - 1) / TILE;
     int failed = SHEAR_OK;
@@ -214,7 +215,7 @@ int bright_stamps_rows(struct bright_stamps *s, int64_t first, int count, int n,
     for (int tile = 0; tile < tiles; tile++) {
         shear_error e = {0};
         const int code = do_tile(s, &s->desks[omp_get_thread_num()], &batch, tile, &e);
-        if (code) {
+        if (code != SHEAR_OK) {
 #pragma omp critical(bright_stamps_failure)
             {
                 failed = code;
@@ -222,5 +223,5 @@ int bright_stamps_rows(struct bright_stamps *s, int64_t first, int count, int n,
             }
         }
     }
-    return failed ? shear_fail(err, failed, failure.advice, "%s", failure.message) : SHEAR_OK;
+    return failed != 0 ? shear_fail(err, failed, failure.advice, "%s", failure.message) : SHEAR_OK;
 }

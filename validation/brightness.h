@@ -13,28 +13,28 @@
 #include "shear/plan.h"
 
 /* Fluxes are drawn from dn/dF ~ F^-slope between 1 and `range`. */
-struct brightness {
+typedef struct brightness {
     double range, slope;
     double sigma; /* of the white noise, a pixel; 0 = none */
-};
+} brightness;
 
 /* The flux of a galaxy: a function of seed and index only. */
-double brightness_flux(const struct brightness *b, uint64_t seed, int64_t galaxy);
+double brightness_flux(const brightness *b, uint64_t seed, int64_t galaxy);
 
 /* sigma at which a galaxy of flux 1 has this signal-to-noise: the matched filter's, sqrt(sum f^2) /
  * sigma, of the root mean square galaxy among the first 64. */
 int brightness_sigma(const shear_mock_spec *spec, double snr, double *sigma, shear_error *err);
 
-struct bright_stamps;
+typedef struct bright_stamps bright_stamps;
 
 /* `mock` without noise; shear and all. */
-int bright_stamps_new(struct bright_stamps **s, const shear_mock_spec *mock,
+int bright_stamps_new(bright_stamps **s, const shear_mock_spec *mock,
                       const shear_settings *settings, int threads, shear_error *err);
-void bright_stamps_free(struct bright_stamps *s);
-const shear_plan_info *bright_stamps_plan(const struct bright_stamps *s);
+void bright_stamps_free(bright_stamps *s);
+const shear_plan_info *bright_stamps_plan(const bright_stamps *s);
 
 /* Stamps [first, first+count) in each of n cases: rows [n][count]. */
-int bright_stamps_rows(struct bright_stamps *s, int64_t first, int count, int n,
-                       const struct brightness *cases, shear_row *rows, shear_error *err);
+int bright_stamps_rows(bright_stamps *s, int64_t first, int count, int n, const brightness *cases,
+                       shear_row *rows, shear_error *err);
 
 #endif

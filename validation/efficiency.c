@@ -8,18 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-_Static_assert(sizeof(struct shape_counts) == SHAPE_VALUES * sizeof(double), "plain doubles");
+_Static_assert(sizeof(shape_counts) == SHAPE_VALUES * sizeof(double), "plain doubles");
 
 /* ---- the cases ---- */
 
 static void cases_add(struct cases *cases, double range, double slope, double sigma, double snr) {
-    cases->c[cases->n] = (struct brightness){.range = range, .slope = slope, .sigma = sigma};
+    cases->c[cases->n] = (brightness){.range = range, .slope = slope, .sigma = sigma};
     cases->snr[cases->n++] = snr;
 }
 
 static int cases_init(struct cases *cases, const struct request *r, shear_error *err) {
-    const struct knob_values *ranges = request_list(r, "ranges");
-    const struct knob_values *bias = request_list(r, "bias-snr");
+    const knob_values *ranges = request_list(r, "ranges");
+    const knob_values *bias = request_list(r, "bias-snr");
     const double slope = request_number(r, "slope");
     const double snr = request_number(r, "snr");
     double unit;
@@ -41,7 +41,7 @@ static int cases_init(struct cases *cases, const struct request *r, shear_error 
 static int set_typical(struct fields *fields, shear_error *err) {
     enum { N = 64 };
     shear_row rows[N];
-    const struct brightness one = {.range = 1.0};
+    const brightness one = {.range = 1.0};
     const int code = bright_stamps_rows(fields->stamps[0], 0, N, 1, &one, rows, err);
     for (int i = 0; i < N; i++) {
         int below = 0;
@@ -65,13 +65,13 @@ int fields_init(struct fields *fields, const struct request *r, shear_error *err
     for (int k = 0; code == SHEAR_OK && k < 2; k++) {
         shear_mock_spec m = r->mock;
         m.n_stamps = (int64_t)fields->count * r->groups;
-        m.g1 = k ? -m.g1 : m.g1;
-        m.g2 = k ? -m.g2 : m.g2;
+        m.g1 = k != 0 ? -m.g1 : m.g1;
+        m.g2 = k != 0 ? -m.g2 : m.g2;
         code = bright_stamps_new(&fields->stamps[k], &m, &settings, r->threads, err);
     }
     const size_t n = (size_t)fields->cases.n * (size_t)fields->count;
     fields->rows = memory_new(n, sizeof *fields->rows, "a field's rows", &code, err);
-    return code ? code : set_typical(fields, err);
+    return code != SHEAR_OK ? code : set_typical(fields, err);
 }
 
 void fields_deinit(struct fields *fields) {
@@ -94,7 +94,7 @@ static int estimate(const shear_row *rows, int count, double beta, int kind, dou
     shear_symmetry *terms = NULL;
     shear_result s = {0};
     int code = shear_field_sums_new(&sums, err);
-    code = code || !symmetric ? code : shear_symmetry_new(&terms, err);
+    code = code != SHEAR_OK || !symmetric ? code : shear_symmetry_new(&terms, err);
     for (int i = 0; code == SHEAR_OK && i < count; i++) {
         shear_block_sums block;
         const shear_row row = kind == CROSSED ? rows[i] : without_cross(&rows[i]);
@@ -103,7 +103,7 @@ static int estimate(const shear_row *rows, int count, double beta, int kind, dou
         shear_field_sums_add(sums, &block);
         code = symmetric ? shear_symmetry_add(terms, &row, beta, err) : SHEAR_OK;
     }
-    code = code ? code : shear_estimate(kind, sums, terms, &s, err);
+    code = code != SHEAR_OK ? code : shear_estimate(kind, sums, terms, &s, err);
     const double values[EFFICIENCY_PER_KIND] = {s.g1, s.g2, s.g1_err, s.g2_err};
     memcpy(out, values, sizeof values);
     shear_symmetry_free(terms);
@@ -132,7 +132,7 @@ static void count_shapes(const struct fields *fields, int64_t first, double *val
     const double beta = bright_stamps_plan(fields->stamps[0])->beta_px;
     const double g1 = fields->r->mock.g1;
     const double g2 = fields->r->mock.g2;
-    struct shape_counts counts = {0};
+    shape_counts counts = {0};
     for (int i = 0; i < fields->count; i++) {
         const shear_row *row = &fields->rows[i];
         const double u = -0.5 * beta * beta * row->u;
@@ -156,7 +156,7 @@ int fields_work(void *context, int field, double *values, shear_error *err) {
         code =
             bright_stamps_rows(fields->stamps[sign], (int64_t)field * fields->count, fields->count,
                                fields->cases.n, fields->cases.c, fields->rows, err);
-        code = code ? code : estimate_all(fields, sign, values, err);
+        code = code != SHEAR_OK ? code : estimate_all(fields, sign, values, err);
         if (code == SHEAR_OK && sign == 0) {
             count_shapes(fields, (int64_t)field * fields->count,
                          values + fields->cases.n * EFFICIENCY_PER_CASE);
@@ -177,7 +177,7 @@ struct outcome fields_outcome(const struct fields *fields, const double *values,
     double *pull = error + 2 * n_fields;
     double *m = error + 4 * n_fields;
     int n = 0;
-    for (int f = 0; error && f < n_fields; f++) {
+    for (int f = 0; error != NULL && f < n_fields; f++) {
         double *field = (double *)values + (size_t)f * (size_t)per_field;
         const double *plus = slot(field, c, kind, 0);
         const double *minus = slot(field, c, kind, 1);
@@ -192,7 +192,7 @@ struct outcome fields_outcome(const struct fields *fields, const double *values,
             o.quoted += plus[2 + k] * root;
         }
     }
-    if (error) {
+    if (error != NULL) {
         o.error = spread_of(error, (size_t)n);
         o.pull_width = spread_of(pull, (size_t)n).width;
         o.m = spread_of(m, (size_t)n);
@@ -202,7 +202,7 @@ struct outcome fields_outcome(const struct fields *fields, const double *values,
     return o;
 }
 
-void fields_shapes(const struct fields *fields, const double *values, struct shape_counts *counts) {
+void fields_shapes(const struct fields *fields, const double *values, shape_counts *counts) {
     const size_t per_field = (size_t)fields_values(fields);
     double sum[SHAPE_VALUES] = {0.0};
     for (int f = 0; f < fields->r->groups; f++) {

@@ -29,17 +29,17 @@ enum {
 /* Two for each range (without and with noise), then one for each signal-to-noise of the bias. */
 struct cases {
     int n, n_ranges;
-    struct brightness c[MAX_CASES];
+    brightness c[MAX_CASES];
     double snr[MAX_CASES]; /* NaN = no noise */
 };
 
 struct fields {
     const struct request *r;
     struct cases cases;
-    struct bright_stamps *stamps[2]; /* at the shear, and at its opposite */
-    int count;                       /* galaxies of a field */
-    double typical_d;                /* of a galaxy of flux 1 without noise */
-    shear_row *rows;                 /* [cases.n][count] */
+    bright_stamps *stamps[2]; /* at the shear, and at its opposite */
+    int count;                /* galaxies of a field */
+    double typical_d;         /* of a galaxy of flux 1 without noise */
+    shear_row *rows;          /* [cases.n][count] */
 };
 
 int fields_init(struct fields *fields, const struct request *r, shear_error *err);
@@ -61,6 +61,6 @@ struct outcome {
 /* values [r->groups][fields_values]. */
 struct outcome fields_outcome(const struct fields *fields, const double *values, int c, int kind);
 /* The galaxies' shapes, of all fields. */
-void fields_shapes(const struct fields *fields, const double *values, struct shape_counts *counts);
+void fields_shapes(const struct fields *fields, const double *values, shape_counts *counts);
 
 #endif

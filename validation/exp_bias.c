@@ -44,13 +44,13 @@ static void defaults(struct request *r) {
 /* ---- one case ---- */
 
 /* Interpolation costs much, and the point sources of W_B with their long spikes do too. */
-static int64_t stamps_of(const struct request *r, const struct bias_case *b) {
+static int64_t stamps_of(const struct request *r, const bias_case *b) {
     bool slow = b->way > 0 || b->large || (b->noise == BIAS_SOURCES && b->psf == SHEAR_MOCK_PSF_B);
     double n = (double)r->galaxies / (slow ? request_number(r, "fewer") : 1.0);
     return (int64_t)ceil(n / r->mock.rotate) * r->mock.rotate;
 }
 
-static shear_mock_spec spec_of(const struct request *r, const struct bias_case *b) {
+static shear_mock_spec spec_of(const struct request *r, const bias_case *b) {
     shear_mock_spec m = r->mock;
     m.galaxy = b->kind;
     m.psf = b->psf;
@@ -68,12 +68,12 @@ static shear_mock_spec spec_of(const struct request *r, const struct bias_case *
     return m;
 }
 
-static int n_shears(const struct request *r, const struct bias_case *b) {
+static int n_shears(const struct request *r, const bias_case *b) {
     return b->large ? 4 * request_list(r, "large")->n : 5;
 }
 
 /* +g and -g along g1, then along g2, of each size; then no shear. */
-static void shear_of(const struct request *r, const struct bias_case *b, int i, double g[2]) {
+static void shear_of(const struct request *r, const bias_case *b, int i, double g[2]) {
     double size = b->large ? request_list(r, "large")->v[i / 4]
                   : i < 4  ? request_number(r, "reach")
                            : 0.0;
@@ -83,7 +83,7 @@ static void shear_of(const struct request *r, const struct bias_case *b, int i, 
 
 /* Series: shear, or 2 shear + method. Without interpolation the noise is drawn once for all shears.
  */
-int bias_measure(const struct request *r, struct ledger *ledger, const struct bias_case *b,
+int bias_measure(const struct request *r, struct ledger *ledger, const bias_case *b,
                  struct tally **tally, shear_error *err) {
     struct scene scenes[BIAS_MAX_SHEARS];
     struct series series[2 * BIAS_MAX_SHEARS];
@@ -108,21 +108,21 @@ int bias_measure(const struct request *r, struct ledger *ledger, const struct bi
             }
         }
     }
-    const struct sample_spec spec = {.name = bias_case_name(b, name, sizeof name),
-                                     .stamps = stamps_of(r, b),
-                                     .groups = r->groups,
-                                     .threads = r->threads,
-                                     .n_scenes = n,
-                                     .scenes = scenes,
-                                     .n_series = methods_of_way * n,
-                                     .series = series,
-                                     .noise = shares ? &noise : NULL,
-                                     .exchange = true};
+    const sample_spec spec = {.name = bias_case_name(b, name, sizeof name),
+                              .stamps = stamps_of(r, b),
+                              .groups = r->groups,
+                              .threads = r->threads,
+                              .n_scenes = n,
+                              .scenes = scenes,
+                              .n_series = methods_of_way * n,
+                              .series = series,
+                              .noise = shares ? &noise : NULL,
+                              .exchange = true};
     return sample_measure(&spec, ledger, tally, err);
 }
 
-struct shear_set bias_shears(const struct request *r, const struct bias_case *b, int method) {
-    struct shear_set set = {.n = n_shears(r, b)};
+shear_set bias_shears(const struct request *r, const bias_case *b, int method) {
+    shear_set set = {.n = n_shears(r, b)};
     for (int i = 0; i < set.n; i++) {
         set.series[i] = b->way > 0 ? 2 * i + method : i;
         shear_of(r, b, i, set.g[i]);
@@ -137,19 +137,19 @@ static bool asks_large(const struct request *r) {
 }
 
 /* Logarithms and white noise do not go together: some pixels are negative. */
-static bool is_sound(const struct bias_case *b) {
+static bool is_sound(const bias_case *b) {
     return !(b->way > 0 && b->noise == BIAS_WHITE) && !(b->large && (b->way > 0 || b->noise > 0));
 }
 
-static int list_cases(const struct request *r, struct bias_case *cases) {
-    const struct knob_values *kinds = request_list(r, "kinds");
-    const struct knob_values *psfs = request_list(r, "psfs");
-    const struct knob_values *noises = request_list(r, "noises");
-    const struct knob_values *ways = request_list(r, "ways");
+static int list_cases(const struct request *r, bias_case *cases) {
+    const knob_values *kinds = request_list(r, "kinds");
+    const knob_values *psfs = request_list(r, "psfs");
+    const knob_values *noises = request_list(r, "noises");
+    const knob_values *ways = request_list(r, "ways");
     int n = 0;
     for (int i = 0; i < 2 * ways->n * noises->n * psfs->n * kinds->n; i++) {
         int rest = i / 2;
-        struct bias_case b = {.large = i % 2 == 1};
+        bias_case b = {.large = i % 2 == 1};
         b.noise = (int)noises->v[rest % noises->n];
         rest /= noises->n;
         b.way = (int)ways->v[rest % ways->n];
@@ -164,7 +164,7 @@ static int list_cases(const struct request *r, struct bias_case *cases) {
 }
 
 static int exec(const struct request *r, shear_error *err) {
-    struct bias_case cases[BIAS_MAX_CASES];
+    bias_case cases[BIAS_MAX_CASES];
     struct ledger *ledger = NULL;
     int64_t total = 0;
     int n = list_cases(r, cases);
@@ -176,12 +176,12 @@ static int exec(const struct request *r, shear_error *err) {
                           BIAS_MAX_SHEARS / 4);
     }
     int code = ledger_open(&ledger, r, total, err);
-    code = code ? code : bias_report(r, ledger, cases, n, err);
+    code = code != SHEAR_OK ? code : bias_report(r, ledger, cases, n, err);
     ledger_close(ledger);
     return code;
 }
 
-const struct experiment exp_bias = {
+const experiment exp_bias = {
     .name = "bias",
     .summary = "beyond the paper: m and c from a million galaxies, and shears up to 0.1",
     .about = "Galaxies in fours (0, 45, 90, 135 degrees; --galaxies counts all stamps), the\n"

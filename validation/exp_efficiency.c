@@ -91,7 +91,7 @@ static void add_point(struct curves *curves, const struct cases *cases, int c, i
 
 static void tabulate(const struct fields *fields, const double *values, struct table *t,
                      struct curves *curves, struct summary *s) {
-    struct shape_counts counts;
+    shape_counts counts;
     fields_shapes(fields, values, &counts);
     s->line = shape_bound_line(&counts);
     s->plane = shape_bound_plane(&counts);
@@ -164,7 +164,7 @@ static int finish(const struct fields *fields, const struct ledger *ledger, cons
         tabulate(fields, values, t, curves, &s);
         code = draw(curves, &s, &f, err);
     }
-    code = code ? code : report_save(fields->r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : report_save(fields->r, ledger, t, f, err);
     shear_figure_free(f);
     free(curves);
     table_free(t);
@@ -179,7 +179,7 @@ static int exec(const struct request *r, shear_error *err) {
     const int per_field = fields_values(&fields);
     if (code == SHEAR_OK) {
         values = calloc((size_t)r->groups * (size_t)per_field, sizeof *values);
-        code = values
+        code = values != NULL
                    ? ledger_open(&ledger, r, 2 * (int64_t)fields.count * r->groups, err)
                    : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the fields' shears");
     }
@@ -189,15 +189,15 @@ static int exec(const struct request *r, shear_error *err) {
                               .stamps_of_chunk = 2 * fields.count,
                               .work = fields_work,
                               .context = &fields};
-    code = code ? code : ledger_run(ledger, &task, values, err);
-    code = code ? code : finish(&fields, ledger, values, err);
+    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, values, err);
+    code = code != SHEAR_OK ? code : finish(&fields, ledger, values, err);
     ledger_close(ledger);
     free(values);
     fields_deinit(&fields);
     return code;
 }
 
-const struct experiment exp_efficiency = {
+const experiment exp_efficiency = {
     .name = "efficiency",
     .summary = "beyond the paper: the ratio of means against PDF symmetrization",
     .about =

@@ -37,7 +37,7 @@ static void defaults(struct request *r) {
 /* ---- fields ---- */
 
 static int chunk_length(const struct request *r) {
-    const struct knob_values *lengths = request_list(r, "lengths");
+    const knob_values *lengths = request_list(r, "lengths");
     return (int)lengths->v[lengths->n - 1];
 }
 
@@ -53,7 +53,8 @@ static int field_result(const shear_row *rows, int n, int groups, double out[PER
     shear_result result;
     int blocks = (n + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
     int code = shear_field_sums_new(&sums, err);
-    code = code ? code : shear_jackknife_new(&jack, groups < blocks ? groups : blocks, err);
+    code = code != SHEAR_OK ? code
+                            : shear_jackknife_new(&jack, groups < blocks ? groups : blocks, err);
     for (int from = 0; code == SHEAR_OK && from < n; from += SHEAR_BLOCK) {
         shear_block_sums block;
         shear_block_sums_init(&block);
@@ -113,13 +114,13 @@ static int measure(const struct request *r, struct ledger *ledger, int chunks, d
     struct run run = {.request = r};
     const struct scene scene = {.spec = r->mock};
     const struct series series = {.settings = r->settings};
-    const struct sample_spec spec = {.name = "fields",
-                                     .stamps = (int64_t)chunks * chunk_length(r),
-                                     .threads = r->threads,
-                                     .n_scenes = 1,
-                                     .scenes = &scene,
-                                     .n_series = 1,
-                                     .series = &series};
+    const sample_spec spec = {.name = "fields",
+                              .stamps = (int64_t)chunks * chunk_length(r),
+                              .threads = r->threads,
+                              .n_scenes = 1,
+                              .scenes = &scene,
+                              .n_series = 1,
+                              .series = &series};
     const struct task task = {.name = "fields",
                               .chunks = chunks,
                               .values = values_of_chunk(r),
@@ -127,9 +128,9 @@ static int measure(const struct request *r, struct ledger *ledger, int chunks, d
                               .work = measure_chunk,
                               .context = &run};
     run.rows = calloc((size_t)chunk_length(r), sizeof *run.rows);
-    int code = run.rows ? sampler_new(&run.sampler, &spec, err)
-                        : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for rows");
-    code = code ? code : ledger_run(ledger, &task, values, err);
+    int code = run.rows != NULL ? sampler_new(&run.sampler, &spec, err)
+                                : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for rows");
+    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, values, err);
     sampler_free(run.sampler);
     free(run.rows);
     return code;
@@ -195,10 +196,10 @@ static void add_row(const struct request *r, struct table *t, int length, int wa
         o->pictured = n;
     }
     double ks = ks_distance(pulls, n, 0.0, &p_gauss);
-    ks_distance(pulls, n, way ? groups - 1.0 : size - 1.0, &p_student);
+    ks_distance(pulls, n, way != 0 ? groups - 1.0 : size - 1.0, &p_student);
     table_number(t, size);
     table_text(t, ways[way]);
-    table_number(t, way ? (double)groups : NAN);
+    table_number(t, way != 0 ? (double)groups : NAN);
     table_number(t, (double)n);
     table_number(t, s.mean);
     table_number(t, s.mean_err);
@@ -220,7 +221,7 @@ static int add_rows(const struct request *r, const double *values, int chunks, s
     size_t most = 2 * (size_t)chunks * (size_t)fields_of_chunk(r, 0);
     int code = SHEAR_OK;
     double *pulls = memory_new(most, sizeof *pulls, "pulls", &code, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     o->from[0] = o->from[1] = NAN;
@@ -279,9 +280,9 @@ static int draw(const struct request *r, struct outcome *o, shear_figure **f, sh
     if (code == SHEAR_OK) {
         draw_pulls(r, *f, shear_grid_cell(&grid, 0, 0, 1, 1), o);
         for (int way = 0; way < N_WAYS; way++) {
-            o->width[way].hue = way ? SHEAR_VERMILION : SHEAR_BLUE;
-            o->width[way].marker = way ? SHEAR_SQUARE : SHEAR_DISC;
-            o->width[way].label = way ? "jackknife" : "delta method";
+            o->width[way].hue = way != 0 ? SHEAR_VERMILION : SHEAR_BLUE;
+            o->width[way].marker = way != 0 ? SHEAR_SQUARE : SHEAR_DISC;
+            o->width[way].label = way != 0 ? "jackknife" : "delta method";
         }
         chart_draw(*f, &(struct chart){.cell = shear_grid_cell(&grid, 0, 1, 1, 1),
                                        .title = "width of the pulls",
@@ -299,7 +300,7 @@ static int draw(const struct request *r, struct outcome *o, shear_figure **f, sh
 /* ---- all ---- */
 
 static int check(const struct request *r, shear_error *err) {
-    const struct knob_values *lengths = request_list(r, "lengths");
+    const knob_values *lengths = request_list(r, "lengths");
     for (int k = 0; k < lengths->n; k++) {
         if (fmod(lengths->v[lengths->n - 1], lengths->v[k]) != 0.0 ||
             lengths->v[k] != floor(lengths->v[k])) {
@@ -323,9 +324,9 @@ static int finish(const struct request *r, const struct ledger *ledger, const do
     int code = SHEAR_OK;
     struct outcome *o = memory_new(1, sizeof *o, "results", &code, err);
     add_columns(t);
-    code = code ? code : add_rows(r, values, chunks, t, o, err);
-    code = code ? code : draw(r, o, &f, err);
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : add_rows(r, values, chunks, t, o, err);
+    code = code != SHEAR_OK ? code : draw(r, o, &f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     free(o);
     table_free(t);
@@ -338,15 +339,16 @@ static int exec(const struct request *r, shear_error *err) {
     int chunks = (int)(r->galaxies / chunk_length(r));
     size_t size = (size_t)chunks * (size_t)values_of_chunk(r);
     double *values = memory_new(size, sizeof *values, "fields", &code, err);
-    code = code ? code : ledger_open(&ledger, r, (int64_t)chunks * chunk_length(r), err);
-    code = code ? code : measure(r, ledger, chunks, values, err);
-    code = code ? code : finish(r, ledger, values, chunks, err);
+    code =
+        code != SHEAR_OK ? code : ledger_open(&ledger, r, (int64_t)chunks * chunk_length(r), err);
+    code = code != SHEAR_OK ? code : measure(r, ledger, chunks, values, err);
+    code = code != SHEAR_OK ? code : finish(r, ledger, values, chunks, err);
     free(values);
     ledger_close(ledger);
     return code;
 }
 
-const struct experiment exp_errors = {
+const experiment exp_errors = {
     .name = "errors",
     .summary = "beyond the paper: are the quoted errors honest?",
     .about = "Fields of unpaired regular galaxies in white noise: 2000 of 500 galaxies, and the "

@@ -39,9 +39,12 @@ static int draw(const shear_mock_spec *spec, struct image *image, shear_error *e
     m.n_stamps = 1;
     size_t n = (size_t)m.nx * (size_t)m.ny;
     *image = (struct image){m.nx, m.ny, calloc(2 * n, sizeof(double))};
-    int code = image->pixels ? shear_mock_new(&mock, &m, err)
-                             : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an image");
-    code = code ? code : shear_mock_stamps(mock, 0, 1, 1, image->pixels, image->pixels + n, err);
+    int code = image->pixels != NULL
+                   ? shear_mock_new(&mock, &m, err)
+                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an image");
+    code = code != SHEAR_OK
+               ? code
+               : shear_mock_stamps(mock, 0, 1, 1, image->pixels, image->pixels + n, err);
     shear_mock_free(mock);
     return code;
 }
@@ -65,14 +68,14 @@ static int interpolate(const struct request *r, int method, const struct image *
     struct sampler *s = NULL;
     const struct scene scene = {.spec = r->mock};
     const struct series series = method_series(0, method, PSF_FINE, r->mock.r_psf_px, &r->settings);
-    const struct sample_spec spec = {.name = "images",
-                                     .stamps = 1,
-                                     .groups = 1,
-                                     .threads = 1,
-                                     .n_scenes = 1,
-                                     .scenes = &scene,
-                                     .n_series = 1,
-                                     .series = &series};
+    const sample_spec spec = {.name = "images",
+                              .stamps = 1,
+                              .groups = 1,
+                              .threads = 1,
+                              .n_scenes = 1,
+                              .scenes = &scene,
+                              .n_series = 1,
+                              .series = &series};
     shear_inspection steps = {0};
     const double *pixels = coarse->pixels;
     const shear_stamps stamps = {.count = 1,
@@ -81,7 +84,7 @@ static int interpolate(const struct request *r, int method, const struct image *
                                  .galaxy = pixels,
                                  .noise = pixels + (size_t)coarse->nx * (size_t)coarse->ny};
     int code = sampler_new(&s, &spec, err);
-    code = code ? code : sampler_inspect(s, 0, &stamps, 0, &steps, err);
+    code = code != SHEAR_OK ? code : sampler_inspect(s, 0, &stamps, 0, &steps, err);
     if (code == SHEAR_OK) {
         *fine = (struct image){steps.fine_nx, steps.fine_ny, steps.galaxy_fine};
         steps.galaxy_fine = NULL;
@@ -183,12 +186,12 @@ static int exec(const struct request *r, shear_error *err) {
     struct table *t = NULL;
     shear_figure *f = NULL;
     int code = ledger_open(&ledger, r, 1, err);
-    code = code ? code : draw(&r->mock, &coarse, err);
-    code = code ? code : draw_truth(r, &truth, err);
+    code = code != SHEAR_OK ? code : draw(&r->mock, &coarse, err);
+    code = code != SHEAR_OK ? code : draw_truth(r, &truth, err);
     for (int i = 0; code == SHEAR_OK && i < N_METHODS; i++) {
         code = interpolate(r, i, &coarse, &fine[i], err);
     }
-    code = code ? code : draw_figure(&coarse, &truth, fine, &f, err);
+    code = code != SHEAR_OK ? code : draw_figure(&coarse, &truth, fine, &f, err);
     if (code == SHEAR_OK) {
         t = make_table(r, &truth, fine);
         code = report_save(r, ledger, t, f, err);
@@ -204,7 +207,7 @@ static int exec(const struct request *r, shear_error *err) {
     return code;
 }
 
-const struct experiment exp_images = {
+const experiment exp_images = {
     .name = "images",
     .summary = "section 4.3: one pixelated image and its six interpolations",
     .about = "One irregular galaxy of 1000 steps on pixels twice as large as R_PSF, the same "

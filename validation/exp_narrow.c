@@ -75,7 +75,7 @@ static int find_powers(const struct request *r, struct powers *p, shear_error *e
     int code = SHEAR_OK;
     spec.n_stamps = (int64_t)POWER_GALAXIES * spec.rotate;
     code = shear_mock_new(&mock, &spec, err);
-    const int most = code ? 0 : shear_mock_get_info(mock)->max_points;
+    const int most = code != SHEAR_OK ? 0 : shear_mock_get_info(mock)->max_points;
     double *x = memory_new(2 * (size_t)most, sizeof *x, "points", &code, err);
     *p = (struct powers){0};
     for (int galaxy = 0; code == SHEAR_OK && galaxy < POWER_GALAXIES; galaxy++) {
@@ -111,7 +111,7 @@ static int settings_of(const struct request *r, double r_psf_px, shear_settings 
     return code;
 }
 
-static int measure(const struct request *r, struct ledger *ledger, struct narrow_point *p,
+static int measure(const struct request *r, struct ledger *ledger, narrow_point *p,
                    shear_error *err) {
     struct scene scenes[SIGNS];
     struct series series[SERIES];
@@ -132,19 +132,19 @@ static int measure(const struct request *r, struct ledger *ledger, struct narrow
         p->beta_px[i % NARROW_WAYS] = ways[i % NARROW_WAYS].beta_px;
     }
     snprintf(name, sizeof name, "R_PSF=%g", p->r_psf_px);
-    const struct sample_spec spec = {.name = name,
-                                     .stamps = r->galaxies,
-                                     .groups = r->groups,
-                                     .threads = r->threads,
-                                     .n_scenes = SIGNS,
-                                     .scenes = scenes,
-                                     .n_series = SERIES,
-                                     .series = series};
-    code = code ? code : sample_measure(&spec, ledger, &tally, err);
+    const sample_spec spec = {.name = name,
+                              .stamps = r->galaxies,
+                              .groups = r->groups,
+                              .threads = r->threads,
+                              .n_scenes = SIGNS,
+                              .scenes = scenes,
+                              .n_series = SERIES,
+                              .series = series};
+    code = code != SHEAR_OK ? code : sample_measure(&spec, ledger, &tally, err);
     for (int way = 0; code == SHEAR_OK && way < NARROW_WAYS; way++) {
-        const struct shear_set set = {.n = SIGNS,
-                                      .series = {way, NARROW_WAYS + way},
-                                      .g = {{r->mock.g1, r->mock.g2}, {-r->mock.g1, -r->mock.g2}}};
+        const shear_set set = {.n = SIGNS,
+                               .series = {way, NARROW_WAYS + way},
+                               .g = {{r->mock.g1, r->mock.g2}, {-r->mock.g1, -r->mock.g2}}};
         code = bias_fit(tally, &set, &p->bias[way], err);
     }
     tally_free(tally);
@@ -165,14 +165,14 @@ static double find_limit(const struct request *r) {
 /* ---- all ---- */
 
 static int exec(const struct request *r, shear_error *err) {
-    const struct knob_values *radii = request_list(r, "radii");
+    const knob_values *radii = request_list(r, "radii");
     struct ledger *ledger = NULL;
     struct powers powers;
     struct narrow n = {.limit_px = find_limit(r)};
     int code = ledger_open(&ledger, r, SIGNS * r->galaxies * radii->n, err);
-    code = code ? code : find_powers(r, &powers, err);
+    code = code != SHEAR_OK ? code : find_powers(r, &powers, err);
     for (int i = 0; code == SHEAR_OK && i < radii->n; i++) {
-        struct narrow_point *p = &n.points[n.n++];
+        narrow_point *p = &n.points[n.n++];
         p->r_psf_px = radii->v[i];
         code = measure(r, ledger, p, err);
         p->own = share_at(p->r_psf_px, p->beta_px[0], power_at, &powers);
@@ -180,12 +180,12 @@ static int exec(const struct request *r, shear_error *err) {
             p->disk[k] = share_at(p->r_psf_px, p->beta_px[0], disk_power, &narrow_disks_px[k]);
         }
     }
-    code = code ? code : narrow_report(r, ledger, &n, err);
+    code = code != SHEAR_OK ? code : narrow_report(r, ledger, &n, err);
     ledger_close(ledger);
     return code;
 }
 
-const struct experiment exp_narrow = {
+const experiment exp_narrow = {
     .name = "narrow",
     .summary = "beyond the paper: under-sampled data, R_PSF from 0.3 pixels on",
     .about = "Irregular galaxies in fours at +g and -g, without noise, behind W_A given finely\n"

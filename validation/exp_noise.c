@@ -33,7 +33,7 @@ static void defaults(struct request *r) {
 /* Series 2 i and 2 i + 1 are ratio i with and without the correction. */
 static int measure(const struct request *r, struct ledger *ledger, struct tally **tally,
                    shear_error *err) {
-    const struct knob_values *ratios = request_list(r, "ratios");
+    const knob_values *ratios = request_list(r, "ratios");
     struct scene scenes[MAX_KNOB_VALUES];
     struct series series[2 * MAX_KNOB_VALUES];
     shear_mock_spec noise = r->mock;
@@ -45,15 +45,15 @@ static int measure(const struct request *r, struct ledger *ledger, struct tally 
             series[2 * i + k].settings.noise_correction = k == 0;
         }
     }
-    const struct sample_spec spec = {.name = "noise",
-                                     .stamps = r->galaxies,
-                                     .groups = r->groups,
-                                     .threads = r->threads,
-                                     .n_scenes = ratios->n,
-                                     .scenes = scenes,
-                                     .n_series = 2 * ratios->n,
-                                     .series = series,
-                                     .noise = &noise};
+    const sample_spec spec = {.name = "noise",
+                              .stamps = r->galaxies,
+                              .groups = r->groups,
+                              .threads = r->threads,
+                              .n_scenes = ratios->n,
+                              .scenes = scenes,
+                              .n_series = 2 * ratios->n,
+                              .series = series,
+                              .noise = &noise};
     return sample_measure(&spec, ledger, tally, err);
 }
 
@@ -79,12 +79,12 @@ struct outcome {
 
 static int add_rows(const struct request *r, const struct tally *tally, struct table *t,
                     struct outcome *o, shear_error *err) {
-    const struct knob_values *ratios = request_list(r, "ratios");
+    const knob_values *ratios = request_list(r, "ratios");
     bool jackknife = r->mock.rotate > 1;
     for (int i = 0; i < tally->n_series; i++) {
         shear_result s;
         int code = tally_result(tally, i, jackknife, &s, err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
         double pull1 = (s.g1 - r->mock.g1) / s.g1_err;
@@ -92,9 +92,9 @@ static int add_rows(const struct request *r, const struct tally *tally, struct t
         table_number(t, ratios->v[i / 2]);
         table_text(t, i % 2 ? "no" : "yes");
         for (int c = 0; c < 2; c++) {
-            table_number(t, c ? s.g2 : s.g1);
-            table_number(t, c ? s.g2_err : s.g1_err);
-            table_number(t, c ? pull2 : pull1);
+            table_number(t, c != 0 ? s.g2 : s.g1);
+            table_number(t, c != 0 ? s.g2_err : s.g1_err);
+            table_number(t, c != 0 ? pull2 : pull1);
         }
         o->worst = i % 2 ? o->worst : fmax(o->worst, fmax(fabs(pull1), fabs(pull2)));
         curve_add(&o->curves[0][i % 2], ratios->v[i / 2], s.g1, s.g1_err);
@@ -135,7 +135,7 @@ static int judge(const struct request *r, const struct tally *tally, struct tabl
 static int draw(const struct request *r, struct outcome *o, shear_figure **figure,
                 shear_error *err) {
     int code = shear_figure_new(figure, 760, 640, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const shear_grid grid = {.area = {8, 8, 744, 624}, .rows = 2, .columns = 1, .gap_y = 4};
@@ -143,14 +143,14 @@ static int draw(const struct request *r, struct outcome *o, shear_figure **figur
         o->curves[c][0].hue = SHEAR_VERMILION;
         o->curves[c][1].hue = SHEAR_BLUE;
         o->curves[c][1].marker = SHEAR_SQUARE;
-        o->curves[c][0].label = c ? NULL : "noise corrected";
-        o->curves[c][1].label = c ? NULL : "not corrected";
+        o->curves[c][0].label = c != 0 ? NULL : "noise corrected";
+        o->curves[c][1].label = c != 0 ? NULL : "not corrected";
         chart_draw(*figure, &(struct chart){.cell = shear_grid_cell(&grid, c, 0, 1, 1),
-                                            .x_label = c ? "I_{N} / I_{G}" : NULL,
-                                            .y_label = c ? "g_{2}" : "g_{1}",
+                                            .x_label = c != 0 ? "I_{N} / I_{G}" : NULL,
+                                            .y_label = c != 0 ? "g_{2}" : "g_{1}",
                                             .log_x = true,
                                             .legend = SHEAR_BOTTOM_LEFT,
-                                            .truth = c ? r->mock.g2 : r->mock.g1,
+                                            .truth = c != 0 ? r->mock.g2 : r->mock.g1,
                                             .spread = 0.012,
                                             .n_curves = 2,
                                             .curves = o->curves[c]});
@@ -167,9 +167,9 @@ static int draw_image(const struct request *r, shear_figure *f, shear_rect cell,
     m.noise_ratio = ratio;
     size_t pixels = (size_t)m.nx * (size_t)m.ny;
     double *galaxy = calloc(2 * pixels, sizeof *galaxy);
-    int code = galaxy ? shear_mock_new(&mock, &m, err)
-                      : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an image");
-    code = code ? code : shear_mock_stamps(mock, 0, 1, 1, galaxy, galaxy + pixels, err);
+    int code = galaxy != NULL ? shear_mock_new(&mock, &m, err)
+                              : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an image");
+    code = code != SHEAR_OK ? code : shear_mock_stamps(mock, 0, 1, 1, galaxy, galaxy + pixels, err);
     if (code == SHEAR_OK) {
         snprintf(title, sizeof title, "I_{N}/I_{G} = %g", ratio);
         shear_image_begin(f, &(shear_image){.cell = cell,
@@ -187,7 +187,7 @@ static int draw_image(const struct request *r, shear_figure *f, shear_rect cell,
 }
 
 static int draw_images(const struct request *r, shear_error *err) {
-    const struct knob_values *ratios = request_list(r, "pictured");
+    const knob_values *ratios = request_list(r, "pictured");
     shear_figure *f = NULL;
     const shear_grid grid = {
         .area = {6, 6, 588, 628}, .rows = 2, .columns = 2, .gap_x = 6, .gap_y = 6};
@@ -195,7 +195,7 @@ static int draw_images(const struct request *r, shear_error *err) {
     for (int i = 0; code == SHEAR_OK && i < ratios->n && i < 4; i++) {
         code = draw_image(r, f, shear_grid_cell(&grid, i / 2, i % 2, 1, 1), ratios->v[i], err);
     }
-    code = code ? code : report_picture(r, "images", f, err);
+    code = code != SHEAR_OK ? code : report_picture(r, "images", f, err);
     shear_figure_free(f);
     return code;
 }
@@ -207,9 +207,9 @@ static int finish(const struct request *r, const struct ledger *ledger, const st
     shear_figure *f = NULL;
     add_columns(t);
     int code = add_rows(r, tally, t, &o, err);
-    code = code ? code : judge(r, tally, t, &o, err);
-    code = code ? code : draw(r, &o, &f, err);
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : judge(r, tally, t, &o, err);
+    code = code != SHEAR_OK ? code : draw(r, &o, &f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     table_free(t);
     return code;
@@ -219,15 +219,15 @@ static int exec(const struct request *r, shear_error *err) {
     struct ledger *ledger = NULL;
     struct tally *tally = NULL;
     int code = ledger_open(&ledger, r, r->galaxies * request_list(r, "ratios")->n, err);
-    code = code ? code : measure(r, ledger, &tally, err);
-    code = code ? code : finish(r, ledger, tally, err);
-    code = code ? code : draw_images(r, err);
+    code = code != SHEAR_OK ? code : measure(r, ledger, &tally, err);
+    code = code != SHEAR_OK ? code : finish(r, ledger, tally, err);
+    code = code != SHEAR_OK ? code : draw_images(r, err);
     tally_free(tally);
     ledger_close(ledger);
     return code;
 }
 
-const struct experiment exp_noise = {
+const experiment exp_noise = {
     .name = "noise",
     .summary = "section 4.2: shear under noise of growing brightness, corrected and not",
     .about = "Regular galaxies of 600 points on 256x256 pixels, R_G = 30, W_A with R_PSF = 4, beta "

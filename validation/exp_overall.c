@@ -60,14 +60,14 @@ static int measure(const struct request *r, struct ledger *ledger, int panel, do
         series[i] = method_series(0, method_of(i), PSF_FINE, m->r_psf_px, &r->settings);
     }
     snprintf(name, sizeof name, "%s,W_%s,R_G=%g", panels[panel].galaxy, panels[panel].psf, size);
-    const struct sample_spec spec = {.name = name,
-                                     .stamps = r->galaxies,
-                                     .groups = r->groups,
-                                     .threads = r->threads,
-                                     .n_scenes = 1,
-                                     .scenes = &scene,
-                                     .n_series = N_BEST,
-                                     .series = series};
+    const sample_spec spec = {.name = name,
+                              .stamps = r->galaxies,
+                              .groups = r->groups,
+                              .threads = r->threads,
+                              .n_scenes = 1,
+                              .scenes = &scene,
+                              .n_series = N_BEST,
+                              .series = series};
     return sample_measure(&spec, ledger, tally, err);
 }
 
@@ -100,8 +100,8 @@ static const double large = 5.0; /* R_G over R_PSF from which on the paper's cla
 static void take(struct outcome *o, int panel, double size, int i, int c, double g, double err,
                  double pull) {
     struct curve *curve = &o->curves[panel][c][i];
-    curve->hue = i ? SHEAR_BLACK : SHEAR_VERMILION;
-    curve->marker = i ? SHEAR_DISC : SHEAR_SQUARE;
+    curve->hue = i != 0 ? SHEAR_BLACK : SHEAR_VERMILION;
+    curve->marker = i != 0 ? SHEAR_DISC : SHEAR_SQUARE;
     curve->label = panel == 0 && c == 0 ? methods[method_of(i)].label : NULL;
     curve_add(curve, size, g, err);
     if (size >= large) {
@@ -116,7 +116,7 @@ static int add_rows(const struct request *r, const struct tally *tally, int pane
     for (int i = 0; i < N_BEST; i++) {
         shear_result s;
         int code = tally_result(tally, i, r->mock.rotate > 1, &s, err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
         table_text(t, panels[panel].galaxy);
@@ -125,9 +125,9 @@ static int add_rows(const struct request *r, const struct tally *tally, int pane
         table_number(t, size);
         table_text(t, methods[method_of(i)].label);
         for (int c = 0; c < 2; c++) {
-            double g = c ? s.g2 : s.g1;
-            double g_err = c ? s.g2_err : s.g1_err;
-            double pull = (g - (c ? r->mock.g2 : r->mock.g1)) / g_err;
+            double g = c != 0 ? s.g2 : s.g1;
+            double g_err = c != 0 ? s.g2_err : s.g1_err;
+            double pull = (g - (c != 0 ? r->mock.g2 : r->mock.g1)) / g_err;
             table_number(t, g);
             table_number(t, g_err);
             table_number(t, pull);
@@ -140,7 +140,7 @@ static int add_rows(const struct request *r, const struct tally *tally, int pane
 /* Panels and sizes show the same galaxies: all large sizes of a method with their covariance. */
 static int judge(const struct request *r, struct table *t, const struct outcome *o,
                  shear_error *err) {
-    const struct knob_values *sizes = request_list(r, "sizes");
+    const knob_values *sizes = request_list(r, "sizes");
     const double truth[] = {r->mock.g1, r->mock.g2};
     int code = SHEAR_OK;
     for (int i = 0; code == SHEAR_OK && i < N_BEST; i++) {
@@ -186,10 +186,10 @@ static int draw(const struct request *r, const struct outcome *o, shear_figure *
         chart_draw(*f, &(struct chart){.cell = shear_grid_cell(&grid, panel, c, 1, 1),
                                        .title = title,
                                        .x_label = panel + 1 == N_PANELS ? "R_{G} / R_{PSF}" : NULL,
-                                       .y_label = c ? "g_{2}" : "g_{1}",
+                                       .y_label = c != 0 ? "g_{2}" : "g_{1}",
                                        .legend = SHEAR_TOP_RIGHT,
                                        .headroom = i == 0 ? 0.4 : 0.0,
-                                       .truth = c ? r->mock.g2 : r->mock.g1,
+                                       .truth = c != 0 ? r->mock.g2 : r->mock.g1,
                                        .spread = 0.02,
                                        .n_curves = N_BEST,
                                        .curves = o->curves[panel][c]});
@@ -201,19 +201,19 @@ static int draw(const struct request *r, const struct outcome *o, shear_figure *
 
 static int measure_all(const struct request *r, struct ledger *ledger, struct table *t,
                        struct outcome *o, shear_error *err) {
-    const struct knob_values *sizes = request_list(r, "sizes");
+    const knob_values *sizes = request_list(r, "sizes");
     int code = SHEAR_OK;
     for (int i = 0; code == SHEAR_OK && i < N_PANELS * sizes->n; i++) {
         struct tally *tally = NULL;
         int panel = i / sizes->n;
         double size = sizes->v[i % sizes->n];
         code = measure(r, ledger, panel, size, &tally, err);
-        code = code ? code : add_rows(r, tally, panel, size, t, o, err);
-        if (!o->all) {
+        code = code != SHEAR_OK ? code : add_rows(r, tally, panel, size, t, o, err);
+        if (o->all == NULL) {
             o->all = tally;
             continue;
         }
-        code = code ? code : tally_append(o->all, tally, err);
+        code = code != SHEAR_OK ? code : tally_append(o->all, tally, err);
         tally_free(tally);
     }
     return code;
@@ -237,20 +237,20 @@ static int exec(const struct request *r, shear_error *err) {
     struct outcome *o = memory_new(1, sizeof *o, "results", &code, err);
     int64_t total = r->galaxies * N_PANELS * request_list(r, "sizes")->n;
     add_columns(t);
-    code = code ? code : ledger_open(&ledger, r, total, err);
-    code = code ? code : measure_all(r, ledger, t, o, err);
-    code = code ? code : judge(r, t, o, err);
-    code = code ? code : draw(r, o, &f, err);
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : ledger_open(&ledger, r, total, err);
+    code = code != SHEAR_OK ? code : measure_all(r, ledger, t, o, err);
+    code = code != SHEAR_OK ? code : judge(r, t, o, err);
+    code = code != SHEAR_OK ? code : draw(r, o, &f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     table_free(t);
-    tally_free(o ? o->all : NULL);
+    tally_free(o != NULL ? o->all : NULL);
     free(o);
     ledger_close(ledger);
     return code;
 }
 
-const struct experiment exp_overall = {
+const experiment exp_overall = {
     .name = "overall",
     .summary = "section 4.4: noise and pixels at once, by size of the galaxies",
     .about =

@@ -40,14 +40,14 @@ static struct scene scene_at(const struct request *r, double size, double ratio)
 static int measure(const struct request *r, struct ledger *ledger, const char *name,
                    const struct scene *scene, const struct series *series, int n,
                    struct tally **tally, shear_error *err) {
-    const struct sample_spec spec = {.name = name,
-                                     .stamps = r->galaxies,
-                                     .groups = r->groups,
-                                     .threads = r->threads,
-                                     .n_scenes = 1,
-                                     .scenes = scene,
-                                     .n_series = n,
-                                     .series = series};
+    const sample_spec spec = {.name = name,
+                              .stamps = r->galaxies,
+                              .groups = r->groups,
+                              .threads = r->threads,
+                              .n_scenes = 1,
+                              .scenes = scene,
+                              .n_series = n,
+                              .series = series};
     return sample_measure(&spec, ledger, tally, err);
 }
 
@@ -84,7 +84,7 @@ static int measure_ratio(const struct request *r, struct ledger *ledger, double 
     }
     snprintf(name, sizeof name, "R_G=%g,pixel=%g", size, ratio);
     int code = measure(r, ledger, name, &scene, series, n, &tally, err);
-    code = code ? code : tally_append(all, tally, err);
+    code = code != SHEAR_OK ? code : tally_append(all, tally, err);
     tally_free(tally);
     return code;
 }
@@ -92,7 +92,7 @@ static int measure_ratio(const struct request *r, struct ledger *ledger, double 
 /* One tally a size: the reference, then the series of each ratio. */
 static int measure_size(const struct request *r, struct ledger *ledger, double size,
                         struct tally **tally, shear_error *err) {
-    const struct knob_values *ratios = request_list(r, "ratios");
+    const knob_values *ratios = request_list(r, "ratios");
     int code = measure_reference(r, ledger, size, tally, err);
     for (int k = 0; code == SHEAR_OK && k < ratios->n; k++) {
         code = measure_ratio(r, ledger, size, ratios->v[k], *tally, err);
@@ -101,7 +101,7 @@ static int measure_size(const struct request *r, struct ledger *ledger, double s
 }
 
 static int exec(const struct request *r, shear_error *err) {
-    const struct knob_values *sizes = request_list(r, "sizes");
+    const knob_values *sizes = request_list(r, "sizes");
     struct ledger *ledger = NULL;
     struct tally *tallies[PIXELS_MAX_SIZES] = {0};
     int64_t total = r->galaxies * sizes->n * (request_list(r, "ratios")->n + 1);
@@ -112,7 +112,7 @@ static int exec(const struct request *r, shear_error *err) {
     for (int i = 0; code == SHEAR_OK && i < sizes->n; i++) {
         code = measure_size(r, ledger, sizes->v[i], &tallies[i], err);
     }
-    code = code ? code : pixels_report(r, ledger, tallies, err);
+    code = code != SHEAR_OK ? code : pixels_report(r, ledger, tallies, err);
     for (int i = 0; i < PIXELS_MAX_SIZES; i++) {
         tally_free(tallies[i]);
     }
@@ -120,7 +120,7 @@ static int exec(const struct request *r, shear_error *err) {
     return code;
 }
 
-const struct experiment exp_pixels = {
+const experiment exp_pixels = {
     .name = "pixels",
     .summary = "section 4.3: shear against the size of the pixels, six interpolations",
     .about = "Irregular galaxies of 1000 steps under W_B, beta = 4/3 R_PSF, without noise, in "

@@ -74,7 +74,7 @@ static bool change(shear_settings *s, const char *text, int *code, shear_error *
 
 static int list_ways(const struct request *r, struct ways *w, shear_error *err) {
     int code = SHEAR_OK;
-    const struct knob_values *wanted = request_list(r, "steps");
+    const knob_values *wanted = request_list(r, "steps");
     for (int k = 0; k < wanted->n && w->n < N_STEPS; k++) {
         const int i = (int)wanted->v[k];
         shear_settings s = r->settings;
@@ -83,7 +83,7 @@ static int list_ways(const struct request *r, struct ways *w, shear_error *err) 
         }
         w->step[w->n++] = i;
         for (int pdf = 0; pdf < 2; pdf++) {
-            s.estimator = pdf ? SHEAR_ESTIMATOR_PDF_SYM : SHEAR_ESTIMATOR_MEAN;
+            s.estimator = pdf != 0 ? SHEAR_ESTIMATOR_PDF_SYM : SHEAR_ESTIMATOR_MEAN;
             w->trial.ways[w->trial.n_ways++] = s;
         }
     }
@@ -91,7 +91,7 @@ static int list_ways(const struct request *r, struct ways *w, shear_error *err) 
 }
 
 static int prepare(const struct request *r, struct ways *w, shear_error *err) {
-    const struct knob_values *snrs = request_list(r, "snrs");
+    const knob_values *snrs = request_list(r, "snrs");
     struct trial *t = &w->trial;
     *w = (struct ways){.trial = {.flaw = &flaws[0],
                                  .seed = r->mock.seed,
@@ -105,10 +105,10 @@ static int prepare(const struct request *r, struct ways *w, shear_error *err) {
                           TRIAL_MAX_LEVELS - 1);
     }
     for (int i = 0; i < snrs->n; i++) {
-        t->levels[t->n_levels++] = (struct trial_level){.snr = snrs->v[i], .range = 1.0};
+        t->levels[t->n_levels++] = (trial_level){.snr = snrs->v[i], .range = 1.0};
     }
-    t->levels[t->n_levels++] = (struct trial_level){.snr = request_number(r, "broad"),
-                                                    .range = request_number(r, "range")};
+    t->levels[t->n_levels++] =
+        (trial_level){.snr = request_number(r, "broad"), .range = request_number(r, "range")};
     return list_ways(r, w, err);
 }
 
@@ -127,7 +127,7 @@ static void add_columns(struct table *t) {
 }
 
 static void add_row(struct table *t, const struct ways *w, int level, int way,
-                    const struct trial_outcome *o) {
+                    const trial_outcome *o) {
     table_text(t, steps[w->step[way / 2]].label);
     table_text(t, way % 2 ? "pdf-sym" : "mean");
     table_number(t, w->trial.levels[level].snr);
@@ -139,10 +139,10 @@ static void add_row(struct table *t, const struct ways *w, int level, int way,
     table_number(t, o->m_err);
 }
 
-static void judge(struct table *t, const struct ways *w, const struct trial_outcome *out) {
+static void judge(struct table *t, const struct ways *w, const trial_outcome *out) {
     for (int level = 0; level < w->trial.n_levels; level++) {
-        const struct trial_level *l = &w->trial.levels[level];
-        const struct trial_outcome *o = out + level * w->trial.n_ways;
+        const trial_level *l = &w->trial.levels[level];
+        const trial_outcome *o = out + level * w->trial.n_ways;
         table_meta(t, "verdict",
                    "S/N %g%s, %s: error of one galaxy %.3f +- %.3f (mean), %.3f +- %.3f "
                    "(pdf-sym); m %+.1f +- %.1f and %+.1f +- %.1f, 10^-3",
@@ -152,7 +152,7 @@ static void judge(struct table *t, const struct ways *w, const struct trial_outc
     }
 }
 
-static void tabulate(struct table *t, const struct ways *w, const struct trial_outcome *out) {
+static void tabulate(struct table *t, const struct ways *w, const trial_outcome *out) {
     add_columns(t);
     for (int way = 0; way < w->trial.n_ways; way++) {
         for (int level = 0; level < w->trial.n_levels; level++) {
@@ -165,7 +165,7 @@ static void tabulate(struct table *t, const struct ways *w, const struct trial_o
 /* ---- figure: a panel for each estimator; equal galaxies ---- */
 
 static void draw_panel(shear_figure *f, shear_rect cell, const struct ways *w,
-                       const struct trial_outcome *out, int estimator) {
+                       const trial_outcome *out, int estimator) {
     static const int markers[] = {SHEAR_DISC,  SHEAR_CIRCLE, SHEAR_SQUARE,
                                   SHEAR_CROSS, SHEAR_PLUS,   SHEAR_TRIANGLE};
     struct curve curves[MAX_CURVES] = {0};
@@ -174,12 +174,12 @@ static void draw_panel(shear_figure *f, shear_rect cell, const struct ways *w,
         curves[i].hue = i % SHEAR_N_HUES;
         curves[i].marker = markers[i % 6];
         for (int level = 0; level + 1 < w->trial.n_levels; level++) {
-            const struct trial_outcome *o = &out[level * w->trial.n_ways + 2 * i + estimator];
+            const trial_outcome *o = &out[level * w->trial.n_ways + 2 * i + estimator];
             curve_add(&curves[i], w->trial.levels[level].snr, o->error, o->error_err);
         }
     }
     chart_draw(f, &(struct chart){.cell = cell,
-                                  .title = estimator ? "pdf-sym" : "mean",
+                                  .title = estimator != 0 ? "pdf-sym" : "mean",
                                   .x_label = "S/N",
                                   .y_label = "error of one galaxy",
                                   .log_x = true,
@@ -191,7 +191,7 @@ static void draw_panel(shear_figure *f, shear_rect cell, const struct ways *w,
 }
 
 static int report(const struct request *r, const struct ledger *ledger, const struct ways *w,
-                  const struct trial_outcome *out, shear_error *err) {
+                  const trial_outcome *out, shear_error *err) {
     const shear_grid grid = {.area = {8, 8, 984, 424}, .rows = 1, .columns = 2, .gap_x = 12};
     struct table *t = table_new(r);
     shear_figure *f = NULL;
@@ -200,7 +200,7 @@ static int report(const struct request *r, const struct ledger *ledger, const st
     for (int i = 0; code == SHEAR_OK && i < 2; i++) {
         draw_panel(f, shear_grid_cell(&grid, 0, i, 1, 1), w, out, i);
     }
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     table_free(t);
     return code;
@@ -210,7 +210,7 @@ static int report(const struct request *r, const struct ledger *ledger, const st
 
 static int work(void *context, int chunk, double *values, shear_error *err) {
     (void)chunk;
-    return trial_run(context, (struct trial_outcome *)values, err);
+    return trial_run(context, (trial_outcome *)values, err);
 }
 
 static int exec(const struct request *r, shear_error *err) {
@@ -224,16 +224,16 @@ static int exec(const struct request *r, shear_error *err) {
                               .stamps_of_chunk = 2 * r->galaxies,
                               .work = work,
                               .context = &w.trial};
-    struct trial_outcome *out = memory_new((size_t)n, sizeof *out, "results", &code, err);
-    code = code ? code : ledger_open(&ledger, r, 2 * r->galaxies, err);
-    code = code ? code : ledger_run(ledger, &task, (double *)out, err);
-    code = code ? code : report(r, ledger, &w, out, err);
+    trial_outcome *out = memory_new((size_t)n, sizeof *out, "results", &code, err);
+    code = code != SHEAR_OK ? code : ledger_open(&ledger, r, 2 * r->galaxies, err);
+    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, (double *)out, err);
+    code = code != SHEAR_OK ? code : report(r, ledger, &w, out, err);
     ledger_close(ledger);
     free(out);
     return code;
 }
 
-const struct experiment exp_precision = {
+const experiment exp_precision = {
     .name = "precision",
     .summary = "beyond the paper: the error of one galaxy against signal-to-noise",
     .about =

@@ -79,7 +79,7 @@ static double aperture_snr(const struct run *run, const double *image) {
 }
 
 static void take(const struct run *run, int k, int sign, struct stamp *s) {
-    const struct studio_view view = studio_look(run->studio, sign);
+    const studio_view view = studio_look(run->studio, sign);
     const int side = run->trial.flaw->side;
     const size_t at = (size_t)k * (size_t)side * (size_t)side;
     const double snr = studio_snr(run->studio, &run->trial.levels[0], k);
@@ -94,14 +94,15 @@ static void take(const struct run *run, int k, int sign, struct stamp *s) {
 
 /* The plan that a user's file would have; the stamps as they were before they were written. */
 static int measure(struct run *run, int sign, int count, shear_error *err) {
-    const struct studio_view view = studio_look(run->studio, sign);
+    const studio_view view = studio_look(run->studio, sign);
     const int side = run->trial.flaw->side;
     const shear_stamps stamps = {
         .count = count, .nx = side, .ny = side, .galaxy = view.galaxy, .noise = view.noise};
     shear_field *field = NULL;
     shear_plan *plan = NULL;
     int code = shear_field_open(&field, run->path, err);
-    code = code ? code : shear_plan_for_field(&plan, &run->request->settings, field, err);
+    code =
+        code != SHEAR_OK ? code : shear_plan_for_field(&plan, &run->request->settings, field, err);
     if (code == SHEAR_OK) {
         run->beta_px = shear_plan_get_info(plan)->beta_px;
         code = shear_measure_batch(plan, &stamps, run->trial.threads, NULL, run->rows, err);
@@ -117,7 +118,7 @@ static int do_group(struct run *run, int group, shear_error *err) {
     int code = studio_draw(run->studio, first, count, err);
     for (int sign = 0; code == SHEAR_OK && sign < 2; sign++) {
         code = studio_write(run->studio, &run->trial.levels[0], sign, run->path, err);
-        code = code ? code : measure(run, sign, count, err);
+        code = code != SHEAR_OK ? code : measure(run, sign, count, err);
         for (int k = 0; code == SHEAR_OK && k < count; k++) {
             take(run, k, sign, &run->stamps[sign * run->trial.stamps + first + k]);
         }
@@ -170,7 +171,8 @@ static int gather(const struct run *run, struct cut cut, const int64_t range[2],
             const struct stamp *s = &run->stamps[i];
             if (s->value[cut.on] >= cut.threshold) {
                 shear_block_sums_add(&b, &s->row);
-                code = terms ? shear_symmetry_add(terms, &s->row, run->beta_px, err) : SHEAR_OK;
+                code = terms != NULL ? shear_symmetry_add(terms, &s->row, run->beta_px, err)
+                                     : SHEAR_OK;
             }
         }
         *n += (double)b.n_used;
@@ -180,7 +182,7 @@ static int gather(const struct run *run, struct cut cut, const int64_t range[2],
 }
 
 /* What is left by a cut, of all groups at both signs. */
-static int harvest_cut(const struct run *run, struct cut cut, int estimator, struct harvest *h,
+static int harvest_cut(const struct run *run, struct cut cut, int estimator, harvest *h,
                        double *kept, shear_error *err) {
     const struct trial *t = &run->trial;
     double n = 0.0;
@@ -195,14 +197,15 @@ static int harvest_cut(const struct run *run, struct cut cut, int estimator, str
     return code;
 }
 
-static int judge(const struct run *run, struct cut cut, int estimator,
-                 const struct harvest *reference, struct selection_outcome *out, shear_error *err) {
-    struct harvest h;
-    struct trial_outcome o = {0};
+static int judge(const struct run *run, struct cut cut, int estimator, const harvest *reference,
+                 selection_outcome *out, shear_error *err) {
+    harvest h;
+    trial_outcome o = {0};
     int code = harvest_cut(run, cut, estimator, &h, &out->kept, err);
-    code = code ? code : harvest_judge(&h, &run->trial, &o, err);
-    code =
-        code ? code : harvest_shift(&h, reference, &run->trial, &out->shift, &out->shift_err, err);
+    code = code != SHEAR_OK ? code : harvest_judge(&h, &run->trial, &o, err);
+    code = code != SHEAR_OK
+               ? code
+               : harvest_shift(&h, reference, &run->trial, &out->shift, &out->shift_err, err);
     harvest_deinit(&h);
     out->m = o.m;
     out->m_err = o.m_err;
@@ -210,20 +213,20 @@ static int judge(const struct run *run, struct cut cut, int estimator,
     return code;
 }
 
-static int cut_all(const struct run *run, struct selection_outcome *out, shear_error *err) {
-    const struct knob_values *kept = request_list(run->request, "kept");
+static int cut_all(const struct run *run, selection_outcome *out, shear_error *err) {
+    const knob_values *kept = request_list(run->request, "kept");
     const struct cut none = {CUT_TRUE, -INFINITY};
     int code = SHEAR_OK;
     for (int e = 0; code == SHEAR_OK && e < SELECTION_ESTIMATORS; e++) {
-        struct harvest reference;
+        harvest reference;
         double all;
         code = harvest_cut(run, none, estimators[e], &reference, &all, err);
         for (int i = 0; code == SHEAR_OK && i < N_CUTS * kept->n; i++) {
             struct cut cut = {.on = i / kept->n};
             code = find_threshold(run, cut.on, kept->v[i % kept->n], &cut.threshold, err);
-            code = code ? code
-                        : judge(run, cut, estimators[e], &reference,
-                                &out[i * SELECTION_ESTIMATORS + e], err);
+            code = code != SHEAR_OK ? code
+                                    : judge(run, cut, estimators[e], &reference,
+                                            &out[i * SELECTION_ESTIMATORS + e], err);
         }
         harvest_deinit(&reference);
     }
@@ -259,8 +262,8 @@ static int prepare(struct run *run, shear_error *err) {
     if (code == SHEAR_OK) {
         fill_aperture(run);
     }
-    code = code ? code : studio_new(&run->studio, t, (int)most, err);
-    return code ? code : scratch_new(run->path, err);
+    code = code != SHEAR_OK ? code : studio_new(&run->studio, t, (int)most, err);
+    return code != SHEAR_OK ? code : scratch_new(run->path, err);
 }
 
 static int work(void *context, int chunk, double *values, shear_error *err) {
@@ -270,7 +273,7 @@ static int work(void *context, int chunk, double *values, shear_error *err) {
     for (int group = 0; code == SHEAR_OK && group < run.trial.groups; group++) {
         code = do_group(&run, group, err);
     }
-    code = code ? code : cut_all(&run, (struct selection_outcome *)values, err);
+    code = code != SHEAR_OK ? code : cut_all(&run, (selection_outcome *)values, err);
     free(run.stamps);
     free(run.rows);
     free(run.aperture);
@@ -290,15 +293,15 @@ static int exec(const struct request *r, shear_error *err) {
                               .work = work,
                               .context = &copy};
     int code = ledger_open(&ledger, r, 2 * r->galaxies, err);
-    struct selection_outcome *out = memory_new((size_t)n, sizeof *out, "results", &code, err);
-    code = code ? code : ledger_run(ledger, &task, (double *)out, err);
-    code = code ? code : selection_report(r, ledger, out, err);
+    selection_outcome *out = memory_new((size_t)n, sizeof *out, "results", &code, err);
+    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, (double *)out, err);
+    code = code != SHEAR_OK ? code : selection_report(r, ledger, out, err);
     ledger_close(ledger);
     free(out);
     return code;
 }
 
-const struct experiment exp_selection = {
+const experiment exp_selection = {
     .name = "selection",
     .summary = "beyond the paper: what cuts on signal-to-noise do to the shear",
     .about =

@@ -46,7 +46,7 @@ static const struct {
                   {"none", SHEAR_INTERP_NONE, "none"},
                   {"plateau", SHEAR_INTERP_NONE, "plateau"}};
 
-static const struct knob_values *exposures(const struct request *r, int panel) {
+static const knob_values *exposures(const struct request *r, int panel) {
     static const char *const names[N_PANELS] = {"photons-1", "photons-2", "photons-3"};
     return request_list(r, names[panel]);
 }
@@ -104,19 +104,19 @@ static int measure(const struct request *r, struct ledger *ledger, double snr, d
     }
     snprintf(name, sizeof name, photons > 0.0 ? "snr=%g,photons=%g" : "snr=%g,endless", snr,
              photons);
-    const struct sample_spec spec = {.name = name,
-                                     .stamps = r->galaxies,
-                                     .groups = r->groups,
-                                     .threads = r->threads,
-                                     .n_scenes = N_SHEARS,
-                                     .scenes = scenes,
-                                     .n_series = N_SHEARS * N_WAYS,
-                                     .series = series};
-    return code ? code : sample_measure(&spec, ledger, tally, err);
+    const sample_spec spec = {.name = name,
+                              .stamps = r->galaxies,
+                              .groups = r->groups,
+                              .threads = r->threads,
+                              .n_scenes = N_SHEARS,
+                              .scenes = scenes,
+                              .n_series = N_SHEARS * N_WAYS,
+                              .series = series};
+    return code != SHEAR_OK ? code : sample_measure(&spec, ledger, tally, err);
 }
 
-static struct shear_set set_of(const struct request *r, int first) {
-    struct shear_set set = {.n = N_SHEARS};
+static shear_set set_of(const struct request *r, int first) {
+    shear_set set = {.n = N_SHEARS};
     for (int i = 0; i < N_SHEARS; i++) {
         set.series[i] = first + N_WAYS * i;
         set.g[i][0] = set.g[i][1] = shear_at(r, i);
@@ -133,10 +133,11 @@ struct result {
 /* The reference's series stand behind the point's. */
 static int fit(const struct request *r, const struct tally *tally, int way, struct result *out,
                shear_error *err) {
-    const struct shear_set set = set_of(r, way);
-    const struct shear_set reference = set_of(r, way + N_SHEARS * N_WAYS);
+    const shear_set set = set_of(r, way);
+    const shear_set reference = set_of(r, way + N_SHEARS * N_WAYS);
     int code = bias_fit(tally, &set, &out->bias, err);
-    return code ? code : bias_compare(tally, &set, &reference, out->dm, out->dm_err, err);
+    return code != SHEAR_OK ? code
+                            : bias_compare(tally, &set, &reference, out->dm, out->dm_err, err);
 }
 
 /* ---- table ---- */
@@ -265,7 +266,7 @@ static int do_point(const struct request *r, struct ledger *ledger, const struct
     double snr = request_list(r, "snrs")->v[panel];
     struct tally *tally = NULL;
     int code = measure(r, ledger, snr, photons, &tally, err);
-    code = code ? code : tally_append(tally, reference, err);
+    code = code != SHEAR_OK ? code : tally_append(tally, reference, err);
     for (int way = 0; code == SHEAR_OK && way < N_WAYS; way++) {
         struct result x;
         code = fit(r, tally, way, &x, err);
@@ -282,7 +283,7 @@ static int do_points(const struct request *r, struct ledger *ledger, struct tabl
                      struct outcome *o, shear_error *err) {
     int code = SHEAR_OK;
     for (int panel = 0; code == SHEAR_OK && panel < N_PANELS; panel++) {
-        const struct knob_values *photons = exposures(r, panel);
+        const knob_values *photons = exposures(r, panel);
         struct tally *reference = NULL;
         for (int way = 0; way < N_WAYS; way++) {
             o->from[panel][way] = NAN;
@@ -314,12 +315,12 @@ static int exec(const struct request *r, shear_error *err) {
     int code = open_ledger(r, &ledger, err);
     struct outcome *o = memory_new(1, sizeof *o, "results", &code, err);
     add_columns(t);
-    code = code ? code : do_points(r, ledger, t, o, err);
+    code = code != SHEAR_OK ? code : do_points(r, ledger, t, o, err);
     if (code == SHEAR_OK) {
         judge(r, t, o);
         code = draw(r, o, &f, err);
     }
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     table_free(t);
     free(o);
@@ -327,7 +328,7 @@ static int exec(const struct request *r, shear_error *err) {
     return code;
 }
 
-const struct experiment exp_shot = {
+const experiment exp_shot = {
     .name = "shot",
     .summary = "discussion: m and c under photon counting, against the exposure",
     .about =

@@ -76,7 +76,9 @@ static int shears_new(struct shears *s, int64_t n, shear_error *err) {
     s->n = n;
     s->g[0] = calloc((size_t)n * N_SERIES, sizeof *s->g[0]);
     s->g[1] = calloc((size_t)n * N_SERIES, sizeof *s->g[1]);
-    return s->g[0] && s->g[1] ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    return s->g[0] != NULL && s->g[1] != NULL
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
 }
 
 static void shears_free(struct shears *s) {
@@ -107,7 +109,7 @@ static int run_task(const struct request *r, struct ledger *ledger, struct run *
     int code = shears_new(out, r->galaxies, err);
     size_t size = (size_t)chunks * (size_t)task.values;
     double *values = memory_new(size, sizeof *values, "shears", &code, err);
-    code = code ? code : ledger_run(ledger, &task, values, err);
+    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, values, err);
     if (code == SHEAR_OK) {
         unpack(values, out);
     }
@@ -129,25 +131,25 @@ static int measure(const struct request *r, struct ledger *ledger, int object, d
     }
     shear_mock_spec draws = scene.spec;
     draws.n_stamps = r->galaxies;
-    struct sample_spec spec = {.name = "single",
-                               .stamps = r->galaxies,
-                               .threads = r->threads,
-                               .n_scenes = 1,
-                               .scenes = &scene,
-                               .n_series = N_SERIES,
-                               .series = series,
-                               .vary = place};
+    sample_spec spec = {.name = "single",
+                        .stamps = r->galaxies,
+                        .threads = r->threads,
+                        .n_scenes = 1,
+                        .scenes = &scene,
+                        .n_series = N_SERIES,
+                        .series = series,
+                        .vary = place};
     struct run *run = calloc(1, sizeof *run);
-    int code = run ? shear_mock_new(&positions, &draws, err)
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for rows");
+    int code = run != NULL ? shear_mock_new(&positions, &draws, err)
+                           : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for rows");
     if (code == SHEAR_OK) {
         spec.context = positions;
         run->n = r->galaxies;
         code = sampler_new(&run->sampler, &spec, err);
     }
     snprintf(name, sizeof name, "%d:pixel/R_PSF=%g", object, ratio);
-    code = code ? code : run_task(r, ledger, run, name, out, err);
-    sampler_free(run ? run->sampler : NULL);
+    code = code != SHEAR_OK ? code : run_task(r, ledger, run, name, out, err);
+    sampler_free(run != NULL ? run->sampler : NULL);
     shear_mock_free(positions);
     free(run);
     return code;
@@ -163,15 +165,15 @@ static int measure_truth(const struct request *r, int object, double truth[2], s
     series.settings.interpolation = SHEAR_INTERP_NONE;
     series.settings.oversample = 0;
     series.settings.beta_px = request_number(r, "beta") / fine;
-    const struct sample_spec spec = {.name = "truth",
-                                     .stamps = 1,
-                                     .threads = 1,
-                                     .n_scenes = 1,
-                                     .scenes = &scene,
-                                     .n_series = 1,
-                                     .series = &series};
+    const sample_spec spec = {.name = "truth",
+                              .stamps = 1,
+                              .threads = 1,
+                              .n_scenes = 1,
+                              .scenes = &scene,
+                              .n_series = 1,
+                              .series = &series};
     int code = sampler_new(&s, &spec, err);
-    code = code ? code : sampler_rows(s, 0, 1, &row, err);
+    code = code != SHEAR_OK ? code : sampler_rows(s, 0, 1, &row, err);
     truth[0] = row.n1 / row.d;
     truth[1] = row.n2 / row.d;
     sampler_free(s);
@@ -180,7 +182,7 @@ static int measure_truth(const struct request *r, int object, double truth[2], s
 
 static int measure_all(const struct request *r, struct ledger *ledger, struct object *objects,
                        shear_error *err) {
-    const struct knob_values *ratios = request_list(r, "ratios");
+    const knob_values *ratios = request_list(r, "ratios");
     int code = SHEAR_OK;
     for (int i = 0; code == SHEAR_OK && i < (int)request_number(r, "objects"); i++) {
         code = measure_truth(r, i, objects[i].truth, err);
@@ -200,10 +202,10 @@ static int exec(const struct request *r, shear_error *err) {
     if (code == SHEAR_OK && ratios > MAX_RATIOS) {
         code = shear_fail(err, SHEAR_E_SETTING, NULL, "option '--ratios': at most %d", MAX_RATIOS);
     }
-    code = code ? code : ledger_open(&ledger, r, r->galaxies * n * ratios, err);
-    code = code ? code : measure_all(r, ledger, objects, err);
-    code = code ? code : single_report(r, ledger, objects, err);
-    for (int i = 0; objects && i < n * MAX_RATIOS; i++) {
+    code = code != SHEAR_OK ? code : ledger_open(&ledger, r, r->galaxies * n * ratios, err);
+    code = code != SHEAR_OK ? code : measure_all(r, ledger, objects, err);
+    code = code != SHEAR_OK ? code : single_report(r, ledger, objects, err);
+    for (int i = 0; objects != NULL && i < n * MAX_RATIOS; i++) {
         shears_free(&objects[i / MAX_RATIOS].at[i % MAX_RATIOS]);
     }
     free(objects);
@@ -211,7 +213,7 @@ static int exec(const struct request *r, shear_error *err) {
     return code;
 }
 
-const struct experiment exp_single = {
+const experiment exp_single = {
     .name = "single",
     .summary = "section 4.3: the shear of one galaxy at random positions on the grid",
     .about = "One irregular galaxy of R_G = 5 R_PSF at --galaxies random positions, for pixels of "

@@ -25,7 +25,7 @@ static void defaults(struct request *r) {
 
 static struct trial trial_of(const struct request *r, int row) {
     const struct flaw *f = &flaws[row];
-    const struct knob_values *snrs = request_list(r, "snrs");
+    const knob_values *snrs = request_list(r, "snrs");
     const double fewer =
         fmax((double)r->galaxies / (f->fewer > 1 ? f->fewer : 1), request_number(r, "least"));
     struct trial t = {.flaw = f,
@@ -37,7 +37,7 @@ static struct trial trial_of(const struct request *r, int row) {
                       .g = {r->mock.g1, r->mock.g2},
                       .n_ways = SURVEY_WAYS};
     for (int i = 0; i < snrs->n && i < TRIAL_MAX_LEVELS; i++) {
-        t.levels[t.n_levels++] = (struct trial_level){.snr = snrs->v[i], .range = 1.0};
+        t.levels[t.n_levels++] = (trial_level){.snr = snrs->v[i], .range = 1.0};
     }
     for (int i = 0; i < SURVEY_WAYS; i++) {
         t.ways[i] = r->settings;
@@ -48,11 +48,10 @@ static struct trial trial_of(const struct request *r, int row) {
 
 static int work(void *context, int chunk, double *values, shear_error *err) {
     (void)chunk;
-    return trial_run(context, (struct trial_outcome *)values, err);
+    return trial_run(context, (trial_outcome *)values, err);
 }
 
-static int measure(struct ledger *ledger, struct trial *t, struct trial_outcome *out,
-                   shear_error *err) {
+static int measure(struct ledger *ledger, struct trial *t, trial_outcome *out, shear_error *err) {
     const struct task task = {.name = t->flaw->name,
                               .chunks = 1,
                               .values = t->n_levels * t->n_ways * TRIAL_VALUES,
@@ -63,7 +62,7 @@ static int measure(struct ledger *ledger, struct trial *t, struct trial_outcome 
 }
 
 static int check(const struct request *r, int64_t *total, shear_error *err) {
-    const struct knob_values *rows = request_list(r, "rows");
+    const knob_values *rows = request_list(r, "rows");
     if (request_list(r, "snrs")->n > TRIAL_MAX_LEVELS) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--snrs': at most %d",
                           TRIAL_MAX_LEVELS);
@@ -79,25 +78,25 @@ static int check(const struct request *r, int64_t *total, shear_error *err) {
 }
 
 static int exec(const struct request *r, shear_error *err) {
-    const struct knob_values *rows = request_list(r, "rows");
+    const knob_values *rows = request_list(r, "rows");
     struct ledger *ledger = NULL;
     int64_t total = 0;
     int code = check(r, &total, err);
     struct survey *s = memory_new(1, sizeof *s, "results", &code, err);
-    code = code ? code : ledger_open(&ledger, r, total, err);
+    code = code != SHEAR_OK ? code : ledger_open(&ledger, r, total, err);
     for (int i = 0; code == SHEAR_OK && i < rows->n; i++) {
         struct trial t = trial_of(r, (int)rows->v[i]);
         s->rows[s->n] = (int)rows->v[i];
         s->n_levels = t.n_levels;
         code = measure(ledger, &t, s->out[s->n++], err);
     }
-    code = code ? code : survey_report(r, ledger, s, err);
+    code = code != SHEAR_OK ? code : survey_report(r, ledger, s, err);
     ledger_close(ledger);
     free(s);
     return code;
 }
 
-const struct experiment exp_survey = {
+const experiment exp_survey = {
     .name = "survey",
     .summary = "beyond the paper: the shear of imperfect data by the default settings",
     .about =

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* experiment.h: what an experiment of shear-paper is, and how to add one.
  *
- * Each exp_NAME.c exports one const struct experiment; main.c holds the table. An experiment
+ * Each exp_NAME.c exports one const experiment; main.c holds the table. An experiment
  *
  *   1. states its defaults, the paper's where it has one (`defaults`), and its knobs;
  *   2. in `exec` opens the ledger (ledger.h), which remembers finished pieces of long runs;
@@ -27,7 +27,7 @@ enum {
     EXIT_CODE_USAGE = 2,
 };
 
-struct experiment {
+typedef struct experiment {
     const char *name;
     const char *summary;      /* one line, no full stop */
     const char *about;        /* a paragraph of help: what is drawn, measured and shown */
@@ -39,23 +39,23 @@ struct experiment {
      * paper's (preset zhang2010). */
     void (*defaults)(struct request *r);
     int (*exec)(const struct request *r, shear_error *err);
-};
+} experiment;
 
-extern const struct experiment exp_noise;
-extern const struct experiment exp_images;
-extern const struct experiment exp_single;
-extern const struct experiment exp_pixels;
-extern const struct experiment exp_overall;
-extern const struct experiment exp_shot;
-extern const struct experiment exp_bias;
-extern const struct experiment exp_errors;
-extern const struct experiment exp_efficiency;
-extern const struct experiment exp_survey;
-extern const struct experiment exp_precision;
-extern const struct experiment exp_narrow;
-extern const struct experiment exp_selection;
+extern const experiment exp_noise;
+extern const experiment exp_images;
+extern const experiment exp_single;
+extern const experiment exp_pixels;
+extern const experiment exp_overall;
+extern const experiment exp_shot;
+extern const experiment exp_bias;
+extern const experiment exp_errors;
+extern const experiment exp_efficiency;
+extern const experiment exp_survey;
+extern const experiment exp_precision;
+extern const experiment exp_narrow;
+extern const experiment exp_selection;
 
 /* The table, ended by NULL, in the order of the paper. */
-const struct experiment *const *experiment_table(void);
+const experiment *const *experiment_table(void);
 
 #endif

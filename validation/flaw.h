@@ -33,7 +33,7 @@ enum flaw_wish { WISH_NOTHING, WISH_TOLD, WISH_FLAGS, WISH_NO_EDGE, WISH_QUIET }
 struct flaw {
     const char *name; /* no blanks */
     const char *label;
-    struct light_psf psf;
+    light_psf psf;
     int side;       /* of the stamps, px */
     int oversample; /* samples of the PSF image per pixel */
     int psf_side;   /* of the PSF image, samples; 0 = 64, or 256 where several are in a pixel */
@@ -42,7 +42,7 @@ struct flaw {
     double excess;  /* the noise variance under galaxies is 1 + excess times the noise stamps' */
     double sky;     /* left in both stamps, in units of the noise */
     double core_px; /* a filter of this core; 0 = the settings' */
-    bool r_gal;     /* the catalogue knows R_GAL = 3 half-light radii */
+    bool r_gal;     /* the catalog knows R_GAL = 3 half-light radii */
     int artefact, psf_flaw, mistake;
     int wish;        /* enum flaw_wish */
     double wish_snr; /* asked for at this signal-to-noise and below; 0 = always */

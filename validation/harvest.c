@@ -8,10 +8,10 @@
 /* m along the shear, m by component, c by component, g(+) and g(-). */
 enum { N_VALUES = 9, FIELDS = 16 };
 
-int harvest_init(struct harvest *h, int groups, int estimator, shear_error *err) {
+int harvest_init(harvest *h, int groups, int estimator, shear_error *err) {
     int code = SHEAR_OK;
     const size_t n = 2 * (size_t)groups;
-    *h = (struct harvest){.groups = groups, .estimator = estimator};
+    *h = (harvest){.groups = groups, .estimator = estimator};
     h->sums = memory_new(n, sizeof *h->sums, "sums", &code, err);
     h->terms = memory_new(n, sizeof *h->terms, "terms", &code, err);
     for (size_t i = 0; code == SHEAR_OK && i < n; i++) {
@@ -23,18 +23,18 @@ int harvest_init(struct harvest *h, int groups, int estimator, shear_error *err)
     return code;
 }
 
-void harvest_deinit(struct harvest *h) {
+void harvest_deinit(harvest *h) {
     for (int i = 0; i < 2 * h->groups; i++) {
-        if (h->sums) {
+        if (h->sums != NULL) {
             shear_field_sums_free(h->sums[i]);
         }
-        if (h->terms) {
+        if (h->terms != NULL) {
             shear_symmetry_free(h->terms[i]);
         }
     }
     free(h->sums);
     free(h->terms);
-    *h = (struct harvest){0};
+    *h = (harvest){0};
 }
 
 /* The groups [from, to), or all but them. */
@@ -43,12 +43,12 @@ struct choice {
     bool without;
 };
 
-static int result_of(const struct harvest *h, int sign, struct choice c, shear_result *result,
+static int result_of(const harvest *h, int sign, struct choice c, shear_result *result,
                      shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_symmetry *terms = NULL;
     int code = shear_field_sums_new(&sums, err);
-    if (code == SHEAR_OK && h->terms[0]) {
+    if (code == SHEAR_OK && h->terms[0] != NULL) {
         code = shear_symmetry_new(&terms, err);
     }
     for (int i = 0; code == SHEAR_OK && i < h->groups; i++) {
@@ -56,16 +56,16 @@ static int result_of(const struct harvest *h, int sign, struct choice c, shear_r
         const bool inside = i >= c.from && i < c.to;
         if (inside != c.without) {
             shear_field_sums_join(sums, h->sums[at]);
-            code = terms ? shear_symmetry_join(terms, h->terms[at], 0, err) : SHEAR_OK;
+            code = terms != NULL ? shear_symmetry_join(terms, h->terms[at], 0, err) : SHEAR_OK;
         }
     }
-    code = code ? code : shear_estimate(h->estimator, sums, terms, result, err);
+    code = code != SHEAR_OK ? code : shear_estimate(h->estimator, sums, terms, result, err);
     shear_symmetry_free(terms);
     shear_field_sums_free(sums);
     return code;
 }
 
-int harvest_result(const struct harvest *h, int sign, shear_result *result, shear_error *err) {
+int harvest_result(const harvest *h, int sign, shear_result *result, shear_error *err) {
     return result_of(h, sign, (struct choice){0, h->groups, false}, result, err);
 }
 
@@ -85,11 +85,11 @@ static void combine(const double g[2], const shear_result *plus, const shear_res
     }
 }
 
-static int values_of(const struct harvest *h, const struct trial *t, struct choice c,
-                     double v[N_VALUES], shear_error *err) {
+static int values_of(const harvest *h, const struct trial *t, struct choice c, double v[N_VALUES],
+                     shear_error *err) {
     shear_result plus, minus;
     int code = result_of(h, 0, c, &plus, err);
-    code = code ? code : result_of(h, 1, c, &minus, err);
+    code = code != SHEAR_OK ? code : result_of(h, 1, c, &minus, err);
     if (code == SHEAR_OK) {
         combine(t->g, &plus, &minus, v);
     }
@@ -99,15 +99,15 @@ static int values_of(const struct harvest *h, const struct trial *t, struct choi
 /* How many pieces there are, and what makes an error of their scatter. The mean: a jackknife of the
  * groups. The symmetry: independent fields, for its answer moves in small steps, and a jackknife
  * would take these for the root of the groups' number times as much as they are. */
-static int pieces_of(const struct harvest *h, double *factor) {
+static int pieces_of(const harvest *h, double *factor) {
     const int fields = h->groups < FIELDS ? h->groups : FIELDS;
-    const int n = h->terms[0] ? fields : h->groups;
-    *factor = h->terms[0] ? 1.0 / (n * (n - 1.0)) : (n - 1.0) / n;
+    const int n = h->terms[0] != NULL ? fields : h->groups;
+    *factor = h->terms[0] != NULL ? 1.0 / (n * (n - 1.0)) : (n - 1.0) / n;
     return n;
 }
 
-static struct choice piece(const struct harvest *h, int n, int i) {
-    return (struct choice){h->groups * i / n, h->groups * (i + 1) / n, !h->terms[0]};
+static struct choice piece(const harvest *h, int n, int i) {
+    return (struct choice){h->groups * i / n, h->groups * (i + 1) / n, h->terms[0] == NULL};
 }
 
 /* Scatter of the values v [n][N_VALUES]. */
@@ -123,8 +123,7 @@ static double spread(const double *v, int n, int which, double factor) {
     return sqrt(factor * sum);
 }
 
-static void fill_errors(const double *v, int n, double factor, int64_t stamps,
-                        struct trial_outcome *out) {
+static void fill_errors(const double *v, int n, double factor, int64_t stamps, trial_outcome *out) {
     double square = 0.0;
     out->m_err = spread(v, n, 0, factor);
     for (int i = 0; i < 2; i++) {
@@ -139,13 +138,13 @@ static void fill_errors(const double *v, int n, double factor, int64_t stamps,
     out->error_err = out->error / sqrt(4.0 * (n - 1.0));
 }
 
-static int fill_values(const struct harvest *h, const struct trial *t, struct trial_outcome *out,
+static int fill_values(const harvest *h, const struct trial *t, trial_outcome *out,
                        shear_error *err) {
     shear_result r[2];
     double v[N_VALUES];
     int code = harvest_result(h, 0, &r[0], err);
-    code = code ? code : harvest_result(h, 1, &r[1], err);
-    if (code) {
+    code = code != SHEAR_OK ? code : harvest_result(h, 1, &r[1], err);
+    if (code != SHEAR_OK) {
         return code;
     }
     combine(t->g, &r[0], &r[1], v);
@@ -163,8 +162,7 @@ static int fill_values(const struct harvest *h, const struct trial *t, struct tr
     return SHEAR_OK;
 }
 
-int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_outcome *out,
-                  shear_error *err) {
+int harvest_judge(const harvest *h, const struct trial *t, trial_outcome *out, shear_error *err) {
     int code = SHEAR_OK;
     out->m = out->m_err = out->error = out->error_err = out->quoted = NAN;
     out->level = out->level_err = NAN;
@@ -189,23 +187,23 @@ int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_o
 }
 
 /* v[0] += sign m */
-static int add_m(const struct harvest *h, const struct trial *t, struct choice c, double sign,
-                 double *v, shear_error *err) {
+static int add_m(const harvest *h, const struct trial *t, struct choice c, double sign, double *v,
+                 shear_error *err) {
     double values[N_VALUES];
     const int code = values_of(h, t, c, values, err);
-    *v += code ? 0.0 : sign * values[0];
+    *v += code != SHEAR_OK ? 0.0 : sign * values[0];
     return code;
 }
 
-static int shift_of(const struct harvest *h, const struct harvest *reference, const struct trial *t,
+static int shift_of(const harvest *h, const harvest *reference, const struct trial *t,
                     struct choice c, double *v, shear_error *err) {
     *v = 0.0;
     const int code = add_m(h, t, c, 1.0, v, err);
-    return code ? code : add_m(reference, t, c, -1.0, v, err);
+    return code != SHEAR_OK ? code : add_m(reference, t, c, -1.0, v, err);
 }
 
-int harvest_shift(const struct harvest *h, const struct harvest *reference, const struct trial *t,
-                  double *shift, double *shift_err, shear_error *err) {
+int harvest_shift(const harvest *h, const harvest *reference, const struct trial *t, double *shift,
+                  double *shift_err, shear_error *err) {
     double factor;
     const int n = pieces_of(h, &factor);
     int code = SHEAR_OK;
@@ -213,8 +211,8 @@ int harvest_shift(const struct harvest *h, const struct harvest *reference, cons
     for (int i = 0; code == SHEAR_OK && i < n; i++) {
         code = shift_of(h, reference, t, piece(h, n, i), &v[(size_t)i * N_VALUES], err);
     }
-    *shift_err = code ? NAN : spread(v, n, 0, factor);
+    *shift_err = code != SHEAR_OK ? NAN : spread(v, n, 0, factor);
     free(v);
     const struct choice all = {0, h->groups, false};
-    return code ? code : shift_of(h, reference, t, all, shift, err);
+    return code != SHEAR_OK ? code : shift_of(h, reference, t, all, shift, err);
 }

@@ -11,24 +11,23 @@
 #include "shear/symmetry.h"
 
 /* One way at one level. */
-struct harvest {
+typedef struct harvest {
     int groups, estimator;
     shear_field_sums **sums; /* [2][groups]: +g, -g */
     shear_symmetry **terms;  /* the same; NULL for the mean */
     bool refused;
-};
+} harvest;
 
-int harvest_init(struct harvest *h, int groups, int estimator, shear_error *err);
-void harvest_deinit(struct harvest *h);
+int harvest_init(harvest *h, int groups, int estimator, shear_error *err);
+void harvest_deinit(harvest *h);
 
 /* Fills m, c, errors, used, flagged; NaN where a file was refused or there is no shear. */
-int harvest_judge(const struct harvest *h, const struct trial *t, struct trial_outcome *out,
-                  shear_error *err);
+int harvest_judge(const harvest *h, const struct trial *t, trial_outcome *out, shear_error *err);
 /* m less that of a reference, which has other stamps of the same groups, and its error: what both
  * share is no error. NaN where there is no shear. */
-int harvest_shift(const struct harvest *h, const struct harvest *reference, const struct trial *t,
-                  double *shift, double *shift_err, shear_error *err);
+int harvest_shift(const harvest *h, const harvest *reference, const struct trial *t, double *shift,
+                  double *shift_err, shear_error *err);
 /* The result of all groups at one sign (0: +g). */
-int harvest_result(const struct harvest *h, int sign, shear_result *result, shear_error *err);
+int harvest_result(const harvest *h, int sign, shear_result *result, shear_error *err);
 
 #endif

@@ -14,7 +14,7 @@ static void count(double *bins, double size) {
     }
 }
 
-void shape_counts_add(struct shape_counts *c, double d, double e1, double e2) {
+void shape_counts_add(shape_counts *c, double d, double e1, double e2) {
     if (!(d > 0.0)) {
         return;
     }
@@ -57,7 +57,7 @@ static double bound(const double counts[SHAPE_CLASSES][SHAPE_BINS], const double
     return 1.0 / sqrt(part * sum / total);
 }
 
-double shape_bound_line(const struct shape_counts *c) {
+double shape_bound_line(const shape_counts *c) {
     double areas[SHAPE_BINS];
     for (int i = 0; i < SHAPE_BINS; i++) {
         areas[i] = bin_width;
@@ -66,7 +66,7 @@ double shape_bound_line(const struct shape_counts *c) {
 }
 
 /* One component has half of the gradient's square. */
-double shape_bound_plane(const struct shape_counts *c) {
+double shape_bound_plane(const shape_counts *c) {
     double areas[SHAPE_BINS];
     for (int i = 0; i < SHAPE_BINS; i++) {
         areas[i] = (2 * i + 1) * bin_width * bin_width; /* over pi */

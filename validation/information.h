@@ -20,17 +20,17 @@
 enum { SHAPE_BINS = 60, SHAPE_CLASSES = 16 };
 
 /* Counts of |e| in bins of 1/50 (larger ones are left out), by class of D. */
-struct shape_counts {
+typedef struct shape_counts {
     double line[SHAPE_CLASSES][SHAPE_BINS];  /* of both components */
     double plane[SHAPE_CLASSES][SHAPE_BINS]; /* of sqrt(e_1^2 + e_2^2) */
-};
+} shape_counts;
 enum { SHAPE_VALUES = 2 * SHAPE_CLASSES * SHAPE_BINS };
 
 /* d: the galaxy's D at flux 1 over that of a typical one. */
-void shape_counts_add(struct shape_counts *c, double d, double e1, double e2);
+void shape_counts_add(shape_counts *c, double d, double e1, double e2);
 
 /* The bound on the error of one galaxy, 1/sqrt(I). */
-double shape_bound_line(const struct shape_counts *c);
-double shape_bound_plane(const struct shape_counts *c);
+double shape_bound_line(const shape_counts *c);
+double shape_bound_plane(const shape_counts *c);
 
 #endif

@@ -47,7 +47,7 @@ static bool keep(struct ledger *l, const struct record *r) {
     if (l->n == l->room) {
         size_t room = l->room > 0 ? 2 * l->room : 64;
         struct record *larger = realloc(l->records, room * sizeof *larger);
-        if (!larger) {
+        if (larger == NULL) {
             return false;
         }
         l->records = larger;
@@ -90,7 +90,7 @@ static bool parse_record(char *line, struct record *r) {
         return false;
     }
     r->values = calloc((size_t)r->n + 1, sizeof *r->values);
-    bool good = r->values && parse_double(&p, &r->seconds);
+    bool good = r->values != NULL && parse_double(&p, &r->seconds);
     for (int i = 0; good && i < r->n; i++) {
         good = parse_double(&p, &r->values[i]);
     }
@@ -134,7 +134,7 @@ static int read_all(const struct ledger *l, char **text, size_t *length, shear_e
     size_t size = (size_t)st.st_size;
     *length = 0;
     *text = malloc(size + 1);
-    if (!*text) {
+    if (*text == NULL) {
         return no_memory(err);
     }
     while (*length < size) {
@@ -167,7 +167,7 @@ static int load(struct ledger *l, bool fresh, shear_error *err) {
     size_t length = 0;
     size_t good = 0;
     int code = fresh ? SHEAR_OK : read_all(l, &text, &length, err);
-    if (code == SHEAR_OK && text) {
+    if (code == SHEAR_OK && text != NULL) {
         code = parse_state(l, text, length, &good, err);
     }
     free(text);
@@ -193,7 +193,7 @@ static int make_folder(const char *path, shear_error *err) {
 static int name_state(struct ledger *l, const struct request *r, shear_error *err) {
     char key[SHEAR_CHECKSUM_SIZE];
     char *text = request_describe(r);
-    if (!text) {
+    if (text == NULL) {
         return no_memory(err);
     }
     shear_bytes_checksum(text, strlen(text), key);
@@ -220,15 +220,15 @@ static int open_locked(struct ledger *l, shear_error *err) {
 int ledger_open(struct ledger **ledger, const struct request *r, int64_t total, shear_error *err) {
     *ledger = NULL;
     struct ledger *l = calloc(1, sizeof *l);
-    if (!l) {
+    if (l == NULL) {
         return no_memory(err);
     }
     l->fd = -1;
     int code = make_folder(r->out, err);
-    code = code ? code : name_state(l, r, err);
-    code = code ? code : open_locked(l, err);
-    code = code ? code : load(l, r->fresh, err);
-    if (code) {
+    code = code != SHEAR_OK ? code : name_state(l, r, err);
+    code = code != SHEAR_OK ? code : open_locked(l, err);
+    code = code != SHEAR_OK ? code : load(l, r->fresh, err);
+    if (code != SHEAR_OK) {
         ledger_close(l);
         return code;
     }
@@ -238,7 +238,7 @@ int ledger_open(struct ledger **ledger, const struct request *r, int64_t total, 
 }
 
 void ledger_close(struct ledger *l) {
-    if (!l) {
+    if (l == NULL) {
         return;
     }
     progress_end(&l->progress);
@@ -276,7 +276,7 @@ static int remember(struct ledger *l, const struct task *t, int chunk, double se
     char *text = NULL;
     size_t length = 0;
     FILE *out = open_memstream(&text, &length);
-    if (!out) {
+    if (out == NULL) {
         return no_memory(err);
     }
     fprintf(out, "%s %d %d %.3f ", t->name, chunk, t->values, seconds);
@@ -294,12 +294,12 @@ static int run_chunk(struct ledger *l, const struct task *t, int chunk, double *
                      shear_error *err) {
     double begun = progress_seconds();
     int code = t->work(t->context, chunk, values, err);
-    return code ? code : remember(l, t, chunk, progress_seconds() - begun, values, err);
+    return code != SHEAR_OK ? code : remember(l, t, chunk, progress_seconds() - begun, values, err);
 }
 
 int ledger_run(struct ledger *l, const struct task *t, double *values, shear_error *err) {
     bool *done = calloc((size_t)t->chunks + 1, sizeof *done);
-    if (!done) {
+    if (done == NULL) {
         return no_memory(err);
     }
     recall(l, t, values, done);

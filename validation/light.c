@@ -59,7 +59,7 @@ static double sinc(double x) {
 }
 
 /* The transform of an image sheared by A is that of the round one at A^T k. */
-static double psf_at(const struct light_psf *p, double kx, double ky, double scale) {
+static double psf_at(const light_psf *p, double kx, double ky, double scale) {
     double det = sqrt(1.0 - p->e[0] * p->e[0] - p->e[1] * p->e[1]);
     double u = ((1.0 + p->e[0]) * kx + p->e[1] * ky) / det;
     double v = (p->e[1] * kx + (1.0 - p->e[0]) * ky) / det;
@@ -90,7 +90,7 @@ static void fill_columns(struct light *l) {
     }
 }
 
-static void fill_psf(struct light *l, const struct light_psf *psf, double scale) {
+static void fill_psf(struct light *l, const light_psf *psf, double scale) {
     int n = l->reach * l->columns;
     for (int r = 0; r < l->reach * l->period; r++) {
         for (int m = 0; m < n; m++) {
@@ -99,12 +99,12 @@ static void fill_psf(struct light *l, const struct light_psf *psf, double scale)
     }
 }
 
-int light_new(struct light **light, const struct light_psf *psf, int side, int reach, double scale,
+int light_new(struct light **light, const light_psf *psf, int side, int reach, double scale,
               shear_error *err) {
     int code = SHEAR_OK;
     struct light *l = memory_new(1, sizeof *l, "a simulator", &code, err);
     *light = l;
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     *l = (struct light){.side = side, .period = 2 * side, .reach = reach, .columns = side + 1};
@@ -116,7 +116,7 @@ int light_new(struct light **light, const struct light_psf *psf, int side, int r
     l->modes = memory_new(2 * period * (size_t)l->columns, sizeof(double), "modes", &code, err);
     l->line = memory_new(2 * period, sizeof(double), "modes", &code, err);
     l->power = memory_new((size_t)l->columns, sizeof(double), "modes", &code, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         light_free(l);
         *light = NULL;
         return code;
@@ -127,7 +127,7 @@ int light_new(struct light **light, const struct light_psf *psf, int side, int r
 }
 
 void light_free(struct light *l) {
-    if (l) {
+    if (l != NULL) {
         free(l->psf);
         free(l->kx);
         free(l->phase);
@@ -141,8 +141,8 @@ void light_free(struct light *l) {
 /* ---- drawing ---- */
 
 /* The round galaxy's transform, at the modes of one row and one alias. */
-static void galaxy_row(const struct light *l, const struct light_galaxy *g, const double *kx,
-                       double ky, const double *psf) {
+static void galaxy_row(const struct light *l, const light_galaxy *g, const double *kx, double ky,
+                       const double *psf) {
     const double ax = g->map[0][0];
     const double bx = g->map[0][1];
     const double ay = g->map[1][0] * ky;
@@ -174,7 +174,7 @@ static void add_row(const struct light *l, const double *power, const double *ph
 }
 
 /* The modes of a galaxy (NULL: a point) at pixel (x, y). */
-static void fill_modes(struct light *l, const struct light_galaxy *g, double x, double y) {
+static void fill_modes(struct light *l, const light_galaxy *g, double x, double y) {
     int n = l->reach * l->columns;
     for (int m = 0; m < n; m++) {
         l->phase[2 * m] = cos(l->kx[m] * x);
@@ -185,10 +185,10 @@ static void fill_modes(struct light *l, const struct light_galaxy *g, double x, 
         int r = i / l->reach;
         int at = i % l->reach * l->columns;
         const double *psf = l->psf + (size_t)r * (size_t)n + at;
-        if (g) {
+        if (g != NULL) {
             galaxy_row(l, g, l->kx + at, row_k(l, r), psf);
         }
-        add_row(l, g ? l->power : psf, l->phase + 2 * at, row_k(l, r), y,
+        add_row(l, g != NULL ? l->power : psf, l->phase + 2 * at, row_k(l, r), y,
                 l->modes + 2 * (size_t)row_mode(l, r) * (size_t)l->columns);
     }
 }
@@ -227,8 +227,7 @@ static void transform_rows(struct light *l, double *out) {
     }
 }
 
-void light_draw(struct light *l, const struct light_galaxy *galaxy, double x, double y,
-                double *out) {
+void light_draw(struct light *l, const light_galaxy *galaxy, double x, double y, double *out) {
     double centre = 0.5 * (l->side - 1);
     fill_modes(l, galaxy, centre + x, centre + y);
     transform_columns(l);

@@ -19,32 +19,31 @@ enum light_psf_kind {
     LIGHT_STRUTS  /* a Gaussian core of `size` (sigma) and four spikes with 6 % of the light */
 };
 
-struct light_psf {
+typedef struct light_psf {
     int kind;    /* enum light_psf_kind */
     double size; /* px */
     double e[2]; /* (1 + e1, e2; e2, 1 - e1) is what the round PSF is sheared by */
-};
+} light_psf;
 
 /* A galaxy of flux 1 about its centre. */
-struct light_galaxy {
+typedef struct light_galaxy {
     double bulge;     /* its part of the flux */
     double disk_px;   /* h */
     double bulge_px;  /* c */
     double map[2][2]; /* from the round galaxy's coordinates to those on the sky */
-};
+} light_galaxy;
 
 /* Scratch of one thread for one PSF and one size of stamps. */
 struct light;
 /* `side` is a power of two, `reach` even. Lengths are `scale` times larger (samples of a PSF image:
  * its samples per pixel). */
-int light_new(struct light **light, const struct light_psf *psf, int side, int reach, double scale,
+int light_new(struct light **light, const light_psf *psf, int side, int reach, double scale,
               shear_error *err);
 void light_free(struct light *light);
 
 /* The galaxy centred at (x, y) px from the stamp's centre ((side-1)/2, (side-1)/2); flux 1, but for
  * the stamp's edges. out [side][side] */
-void light_draw(struct light *light, const struct light_galaxy *galaxy, double x, double y,
-                double *out);
+void light_draw(struct light *light, const light_galaxy *galaxy, double x, double y, double *out);
 /* The PSF, pixel response and all, centred on the sample [side/2][side/2]. */
 void light_draw_psf(struct light *light, double *out);
 

@@ -7,19 +7,19 @@
 #include <stdio.h>
 #include <string.h>
 
-static const struct experiment *const table[] = {
+static const experiment *const table[] = {
     &exp_noise,     &exp_images, &exp_single,     &exp_pixels, &exp_overall,   &exp_shot,
     &exp_bias,      &exp_errors, &exp_efficiency, &exp_survey, &exp_precision, &exp_narrow,
     &exp_selection, NULL,
 };
 
-const struct experiment *const *experiment_table(void) {
+const experiment *const *experiment_table(void) {
     return table;
 }
 
 static void print_list(FILE *out) {
     fputs("usage: shear-paper EXPERIMENT [OPTION...]\n       shear-paper help EXPERIMENT\n\n", out);
-    for (const struct experiment *const *e = table; *e; e++) {
+    for (const experiment *const *e = table; *e; e++) {
         fprintf(out, "  %-12s %s\n", (*e)->name, (*e)->summary);
     }
     fputs("\nEach leaves NAME.ecsv and NAME.png in the folder --out, and a state from which a run "
@@ -35,8 +35,8 @@ static void print_error(const shear_error *err) {
     }
 }
 
-static const struct experiment *find(const char *name) {
-    for (const struct experiment *const *e = table; *e; e++) {
+static const experiment *find(const char *name) {
+    for (const experiment *const *e = table; *e; e++) {
         if (strcmp((*e)->name, name) == 0) {
             return *e;
         }
@@ -54,7 +54,7 @@ static bool asks_for_help(int argc, char **argv) {
     return false;
 }
 
-static int run(const struct experiment *e, int argc, char **argv) {
+static int run(const experiment *e, int argc, char **argv) {
     struct request request;
     shear_error err = {0};
     int code = request_parse(&request, e, argc, argv, &err);
@@ -77,8 +77,8 @@ int main(int argc, char **argv) {
         print_list(stdout);
         return EXIT_CODE_DONE;
     }
-    const struct experiment *e = find(name);
-    if (!e) {
+    const experiment *e = find(name);
+    if (e == NULL) {
         return EXIT_CODE_USAGE;
     }
     if (help || asks_for_help(argc - 1, argv + 1)) {

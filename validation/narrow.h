@@ -10,17 +10,17 @@ enum { NARROW_WAYS = 2, NARROW_DISKS = 4 };
 extern const char *const narrow_ways[NARROW_WAYS]; /* the defaults, the paper's settings */
 extern const double narrow_disks_px[NARROW_DISKS]; /* half-light radii; 0: a point */
 
-struct narrow_point {
+typedef struct narrow_point {
     double r_psf_px, beta_px[NARROW_WAYS];
     struct bias bias[NARROW_WAYS];
     /* The aliases' share under the first way's target: of the mocks' galaxies, of disks. */
     double own, disk[NARROW_DISKS];
-};
+} narrow_point;
 
 struct narrow {
     double limit_px; /* R_PSF at which the aliases of the smallest disks are 10^-3 */
     int n;
-    struct narrow_point points[MAX_KNOB_VALUES];
+    narrow_point points[MAX_KNOB_VALUES];
 };
 
 int narrow_report(const struct request *r, const struct ledger *ledger, const struct narrow *n,

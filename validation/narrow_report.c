@@ -24,11 +24,12 @@ static void add_columns(struct table *t) {
     table_column(t, "aliases", TABLE_NUMBER, -2, "", "their share, of these galaxies");
     for (int i = 0; i < NARROW_DISKS; i++) {
         table_column(t, disks[i], TABLE_NUMBER, -2, "",
-                     i ? "of exponential disks of this half-light radius, pixels" : "of points");
+                     i != 0 ? "of exponential disks of this half-light radius, pixels"
+                            : "of points");
     }
 }
 
-static void add_row(struct table *t, const struct narrow_point *p, int way) {
+static void add_row(struct table *t, const narrow_point *p, int way) {
     const struct bias *b = &p->bias[way];
     table_number(t, p->r_psf_px);
     table_text(t, narrow_ways[way]);
@@ -37,9 +38,9 @@ static void add_row(struct table *t, const struct narrow_point *p, int way) {
         table_number(t, c < 2 ? b->m[c] : b->c[c - 2]);
         table_number(t, c < 2 ? b->m_err[c] : b->c_err[c - 2]);
     }
-    table_number(t, way ? NAN : p->own);
+    table_number(t, way != 0 ? NAN : p->own);
     for (int i = 0; i < NARROW_DISKS; i++) {
-        table_number(t, way ? NAN : p->disk[i]);
+        table_number(t, way != 0 ? NAN : p->disk[i]);
     }
 }
 
@@ -107,7 +108,7 @@ static void draw_c(shear_figure *f, shear_rect cell, const struct narrow *n) {
         {.label = "defaults", .hue = SHEAR_BLUE, .marker = SHEAR_DISC},
         {.label = "log-bicubic (zhang2010)", .hue = SHEAR_VERMILION, .marker = SHEAR_SQUARE}};
     for (int i = 0; i < n->n * NARROW_WAYS; i++) {
-        const struct narrow_point *p = &n->points[i / NARROW_WAYS];
+        const narrow_point *p = &n->points[i / NARROW_WAYS];
         const struct bias *b = &p->bias[i % NARROW_WAYS];
         curve_add(&curves[i % NARROW_WAYS], p->r_psf_px, hypot(b->c[0], b->c[1]),
                   fmax(b->c_err[0], b->c_err[1]));
@@ -134,7 +135,7 @@ static void draw_aliases(shear_figure *f, shear_rect cell, const struct narrow *
     for (int i = 0; i <= NARROW_DISKS; i++) {
         curves[i].line = true;
         for (int k = 0; k < n->n; k++) {
-            const struct narrow_point *p = &n->points[k];
+            const narrow_point *p = &n->points[k];
             curve_add(&curves[i], p->r_psf_px, i < NARROW_DISKS ? p->disk[i] : p->own, NAN);
         }
     }

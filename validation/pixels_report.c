@@ -147,7 +147,7 @@ static void judge(struct table *t, int psf, const struct score *s) {
 typedef struct curve curves[PIXELS_MAX_SIZES][2][N_METHODS];
 
 static int draw(const struct request *r, curves all, shear_figure **f, shear_error *err) {
-    const struct knob_values *sizes = request_list(r, "sizes");
+    const knob_values *sizes = request_list(r, "sizes");
     int code = shear_figure_new(f, 980, 250 * sizes->n + 40, err);
     const shear_grid grid = {.area = {8, 8, 964, 250.0 * sizes->n + 24},
                              .rows = sizes->n,
@@ -163,9 +163,9 @@ static int draw(const struct request *r, curves all, shear_figure **f, shear_err
                    &(struct chart){.cell = shear_grid_cell(&grid, row, c, 1, 1),
                                    .title = title,
                                    .x_label = row + 1 == sizes->n ? "pixel size / R_{PSF}" : NULL,
-                                   .y_label = c ? "g_{2}" : "g_{1}",
+                                   .y_label = c != 0 ? "g_{2}" : "g_{1}",
                                    .legend = SHEAR_TOP_LEFT,
-                                   .truth = c ? r->mock.g2 : r->mock.g1,
+                                   .truth = c != 0 ? r->mock.g2 : r->mock.g1,
                                    .spread = 0.008,
                                    .headroom = i == 0 ? 0.9 : 0.0,
                                    .n_curves = N_METHODS,
@@ -188,8 +188,8 @@ static void add_point(curves all, int size, double ratio, int method, const stru
 
 static int fill(const struct request *r, struct tally *const *tallies, int psf, struct table *t,
                 curves all, shear_error *err) {
-    const struct knob_values *sizes = request_list(r, "sizes");
-    const struct knob_values *ratios = request_list(r, "ratios");
+    const knob_values *sizes = request_list(r, "sizes");
+    const knob_values *ratios = request_list(r, "ratios");
     struct score score = {0};
     for (int i = 0; i < sizes->n * ratios->n * N_METHODS; i++) {
         int method = i % N_METHODS;
@@ -197,7 +197,7 @@ static int fill(const struct request *r, struct tally *const *tallies, int psf, 
         int size = i / N_METHODS / ratios->n;
         struct point p;
         int code = point_of(r, tallies[size], k, method, psf, &p, err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
         add_row(t, sizes->v[size], ratios->v[k], method, psf, &p);
@@ -217,10 +217,10 @@ int pixels_report(const struct request *r, const struct ledger *ledger,
     add_columns(t);
     for (int psf = 0; code == SHEAR_OK && psf < pixels_samplings(r); psf++) {
         code = fill(r, tallies, psf, t, all[psf], err);
-        code = code ? code : draw(r, all[psf], &figures[psf], err);
+        code = code != SHEAR_OK ? code : draw(r, all[psf], &figures[psf], err);
     }
-    code = code ? code : report_save(r, ledger, t, figures[PSF_FINE], err);
-    if (code == SHEAR_OK && figures[PSF_COARSE]) {
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, figures[PSF_FINE], err);
+    if (code == SHEAR_OK && figures[PSF_COARSE] != NULL) {
         code = report_picture(r, "coarse", figures[PSF_COARSE], err);
     }
     shear_figure_free(figures[PSF_FINE]);

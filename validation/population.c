@@ -44,14 +44,14 @@ void dice_normal(struct dice *d, int n, double *out) {
 /* ---- galaxies ---- */
 
 /* Size and part of the bulge first, then the shape until it is round enough. */
-struct traits {
+typedef struct traits {
     double radius, bulge, e[2];
-};
+} traits;
 
-static struct traits traits_of(const struct population *p, int64_t stamp) {
+static traits traits_of(const population *p, int64_t stamp) {
     struct dice d = dice_begin(p->seed, DICE_GALAXY, stamp / p->copies);
-    struct traits t = {.radius = smallest * pow(largest / smallest, dice_uniform(&d)),
-                       .bulge = most_bulge * dice_uniform(&d)};
+    traits t = {.radius = smallest * pow(largest / smallest, dice_uniform(&d)),
+                .bulge = most_bulge * dice_uniform(&d)};
     do {
         dice_normal(&d, 2, t.e);
         t.e[0] *= scatter;
@@ -60,15 +60,15 @@ static struct traits traits_of(const struct population *p, int64_t stamp) {
     return t;
 }
 
-double population_radius(const struct population *p, int64_t stamp) {
+double population_radius(const population *p, int64_t stamp) {
     return traits_of(p, stamp).radius;
 }
 
-struct light_galaxy population_bare(const struct population *p, int64_t stamp) {
-    const struct traits t = traits_of(p, stamp);
+light_galaxy population_bare(const population *p, int64_t stamp) {
+    const traits t = traits_of(p, stamp);
     const double det = sqrt(1.0 - t.e[0] * t.e[0] - t.e[1] * t.e[1]);
     const double size = p->bulges ? 1.0 : bulge_ratio;
-    return (struct light_galaxy){
+    return (light_galaxy){
         .bulge = p->bulges ? 1.0 : t.bulge,
         .disk_px = t.radius / half_light_disk,
         .bulge_px = size * t.radius / half_light_bulge,
@@ -85,7 +85,7 @@ static void multiply(const double a[2][2], double map[2][2]) {
     }
 }
 
-static double angle_of(const struct population *p, int64_t stamp) {
+static double angle_of(const population *p, int64_t stamp) {
     if (p->copies > 1) {
         return M_PI * (double)(stamp % p->copies) / p->copies;
     }
@@ -93,8 +93,8 @@ static double angle_of(const struct population *p, int64_t stamp) {
     return M_PI * dice_uniform(&d);
 }
 
-struct light_galaxy population_galaxy(const struct population *p, int64_t stamp) {
-    struct light_galaxy g = population_bare(p, stamp);
+light_galaxy population_galaxy(const population *p, int64_t stamp) {
+    light_galaxy g = population_bare(p, stamp);
     const double angle = angle_of(p, stamp);
     const double turn[2][2] = {{cos(angle), -sin(angle)}, {sin(angle), cos(angle)}};
     const double lens[2][2] = {{1.0 + p->shear[0], p->shear[1]}, {p->shear[1], 1.0 - p->shear[0]}};
@@ -103,7 +103,7 @@ struct light_galaxy population_galaxy(const struct population *p, int64_t stamp)
     return g;
 }
 
-void population_centre(const struct population *p, int64_t stamp, double *x, double *y) {
+void population_centre(const population *p, int64_t stamp, double *x, double *y) {
     struct dice d = dice_begin(p->seed, DICE_SHIFT, stamp);
     *x = dice_uniform(&d) - 0.5;
     *y = dice_uniform(&d) - 0.5;

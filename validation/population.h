@@ -35,21 +35,21 @@ void dice_normal(struct dice *d, int n, double *out);
 
 /* ---- galaxies ---- */
 
-struct population {
+typedef struct population {
     uint64_t seed;
     bool bulges;     /* all light in bulges as large as the disks */
     int copies;      /* stamps of one galaxy, turned by 180 / copies degrees each; 1: one stamp,
                         turned at random */
     double shear[2]; /* (1 + g1, g2; g2, 1 - g1) maps what is turned */
-};
+} population;
 
 /* The galaxy of `stamp`, turned and sheared, and the place of its centre within a pixel: the same
  * at any shear. */
-struct light_galaxy population_galaxy(const struct population *p, int64_t stamp);
-void population_centre(const struct population *p, int64_t stamp, double *x, double *y);
+light_galaxy population_galaxy(const population *p, int64_t stamp);
+void population_centre(const population *p, int64_t stamp, double *x, double *y);
 /* The same galaxy as if there were no shear, unturned. */
-struct light_galaxy population_bare(const struct population *p, int64_t stamp);
+light_galaxy population_bare(const population *p, int64_t stamp);
 /* Half-light radius of its disk, px. */
-double population_radius(const struct population *p, int64_t stamp);
+double population_radius(const population *p, int64_t stamp);
 
 #endif

@@ -20,7 +20,7 @@ double progress_seconds(void) {
 void progress_begin(struct progress *p, int64_t total, bool quiet) {
     const char *term = getenv("TERM");
     *p = (struct progress){.total = total, .visible = !quiet};
-    p->terminal = isatty(STDERR_FILENO) && term && strcmp(term, "dumb") != 0;
+    p->terminal = isatty(STDERR_FILENO) && term != NULL && strcmp(term, "dumb") != 0;
     p->begun = p->shown = progress_seconds();
 }
 

@@ -52,11 +52,11 @@ int report_test(const struct tally *t, int n, const int *series, const double tr
     const struct test test = {n, series, truth};
     size_t size = 2 * (size_t)n;
     double *d = calloc(size * (size + 1), sizeof *d);
-    if (!d) {
+    if (d == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a covariance");
     }
     int code = tally_jackknife(t, deviations, &test, 2 * n, d, d + size, err);
-    code = code ? code : verdict_of_covariance(d, d + size, 2 * n, t->groups, out, err);
+    code = code != SHEAR_OK ? code : verdict_of_covariance(d, d + size, 2 * n, t->groups, out, err);
     free(d);
     return code;
 }

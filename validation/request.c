@@ -13,15 +13,15 @@ enum { MAX_THREADS = 1024, MAX_GROUPS = 100000, MAX_LINE = 256 };
 
 /* ---- knobs ---- */
 
-static int count_knobs(const struct experiment *e) {
+static int count_knobs(const experiment *e) {
     int n = 0;
-    while (e->knobs && e->knobs[n].name) {
+    while (e->knobs != NULL && e->knobs[n].name != NULL) {
         n++;
     }
     return n;
 }
 
-static int find_knob(const struct experiment *e, const char *name) {
+static int find_knob(const experiment *e, const char *name) {
     int n = count_knobs(e);
     for (int i = 0; i < n; i++) {
         if (strcmp(e->knobs[i].name, name) == 0) {
@@ -42,9 +42,9 @@ static int parse_number(const char *name, const char *text, char **end, double m
     return SHEAR_OK;
 }
 
-static int parse_knob(const struct knob *knob, const char *text, struct knob_values *values,
+static int parse_knob(const struct knob *knob, const char *text, knob_values *values,
                       shear_error *err) {
-    struct knob_values parsed = {0};
+    knob_values parsed = {0};
     const char *p = text;
     for (;;) {
         char *end = NULL;
@@ -54,7 +54,7 @@ static int parse_knob(const struct knob *knob, const char *text, struct knob_val
         }
         int code =
             parse_number(knob->name, p, &end, knob->min, knob->max, &parsed.v[parsed.n++], err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return code;
         }
         if (*end == '\0') {
@@ -70,14 +70,14 @@ static int parse_knob(const struct knob *knob, const char *text, struct knob_val
     return SHEAR_OK;
 }
 
-const struct knob_values *request_list(const struct request *r, const char *name) {
+const knob_values *request_list(const struct request *r, const char *name) {
     int i = find_knob(r->experiment, name);
     return i >= 0 ? &r->knobs[i] : NULL;
 }
 
 double request_number(const struct request *r, const char *name) {
-    const struct knob_values *values = request_list(r, name);
-    return values && values->n > 0 ? values->v[0] : NAN;
+    const knob_values *values = request_list(r, name);
+    return values != NULL && values->n > 0 ? values->v[0] : NAN;
 }
 
 /* ---- common options ---- */
@@ -136,14 +136,14 @@ static int set_common(struct request *r, const char *name, const char *value, bo
 
 /* ---- one option ---- */
 
-static bool is_fixed(const struct experiment *e, const char *name) {
+static bool is_fixed(const experiment *e, const char *name) {
     static const char *const never[] = {"stamps", "field", "layout", "bitpix", "no-r-gal"};
     for (size_t i = 0; i < sizeof never / sizeof *never; i++) {
         if (strcmp(never[i], name) == 0) {
             return true;
         }
     }
-    for (const char *const *p = e->fixed; p && *p; p++) {
+    for (const char *const *p = e->fixed; p != NULL && *p != NULL; p++) {
         if (strcmp(*p, name) == 0) {
             return true;
         }
@@ -157,17 +157,17 @@ static const shear_setting_def *find_setting(const char *name, const char **text
     const char *base =
         strncmp(name, measure, sizeof measure - 1) == 0 ? name + sizeof measure - 1 : name;
     const shear_setting_def *def = shear_settings_find(base);
-    if (!def && strncmp(base, no, sizeof no - 1) == 0) {
+    if (def == NULL && strncmp(base, no, sizeof no - 1) == 0) {
         def = shear_settings_find(base + sizeof no - 1);
-        def = def && def->type == SHEAR_T_BOOL ? def : NULL;
-        *text = def ? "no" : *text;
-    } else if (def && def->type == SHEAR_T_BOOL) {
+        def = def != NULL && def->type == SHEAR_T_BOOL ? def : NULL;
+        *text = def != NULL ? "no" : *text;
+    } else if (def != NULL && def->type == SHEAR_T_BOOL) {
         *text = "yes";
     }
     return def;
 }
 
-static bool takes_value(const struct experiment *e, const char *name) {
+static bool takes_value(const experiment *e, const char *name) {
     const shear_mock_option *mock = shear_mock_option_find(name);
     const char *text = NULL;
     if (strcmp(name, "fresh") == 0 || strcmp(name, "quiet") == 0) {
@@ -176,7 +176,7 @@ static bool takes_value(const struct experiment *e, const char *name) {
     if (find_knob(e, name) >= 0) {
         return true;
     }
-    if (mock) {
+    if (mock != NULL) {
         return mock->metavar != NULL;
     }
     find_setting(name, &text);
@@ -185,7 +185,7 @@ static bool takes_value(const struct experiment *e, const char *name) {
 
 /* A knob may have the name of an option that the experiment otherwise chooses itself. */
 static int set_option(struct request *r, const char *name, const char *value, shear_error *err) {
-    const struct experiment *e = r->experiment;
+    const experiment *e = r->experiment;
     int knob = find_knob(e, name);
     if (knob >= 0) {
         return parse_knob(&e->knobs[knob], value, &r->knobs[knob], err);
@@ -199,11 +199,11 @@ static int set_option(struct request *r, const char *name, const char *value, sh
     if (known) {
         return code;
     }
-    if (shear_mock_option_find(name)) {
+    if (shear_mock_option_find(name) != NULL) {
         return shear_mock_set(&r->mock, name, value, err);
     }
     const shear_setting_def *def = find_setting(name, &value);
-    if (def) {
+    if (def != NULL) {
         return shear_settings_set(&r->settings, def->name, value, err);
     }
     return shear_fail(err, SHEAR_E_SETTING, "see \"shear-paper help\" and the experiment's name",
@@ -234,15 +234,15 @@ static int parse_argument(struct request *r, int argc, char **argv, int *i, shea
         return shear_fail(err, SHEAR_E_SETTING, NULL, "unexpected argument '%s'", argument);
     }
     const char *equals = strchr(argument, '=');
-    size_t length = equals ? (size_t)(equals - argument) : strlen(argument);
+    size_t length = equals != NULL ? (size_t)(equals - argument) : strlen(argument);
     snprintf(name, sizeof name, "%.*s", (int)(length - 2), argument + 2);
     if (!takes_value(r->experiment, name)) {
         return set_option(r, name, NULL, err);
     }
-    if (!equals && *i + 1 == argc) {
+    if (equals == NULL && *i + 1 == argc) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--%s' needs a value", name);
     }
-    return set_option(r, name, equals ? equals + 1 : argv[++*i], err);
+    return set_option(r, name, equals != NULL ? equals + 1 : argv[++*i], err);
 }
 
 /* The experiments repeat the paper. */
@@ -251,7 +251,7 @@ static void paper_settings(shear_settings *s) {
 }
 
 static int set_defaults(struct request *r, shear_error *err) {
-    const struct experiment *e = r->experiment;
+    const experiment *e = r->experiment;
     shear_mock_spec_init(&r->mock);
     paper_settings(&r->settings);
     r->galaxies = 10000;
@@ -265,8 +265,7 @@ static int set_defaults(struct request *r, shear_error *err) {
     return code;
 }
 
-int request_parse(struct request *r, const struct experiment *e, int argc, char **argv,
-                  shear_error *err) {
+int request_parse(struct request *r, const experiment *e, int argc, char **argv, shear_error *err) {
     *r = (struct request){.experiment = e};
     int code = set_defaults(r, err);
     keep_command(r, argc, argv);
@@ -320,7 +319,7 @@ char *request_describe(const struct request *r) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    if (!out) {
+    if (out == NULL) {
         return NULL;
     }
     fprintf(out, "experiment %s\ngalaxies %" PRId64 "\ngroups %d\n", r->experiment->name,
@@ -336,16 +335,16 @@ char *request_describe(const struct request *r) {
 
 char *request_path(const struct request *r, const char *suffix, const char *ext, char *buf,
                    size_t size) {
-    snprintf(buf, size, "%s/%s%s%s.%s", r->out, r->experiment->name, suffix ? "-" : "",
-             suffix ? suffix : "", ext);
+    snprintf(buf, size, "%s/%s%s%s.%s", r->out, r->experiment->name, suffix != NULL ? "-" : "",
+             suffix != NULL ? suffix : "", ext);
     return buf;
 }
 
-void request_help(const struct experiment *e, FILE *out) {
+void request_help(const experiment *e, FILE *out) {
     struct request r = {.experiment = e};
     shear_error err = {0};
     fprintf(out, "usage: shear-paper %s [OPTION...]\n\n%s\n\n", e->name, e->about);
-    if (set_defaults(&r, &err)) {
+    if (set_defaults(&r, &err) != 0) {
         fprintf(out, "%s\n", err.message);
         return;
     }
@@ -372,7 +371,7 @@ void request_help(const struct experiment *e, FILE *out) {
           out);
     print_changed(&r, out);
     fputs("and what the experiment chooses itself:", out);
-    for (const char *const *p = e->fixed; p && *p; p++) {
+    for (const char *const *p = e->fixed; p != NULL && *p != NULL; p++) {
         if (find_knob(e, *p) < 0) {
             fprintf(out, " %s", *p);
         }

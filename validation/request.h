@@ -27,15 +27,15 @@ struct knob {
     const char *help;   /* one line */
 };
 
-struct knob_values {
+typedef struct knob_values {
     int n;
     double v[MAX_KNOB_VALUES];
-};
+} knob_values;
 
-struct experiment;
+typedef struct experiment experiment;
 
 struct request {
-    const struct experiment *experiment;
+    const experiment *experiment;
     shear_mock_spec mock;    /* seed, shear and all; n_stamps is not used */
     shear_settings settings; /* of the measurement */
     int64_t galaxies;        /* stamps for each point; rotated copies count */
@@ -45,17 +45,16 @@ struct request {
     bool fresh;              /* forget finished pieces */
     bool quiet;              /* no progress */
     char command[1024];      /* as it was typed */
-    struct knob_values knobs[MAX_KNOBS];
+    knob_values knobs[MAX_KNOBS];
 };
 
 /* Parse the options; argv[0] is the experiment's name. SHEAR_E_SETTING with a message. */
-int request_parse(struct request *r, const struct experiment *e, int argc, char **argv,
-                  shear_error *err);
+int request_parse(struct request *r, const experiment *e, int argc, char **argv, shear_error *err);
 /* The help text of one experiment. */
-void request_help(const struct experiment *e, FILE *out);
+void request_help(const experiment *e, FILE *out);
 
 /* The values of a knob; `name` is one of the experiment's. */
-const struct knob_values *request_list(const struct request *r, const char *name);
+const knob_values *request_list(const struct request *r, const char *name);
 double request_number(const struct request *r, const char *name);
 
 /* Everything that the numbers depend on, as text: one "name value" a line. malloc'd; NULL without

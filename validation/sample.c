@@ -5,14 +5,14 @@
 
 /* A run under way: the ledger's chunks are the sample's groups. */
 struct run {
-    const struct sample_spec *spec;
+    const sample_spec *spec;
     struct sampler *sampler; /* made when the first group is to be measured */
     int groups;
     int64_t unit; /* stamps that stay together */
     shear_row *rows;
 };
 
-static int64_t copies(const struct sample_spec *spec) {
+static int64_t copies(const sample_spec *spec) {
     int64_t most = 1;
     for (int i = 0; i < spec->n_scenes; i++) {
         most = spec->scenes[i].spec.rotate > most ? spec->scenes[i].spec.rotate : most;
@@ -28,12 +28,12 @@ static int64_t begin_of(const struct run *run, int group) {
 }
 
 static int prepare(struct run *run, shear_error *err) {
-    if (run->sampler) {
+    if (run->sampler != NULL) {
         return SHEAR_OK;
     }
     int64_t most = run->unit * (run->spec->stamps / run->unit / run->groups + 2);
     run->rows = calloc((size_t)most * (size_t)run->spec->n_series, sizeof *run->rows);
-    if (!run->rows) {
+    if (run->rows == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, "use more groups",
                           "out of memory for the rows of a group");
     }
@@ -45,7 +45,7 @@ static int measure_group(void *context, int group, double *values, shear_error *
     int64_t first = begin_of(run, group);
     int count = (int)(begin_of(run, group + 1) - first);
     int code = prepare(run, err);
-    code = code ? code : sampler_rows(run->sampler, first, count, run->rows, err);
+    code = code != SHEAR_OK ? code : sampler_rows(run->sampler, first, count, run->rows, err);
     for (int i = 0; code == SHEAR_OK && i < run->spec->n_series; i++) {
         shear_block_sums sums;
         shear_block_sums_init(&sums);
@@ -66,7 +66,7 @@ static int fill_tally(struct tally *t, const double *values) {
     return SHEAR_OK;
 }
 
-int sample_measure(const struct sample_spec *spec, struct ledger *ledger, struct tally **tally,
+int sample_measure(const sample_spec *spec, struct ledger *ledger, struct tally **tally,
                    shear_error *err) {
     struct run run = {.spec = spec, .groups = spec->groups, .unit = copies(spec)};
     int64_t units = (spec->stamps + run.unit - 1) / run.unit;
@@ -79,12 +79,12 @@ int sample_measure(const struct sample_spec *spec, struct ledger *ledger, struct
                         .stamps_of_chunk = spec->stamps / run.groups * spec->n_scenes,
                         .work = measure_group,
                         .context = &run};
-    int code = packed
+    int code = packed != NULL
                    ? tally_new(tally, spec->n_series, run.groups, err)
                    : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the sums of a sample");
-    code = code ? code : ledger_run(ledger, &task, packed, err);
-    code = code ? code : fill_tally(*tally, packed);
-    if (code && packed) {
+    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, packed, err);
+    code = code != SHEAR_OK ? code : fill_tally(*tally, packed);
+    if (code != SHEAR_OK && packed != NULL) {
         tally_free(*tally);
         *tally = NULL;
     }

@@ -40,7 +40,7 @@ struct series {
     shear_settings settings;
 };
 
-struct sample_spec {
+typedef struct sample_spec {
     const char *name; /* of the ledger's task: unique in the experiment, no blanks */
     int64_t stamps;
     int groups; /* nearly equal, each a multiple of the rotated copies; lowered where there are
@@ -56,16 +56,16 @@ struct sample_spec {
      * one stamp. NULL = they do not. */
     void (*vary)(const void *context, int64_t stamp, shear_mock_spec *spec);
     const void *context;
-};
+} sample_spec;
 
 /* Draw and measure all of it, through the ledger. *tally is NULL on error. */
-int sample_measure(const struct sample_spec *spec, struct ledger *ledger, struct tally **tally,
+int sample_measure(const sample_spec *spec, struct ledger *ledger, struct tally **tally,
                    shear_error *err);
 
 /* ---- the same by hand, where the rows themselves are wanted ---- */
 
 struct sampler;
-int sampler_new(struct sampler **s, const struct sample_spec *spec, shear_error *err);
+int sampler_new(struct sampler **s, const sample_spec *spec, shear_error *err);
 void sampler_free(struct sampler *s);
 /* Stamps [first, first+count): rows [n_series][count], in stamp order. `first` is a multiple of the
  * rotated copies. */

@@ -17,7 +17,7 @@ struct bench {
 };
 
 struct sampler {
-    struct sample_spec spec;
+    sample_spec spec;
     shear_mock **mocks;                 /* [n_scenes] */
     shear_mock *noise_mock, *bare_mock; /* the shared noise's, with and without it */
     int n_plans;
@@ -86,12 +86,12 @@ static int make_plan(struct sampler *s, int series, shear_plan **plan, shear_err
     double *psf = NULL;
     resolve_settings(&settings, &m);
     int code = shear_mock_new(&mock, &m, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     const shear_geometry *g = &shear_mock_get_info(mock)->geometry;
     psf = calloc((size_t)g->psf_nx * (size_t)g->psf_ny, sizeof *psf);
-    if (!psf) {
+    if (psf == NULL) {
         code = no_memory(err);
         goto done;
     }
@@ -121,7 +121,7 @@ static int make_plans(struct sampler *s, shear_error *err) {
             continue;
         }
         int code = make_plan(s, i, &s->plans[s->n_plans], err);
-        if (code) {
+        if (code != SHEAR_OK) {
             return shear_prefix(err, code, "%s, series %d", s->spec.name, i);
         }
         s->plan_of[i] = s->n_plans++;
@@ -145,11 +145,11 @@ static int make_mocks(struct sampler *s, shear_error *err) {
     for (int i = 0; code == SHEAR_OK && i < s->spec.n_scenes; i++) {
         code = make_mock(s, &s->spec.scenes[i].spec, &s->mocks[i], err);
     }
-    if (code == SHEAR_OK && s->spec.noise) {
+    if (code == SHEAR_OK && s->spec.noise != NULL) {
         shear_mock_spec bare = *s->spec.noise;
         bare.noise_ratio = 0.0;
         code = make_mock(s, s->spec.noise, &s->noise_mock, err);
-        code = code ? code : make_mock(s, &bare, &s->bare_mock, err);
+        code = code != SHEAR_OK ? code : make_mock(s, &bare, &s->bare_mock, err);
     }
     return code;
 }
@@ -165,8 +165,8 @@ static bool bench_init(struct bench *b, const struct sampler *s, shear_error *er
     b->shared_n = shares ? calloc(n, sizeof *b->shared_n) : NULL;
     b->bare = shares ? calloc(n, sizeof *b->bare) : NULL;
     b->workspaces = calloc((size_t)s->n_plans + 1, sizeof(shear_workspace *));
-    bool made = b->galaxy && b->noise && b->workspaces &&
-                (!shares || (b->shared && b->shared_n && b->bare));
+    bool made = b->galaxy != NULL && b->noise != NULL && b->workspaces != NULL &&
+                (!shares || (b->shared != NULL && b->shared_n != NULL && b->bare != NULL));
     for (int i = 0; made && i < s->n_plans; i++) {
         made = shear_workspace_new(&b->workspaces[i], s->plans[i], err) == SHEAR_OK;
     }
@@ -174,7 +174,7 @@ static bool bench_init(struct bench *b, const struct sampler *s, shear_error *er
 }
 
 static void bench_deinit(struct bench *b, int n_plans) {
-    for (int i = 0; b->workspaces && i < n_plans; i++) {
+    for (int i = 0; b->workspaces != NULL && i < n_plans; i++) {
         shear_workspace_free(b->workspaces[i]);
     }
     free(b->workspaces);
@@ -188,7 +188,7 @@ static void bench_deinit(struct bench *b, int n_plans) {
 static int make_benches(struct sampler *s, shear_error *err) {
     s->n_benches = s->spec.threads > 0 ? s->spec.threads : omp_get_max_threads();
     s->benches = calloc((size_t)s->n_benches, sizeof *s->benches);
-    if (!s->benches) {
+    if (s->benches == NULL) {
         return no_memory(err);
     }
     for (int i = 0; i < s->n_benches; i++) {
@@ -201,21 +201,22 @@ static int make_benches(struct sampler *s, shear_error *err) {
 
 /* ---- the sampler ---- */
 
-int sampler_new(struct sampler **sampler, const struct sample_spec *spec, shear_error *err) {
+int sampler_new(struct sampler **sampler, const sample_spec *spec, shear_error *err) {
     *sampler = NULL;
     struct sampler *s = calloc(1, sizeof *s);
-    if (!s) {
+    if (s == NULL) {
         return no_memory(err);
     }
     s->spec = *spec;
     s->mocks = calloc((size_t)spec->n_scenes + 1, sizeof(shear_mock *));
     s->plans = calloc((size_t)spec->n_series + 1, sizeof(shear_plan *));
     s->plan_of = calloc((size_t)spec->n_series + 1, sizeof *s->plan_of);
-    int code = s->mocks && s->plans && s->plan_of ? SHEAR_OK : no_memory(err);
-    code = code ? code : make_mocks(s, err);
-    code = code ? code : make_plans(s, err);
-    code = code ? code : make_benches(s, err);
-    if (code) {
+    int code =
+        s->mocks != NULL && s->plans != NULL && s->plan_of != NULL ? SHEAR_OK : no_memory(err);
+    code = code != SHEAR_OK ? code : make_mocks(s, err);
+    code = code != SHEAR_OK ? code : make_plans(s, err);
+    code = code != SHEAR_OK ? code : make_benches(s, err);
+    if (code != SHEAR_OK) {
         sampler_free(s);
         return code;
     }
@@ -224,16 +225,16 @@ int sampler_new(struct sampler **sampler, const struct sample_spec *spec, shear_
 }
 
 void sampler_free(struct sampler *s) {
-    if (!s) {
+    if (s == NULL) {
         return;
     }
-    for (int i = 0; s->benches && i < s->n_benches; i++) {
+    for (int i = 0; s->benches != NULL && i < s->n_benches; i++) {
         bench_deinit(&s->benches[i], s->n_plans);
     }
-    for (int i = 0; s->plans && i < s->n_plans; i++) {
+    for (int i = 0; s->plans != NULL && i < s->n_plans; i++) {
         shear_plan_free(s->plans[i]);
     }
-    for (int i = 0; s->mocks && i < s->spec.n_scenes; i++) {
+    for (int i = 0; s->mocks != NULL && i < s->spec.n_scenes; i++) {
         shear_mock_free(s->mocks[i]);
     }
     shear_mock_free(s->noise_mock);
@@ -259,14 +260,15 @@ const shear_plan_info *sampler_plan(const struct sampler *s, int series) {
 
 static int draw_shared(const struct sampler *s, struct bench *b, int64_t first, int count,
                        shear_error *err) {
-    if (!s->spec.noise) {
+    if (s->spec.noise == NULL) {
         return SHEAR_OK;
     }
     size_t n = (size_t)count * (size_t)s->spec.noise->nx * (size_t)s->spec.noise->ny;
     /* The stamps without noise: the galaxies alone, and zeros that are not needed. */
     int code = shear_mock_stamps(s->bare_mock, first, count, 1, b->bare, b->shared_n, err);
-    code = code ? code
-                : shear_mock_stamps(s->noise_mock, first, count, 1, b->shared, b->shared_n, err);
+    code = code != SHEAR_OK
+               ? code
+               : shear_mock_stamps(s->noise_mock, first, count, 1, b->shared, b->shared_n, err);
     for (size_t i = 0; code == SHEAR_OK && i < n; i++) {
         b->shared[i] -= b->bare[i];
     }
@@ -286,7 +288,9 @@ static int draw_varied(const struct sampler *s, struct bench *b, int scene, int6
         s->spec.vary(s->spec.context, first + i, &m);
         size_t at = (size_t)i * pixels;
         code = shear_mock_new(&mock, &m, err);
-        code = code ? code : shear_mock_stamps(mock, 0, 1, 1, b->galaxy + at, b->noise + at, err);
+        code = code != SHEAR_OK
+                   ? code
+                   : shear_mock_stamps(mock, 0, 1, 1, b->galaxy + at, b->noise + at, err);
         shear_mock_free(mock);
     }
     return code;
@@ -296,10 +300,10 @@ static int draw_scene(const struct sampler *s, struct bench *b, int scene, int64
                       shear_error *err) {
     const struct scene *c = &s->spec.scenes[scene];
     size_t n = (size_t)count * (size_t)c->spec.nx * (size_t)c->spec.ny;
-    int code = s->spec.vary
+    int code = s->spec.vary != NULL
                    ? draw_varied(s, b, scene, first, count, err)
                    : shear_mock_stamps(s->mocks[scene], first, count, 1, b->galaxy, b->noise, err);
-    if (code || c->shared == 0.0) {
+    if (code != SHEAR_OK || c->shared == 0.0) {
         return code;
     }
     for (size_t i = 0; i < n; i++) {
@@ -370,7 +374,7 @@ static int do_tile(const struct sampler *s, struct bench *b, const struct batch 
     int code = draw_shared(s, b, batch->first + from, n, err);
     for (int scene = 0; code == SHEAR_OK && scene < s->spec.n_scenes; scene++) {
         code = draw_scene(s, b, scene, batch->first + from, n, err);
-        code = code ? code : measure_scene(s, b, scene, batch, from, n, false, err);
+        code = code != SHEAR_OK ? code : measure_scene(s, b, scene, batch, from, n, false, err);
         if (code == SHEAR_OK && s->spec.exchange && s->spec.scenes[scene].shared != 0.0) {
             exchange(s, b, scene, n);
             code = measure_scene(s, b, scene, batch, from, n, true, err);
@@ -387,7 +391,7 @@ int sampler_rows(struct sampler *s, int64_t first, int count, shear_row *rows, s
 #pragma omp parallel for schedule(dynamic) num_threads(s->n_benches)
     for (int tile = 0; tile < tiles; tile++) {
         shear_error e = {0};
-        if (do_tile(s, &s->benches[omp_get_thread_num()], &batch, tile, &e)) {
+        if (do_tile(s, &s->benches[omp_get_thread_num()], &batch, tile, &e) != 0) {
 #pragma omp critical(sampler_failure)
             if (tile < failed_tile) {
                 failed_tile = tile;

@@ -11,13 +11,13 @@ static const char *const file = "/stamps.fits";
 
 int scratch_new(char path[SCRATCH_PATH], shear_error *err) {
     const char *base = getenv("TMPDIR");
-    base = base && base[0] ? base : "/tmp";
+    base = base != NULL && base[0] ? base : "/tmp";
     path[0] = '\0';
     if (strlen(base) + 64 > SCRATCH_PATH) {
         return shear_fail(err, SHEAR_E_IO, NULL, "TMPDIR is too long a name");
     }
     snprintf(path, SCRATCH_PATH, "%s/shear-paper-XXXXXX", base);
-    if (!mkdtemp(path)) {
+    if (mkdtemp(path) == NULL) {
         const int code = shear_fail(err, SHEAR_E_IO, "set TMPDIR to a folder with room",
                                     "cannot make a folder in %s: %s", base, strerror(errno));
         path[0] = '\0';

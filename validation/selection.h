@@ -19,15 +19,15 @@ extern const char *const selection_cuts[N_CUTS];
 enum { SELECTION_ESTIMATORS = 2 };
 extern const char *const selection_estimators[SELECTION_ESTIMATORS]; /* mean, pdf-sym */
 
-struct selection_outcome {
+typedef struct selection_outcome {
     double m, m_err;
     double shift, shift_err; /* m less that without a cut */
     double kept, threshold;  /* part of the stamps; the least value that is kept */
-};
-enum { SELECTION_VALUES = sizeof(struct selection_outcome) / sizeof(double) };
+} selection_outcome;
+enum { SELECTION_VALUES = sizeof(selection_outcome) / sizeof(double) };
 
 /* out [N_CUTS][fractions][SELECTION_ESTIMATORS] */
 int selection_report(const struct request *r, const struct ledger *ledger,
-                     const struct selection_outcome *out, shear_error *err);
+                     const selection_outcome *out, shear_error *err);
 
 #endif

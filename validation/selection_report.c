@@ -6,9 +6,8 @@
 
 #include <math.h>
 
-static const struct selection_outcome *outcome(const struct request *r,
-                                               const struct selection_outcome *out, int cut,
-                                               int fraction, int estimator) {
+static const selection_outcome *outcome(const struct request *r, const selection_outcome *out,
+                                        int cut, int fraction, int estimator) {
     const int n = request_list(r, "kept")->n;
     return &out[(cut * n + fraction) * SELECTION_ESTIMATORS + estimator];
 }
@@ -28,7 +27,7 @@ static void add_columns(struct table *t) {
 }
 
 static void add_row(struct table *t, int cut, double asked, int estimator,
-                    const struct selection_outcome *o) {
+                    const selection_outcome *o) {
     table_text(t, selection_cuts[cut]);
     table_number(t, asked);
     table_number(t, o->kept);
@@ -41,15 +40,14 @@ static void add_row(struct table *t, int cut, double asked, int estimator,
 }
 
 /* At the part nearest to a half. */
-static void judge(struct table *t, const struct request *r, const struct selection_outcome *out,
-                  int cut) {
-    const struct knob_values *kept = request_list(r, "kept");
+static void judge(struct table *t, const struct request *r, const selection_outcome *out, int cut) {
+    const knob_values *kept = request_list(r, "kept");
     int half = 0;
     for (int i = 1; i < kept->n; i++) {
         half = fabs(kept->v[i] - 0.5) < fabs(kept->v[half] - 0.5) ? i : half;
     }
-    const struct selection_outcome *mean = outcome(r, out, cut, half, 0);
-    const struct selection_outcome *pdf = outcome(r, out, cut, half, 1);
+    const selection_outcome *mean = outcome(r, out, cut, half, 0);
+    const selection_outcome *pdf = outcome(r, out, cut, half, 1);
     table_meta(t, "verdict",
                "%s, %.2f of the stamps kept: m changes by %+.1f +- %.1f (mean), %+.1f +- %.1f "
                "(pdf-sym), 10^-3",
@@ -57,9 +55,8 @@ static void judge(struct table *t, const struct request *r, const struct selecti
                1e3 * pdf->shift, 1e3 * pdf->shift_err);
 }
 
-static void tabulate(struct table *t, const struct request *r,
-                     const struct selection_outcome *out) {
-    const struct knob_values *kept = request_list(r, "kept");
+static void tabulate(struct table *t, const struct request *r, const selection_outcome *out) {
+    const knob_values *kept = request_list(r, "kept");
     const int n = kept->n * SELECTION_ESTIMATORS;
     add_columns(t);
     for (int i = 0; i < N_CUTS * n; i++) {
@@ -73,7 +70,7 @@ static void tabulate(struct table *t, const struct request *r,
 /* ---- figure ---- */
 
 static void draw_panel(shear_figure *f, shear_rect cell, const struct request *r,
-                       const struct selection_outcome *out, int estimator) {
+                       const selection_outcome *out, int estimator) {
     struct curve curves[N_CUTS] = {{.hue = SHEAR_BLACK, .marker = SHEAR_DISC},
                                    {.hue = SHEAR_BLUE, .marker = SHEAR_SQUARE},
                                    {.hue = SHEAR_SKY, .marker = SHEAR_TRIANGLE},
@@ -83,7 +80,7 @@ static void draw_panel(shear_figure *f, shear_rect cell, const struct request *r
     for (int cut = 0; cut < N_CUTS; cut++) {
         curves[cut].label = selection_cuts[cut];
         for (int i = 0; i < request_list(r, "kept")->n; i++) {
-            const struct selection_outcome *o = outcome(r, out, cut, i, estimator);
+            const selection_outcome *o = outcome(r, out, cut, i, estimator);
             curve_add(&curves[cut], o->kept, 1e3 * o->shift, 1e3 * o->shift_err);
         }
     }
@@ -100,7 +97,7 @@ static void draw_panel(shear_figure *f, shear_rect cell, const struct request *r
 }
 
 int selection_report(const struct request *r, const struct ledger *ledger,
-                     const struct selection_outcome *out, shear_error *err) {
+                     const selection_outcome *out, shear_error *err) {
     const shear_grid grid = {.area = {8, 8, 984, 424}, .rows = 1, .columns = 2, .gap_x = 12};
     struct table *t = table_new(r);
     shear_figure *f = NULL;
@@ -109,7 +106,7 @@ int selection_report(const struct request *r, const struct ledger *ledger,
     for (int i = 0; code == SHEAR_OK && i < SELECTION_ESTIMATORS; i++) {
         draw_panel(f, shear_grid_cell(&grid, 0, i, 1, 1), r, out, i);
     }
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     table_free(t);
     return code;

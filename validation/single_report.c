@@ -166,7 +166,7 @@ static int choose_range(const struct request *r, const struct object *o, int c, 
             shear_range part;
             int code =
                 shear_range_percentile(&part, s[k].g[c] + i * s[k].n, (size_t)s[k].n, 5, 95, err);
-            if (code) {
+            if (code != SHEAR_OK) {
                 return code;
             }
             reach =
@@ -181,10 +181,10 @@ static void draw_panel(const struct request *r, shear_figure *f, shear_rect cell
                        const struct object *o, int series, int c, shear_range range) {
     /* The paper's: purple, blue, red, black. */
     static const int hues[] = {SHEAR_PURPLE, SHEAR_BLUE, SHEAR_VERMILION, SHEAR_BLACK};
-    const struct knob_values *ratios = request_list(r, "ratios");
+    const knob_values *ratios = request_list(r, "ratios");
     const shear_axes axes = {.cell = cell,
                              .title = methods[series % N_METHODS].label,
-                             .x = {.range = range, .label = c ? "g_{2}" : "g_{1}"},
+                             .x = {.range = range, .label = c != 0 ? "g_{2}" : "g_{1}"},
                              .y = {.range = {0.0, 1.12}},
                              .legend = SHEAR_TOP_LEFT};
     shear_axes_begin(f, &axes);
@@ -211,7 +211,7 @@ static int draw(const struct request *r, const struct object *o, int psf, int c,
                 shear_error *err) {
     shear_range range;
     int code = choose_range(r, o, c, &range, err);
-    code = code ? code : shear_figure_new(f, 900, 560, err);
+    code = code != SHEAR_OK ? code : shear_figure_new(f, 900, 560, err);
     const shear_grid grid = {
         .area = {8, 8, 884, 544}, .rows = 2, .columns = 3, .gap_x = 8, .gap_y = 6};
     for (int i = 0; code == SHEAR_OK && i < N_METHODS; i++) {
@@ -230,7 +230,7 @@ static int draw_more(const struct request *r, const struct object *o, shear_erro
     for (int i = 0; code == SHEAR_OK && i < 2; i++) {
         shear_figure *f = NULL;
         code = draw(r, o, more[i].psf, more[i].c, &f, err);
-        code = code ? code : report_picture(r, more[i].suffix, f, err);
+        code = code != SHEAR_OK ? code : report_picture(r, more[i].suffix, f, err);
         shear_figure_free(f);
     }
     return code;
@@ -248,8 +248,8 @@ int single_report(const struct request *r, const struct ledger *ledger,
     judge(t, r, objects);
     judge_all(t, r, objects);
     int code = draw(r, objects, PSF_FINE, 0, &f, err);
-    code = code ? code : report_save(r, ledger, t, f, err);
-    code = code ? code : draw_more(r, objects, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : draw_more(r, objects, err);
     shear_figure_free(f);
     table_free(t);
     return code;

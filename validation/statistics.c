@@ -55,7 +55,8 @@ int verdict_of_covariance(const double *d, const double *cov, int n, int groups,
     gsl_vector *values = gsl_vector_alloc(size);
     gsl_vector *pull = gsl_vector_alloc(size);
     gsl_eigen_symmv_workspace *w = gsl_eigen_symmv_alloc(size);
-    bool made = correlation && vectors && values && pull && w;
+    bool made =
+        correlation != NULL && vectors != NULL && values != NULL && pull != NULL && w != NULL;
     for (int i = 0; made && i < n; i++) {
         gsl_vector_set(pull, (size_t)i, d[i] / sqrt(cov[i * n + i]));
         for (int j = 0; j < n; j++) {

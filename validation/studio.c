@@ -43,9 +43,9 @@ static int draw_psf(struct studio *s, shear_error *err) {
     int code = SHEAR_OK;
     s->psf =
         memory_new((size_t)s->psf_side * (size_t)s->psf_side, sizeof *s->psf, "a PSF", &code, err);
-    code = code ? code
-                : light_new(&light, &f->psf, s->psf_side, f->oversample > 1 ? 2 : reach_of(f),
-                            f->oversample, err);
+    code = code != SHEAR_OK ? code
+                            : light_new(&light, &f->psf, s->psf_side,
+                                        f->oversample > 1 ? 2 : reach_of(f), f->oversample, err);
     if (code == SHEAR_OK) {
         light_draw_psf(light, s->psf);
         light_free(light);
@@ -75,7 +75,7 @@ int studio_new(struct studio **studio, const struct trial *t, int most, shear_er
     int code = SHEAR_OK;
     struct studio *s = memory_new(1, sizeof *s, "a trial", &code, err);
     *studio = s;
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     s->trial = t;
@@ -85,14 +85,14 @@ int studio_new(struct studio **studio, const struct trial *t, int most, shear_er
     for (int i = 0; code == SHEAR_OK && i < s->threads; i++) {
         code = light_new(&s->lights[i], &t->flaw->psf, t->flaw->side, reach_of(t->flaw), 1.0, err);
     }
-    return code ? code : draw_psf(s, err);
+    return code != SHEAR_OK ? code : draw_psf(s, err);
 }
 
 void studio_free(struct studio *s) {
-    if (!s) {
+    if (s == NULL) {
         return;
     }
-    for (int i = 0; s->lights && i < s->threads; i++) {
+    for (int i = 0; s->lights != NULL && i < s->threads; i++) {
         light_free(s->lights[i]);
     }
     for (int i = 0; i < 2; i++) {
@@ -119,9 +119,9 @@ static double norm_of(const double *image, size_t n) {
 }
 
 /* The flux that makes the square sum of the unsheared galaxy 1; copies have the same. */
-static double unit_flux(struct studio *s, struct light *light, const struct population *p,
-                        int64_t stamp, double *scratch) {
-    const struct light_galaxy bare = population_bare(p, stamp);
+static double unit_flux(struct studio *s, struct light *light, const population *p, int64_t stamp,
+                        double *scratch) {
+    const light_galaxy bare = population_bare(p, stamp);
     light_draw(light, &bare, 0.0, 0.0, scratch);
     return 1.0 / norm_of(scratch, s->pixels);
 }
@@ -129,7 +129,7 @@ static double unit_flux(struct studio *s, struct light *light, const struct popu
 /* All copies of one galaxy, at both signs. */
 static void draw_galaxy(struct studio *s, struct light *light, int at, int copies) {
     const struct trial *t = s->trial;
-    struct population p = {.seed = t->seed, .bulges = t->flaw->bulges, .copies = t->copies};
+    population p = {.seed = t->seed, .bulges = t->flaw->bulges, .copies = t->copies};
     double *first = s->bare[0] + (size_t)at * s->pixels;
     const double flux = unit_flux(s, light, &p, s->first + at, first);
     for (int i = 0; i < 2 * copies; i++) {
@@ -138,7 +138,7 @@ static void draw_galaxy(struct studio *s, struct light *light, int at, int copie
         double x, y;
         p.shear[0] = i % 2 ? -t->g[0] : t->g[0];
         p.shear[1] = i % 2 ? -t->g[1] : t->g[1];
-        const struct light_galaxy g = population_galaxy(&p, s->first + k);
+        const light_galaxy g = population_galaxy(&p, s->first + k);
         population_centre(&p, s->first + k, &x, &y);
         light_draw(light, &g, x, y, image);
         for (size_t j = 0; j < s->pixels; j++) {
@@ -170,14 +170,14 @@ int studio_draw(struct studio *s, int64_t first, int count, shear_error *err) {
 
 /* ---- writing ---- */
 
-double studio_snr(const struct studio *s, const struct trial_level *level, int k) {
+double studio_snr(const struct studio *s, const trial_level *level, int k) {
     const struct trial *t = s->trial;
-    const struct brightness fluxes = {.range = level->range,
-                                      .slope = level->slope != 0.0 ? level->slope : 2.5};
+    const brightness fluxes = {.range = level->range,
+                               .slope = level->slope != 0.0 ? level->slope : 2.5};
     return level->snr * brightness_flux(&fluxes, t->seed, (s->first + k) / t->copies);
 }
 
-static void compose(struct studio *s, const struct trial_level *level, int sign) {
+static void compose(struct studio *s, const trial_level *level, int sign) {
     const struct trial *t = s->trial;
 #pragma omp parallel for schedule(static) num_threads(s->threads)
     for (int k = 0; k < s->count; k++) {
@@ -219,10 +219,12 @@ static int write_all(const struct studio *s, shear_field_writer *w, unsigned col
                                         .r_gal = columns & SHEAR_COL_R_GAL ? s->r_gal : NULL,
                                         .psf_id = columns & SHEAR_COL_PSF_ID ? s->psf_id : NULL};
     int code = write_psfs(s, w, n_psf, err);
-    return code ? code : shear_field_write(w, 0, s->count, s->stamps[0], s->stamps[1], &rows, err);
+    return code != SHEAR_OK
+               ? code
+               : shear_field_write(w, 0, s->count, s->stamps[0], s->stamps[1], &rows, err);
 }
 
-int studio_write(struct studio *s, const struct trial_level *level, int sign, const char *path,
+int studio_write(struct studio *s, const trial_level *level, int sign, const char *path,
                  shear_error *err) {
     const struct flaw *f = s->trial->flaw;
     const int n_psf = f->psf_flaw == FLAW_PSF_FLAT_ONE ? PSF_NUMBERS : 1;
@@ -239,18 +241,17 @@ int studio_write(struct studio *s, const struct trial_level *level, int sign, co
         .overwrite = true};
     compose(s, level, sign);
     int code = shear_field_create(&w, path, &spec, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         return code;
     }
     code = write_all(s, w, spec.columns, n_psf, err);
-    if (code) {
+    if (code != SHEAR_OK) {
         shear_field_abort(w);
         return code;
     }
     return shear_field_finish(w, err);
 }
 
-struct studio_view studio_look(const struct studio *s, int sign) {
-    return (struct studio_view){
-        .galaxy = s->stamps[0], .noise = s->stamps[1], .bare = s->bare[sign]};
+studio_view studio_look(const struct studio *s, int sign) {
+    return (studio_view){.galaxy = s->stamps[0], .noise = s->stamps[1], .bare = s->bare[sign]};
 }

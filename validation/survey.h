@@ -11,7 +11,7 @@ enum { SURVEY_WAYS = 2, SURVEY_MAX_ROWS = MAX_KNOB_VALUES }; /* the mean, pdf-sy
 struct survey {
     int n, n_levels;
     int rows[SURVEY_MAX_ROWS]; /* of the table of flaws */
-    struct trial_outcome out[SURVEY_MAX_ROWS][TRIAL_MAX_LEVELS * SURVEY_WAYS];
+    trial_outcome out[SURVEY_MAX_ROWS][TRIAL_MAX_LEVELS * SURVEY_WAYS];
 };
 
 int survey_report(const struct request *r, const struct ledger *ledger, const struct survey *s,

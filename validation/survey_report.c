@@ -8,7 +8,7 @@
 
 /* ---- what is asked for ---- */
 
-static bool wish_is_met(const struct flaw *f, double snr, const struct trial_outcome *o) {
+static bool wish_is_met(const struct flaw *f, double snr, const trial_outcome *o) {
     switch (f->wish) {
     case WISH_TOLD:
         return o->told > TOLD_NOTHING || (f->wish_snr > 0.0 && snr > f->wish_snr);
@@ -24,11 +24,11 @@ static bool wish_is_met(const struct flaw *f, double snr, const struct trial_out
 }
 
 /* NaN is not small. */
-static bool bias_is_small(const struct flaw *f, const struct trial_outcome *o) {
+static bool bias_is_small(const struct flaw *f, const trial_outcome *o) {
     return f->aim_m == 0.0 || fabs(o->m) < 1e-3 * f->aim_m + 2.0 * o->m_err;
 }
 
-static bool is_met(const struct flaw *f, double snr, const struct trial_outcome *o) {
+static bool is_met(const struct flaw *f, double snr, const trial_outcome *o) {
     return wish_is_met(f, snr, o) && bias_is_small(f, o);
 }
 
@@ -37,7 +37,7 @@ static char *aim_text(const struct flaw *f, char *buf, size_t size) {
     char bias[32] = "";
     char to[24] = "";
     if (f->aim_m > 0.0) {
-        snprintf(bias, sizeof bias, "m within %g%s", f->aim_m, f->wish ? ", " : "");
+        snprintf(bias, sizeof bias, "m within %g%s", f->aim_m, f->wish != 0 ? ", " : "");
     }
     if (f->wish_snr > 0.0) {
         snprintf(to, sizeof to, " to S/N %g", f->wish_snr);
@@ -74,13 +74,13 @@ static void add_columns(struct table *t) {
 }
 
 static void add_row(struct table *t, const struct flaw *f, double snr, int way,
-                    const struct trial_outcome *o) {
+                    const trial_outcome *o) {
     char aim[80];
     char told[48];
     table_text(t, f->name);
     table_text(t, f->label);
     table_number(t, snr);
-    table_text(t, way ? "pdf-sym" : "mean");
+    table_text(t, way != 0 ? "pdf-sym" : "mean");
     table_number(t, o->m);
     table_number(t, o->m_err);
     for (int c = 0; c < 2; c++) {
@@ -98,22 +98,23 @@ static void add_row(struct table *t, const struct flaw *f, double snr, int way,
 }
 
 /* One line for a row of the table of flaws: at which signal-to-noise it is met. */
-static void judge(struct table *t, const struct knob_values *snrs, const struct flaw *f,
-                  const struct trial_outcome *out, int *met) {
+static void judge(struct table *t, const knob_values *snrs, const struct flaw *f,
+                  const trial_outcome *out, int *met) {
     char text[SURVEY_WAYS][160];
     char aim[80];
     char told[48];
     bool all = true;
-    const struct trial_outcome *loudest = &out[0];
+    const trial_outcome *loudest = &out[0];
     for (int way = 0; way < SURVEY_WAYS; way++) {
         size_t used = 0;
         for (int i = 0; i < snrs->n; i++) {
-            const struct trial_outcome *o = &out[i * SURVEY_WAYS + way];
+            const trial_outcome *o = &out[i * SURVEY_WAYS + way];
             const bool good = is_met(f, snrs->v[i], o);
             all = all && good;
             loudest = o->told > loudest->told ? o : loudest;
-            used += (size_t)snprintf(text[way] + used, sizeof text[way] - used, "%s%.1f +- %.1f%s",
-                                     i ? ", " : "", 1e3 * o->m, 1e3 * o->m_err, good ? "" : "!");
+            used +=
+                (size_t)snprintf(text[way] + used, sizeof text[way] - used, "%s%.1f +- %.1f%s",
+                                 i != 0 ? ", " : "", 1e3 * o->m, 1e3 * o->m_err, good ? "" : "!");
         }
     }
     *met += all;
@@ -122,7 +123,7 @@ static void judge(struct table *t, const struct knob_values *snrs, const struct 
                trial_told_text(loudest, told, sizeof told));
 }
 
-static void tabulate(struct table *t, const struct knob_values *snrs, const struct survey *s) {
+static void tabulate(struct table *t, const knob_values *snrs, const struct survey *s) {
     int met = 0;
     add_columns(t);
     for (int row = 0; row < s->n; row++) {
@@ -140,8 +141,8 @@ static void tabulate(struct table *t, const struct knob_values *snrs, const stru
 
 /* ---- figure: m against signal-to-noise, a panel for each row that has an aim for it ---- */
 
-static void draw_panel(shear_figure *f, shear_rect cell, const struct knob_values *snrs,
-                       const struct flaw *flaw, const struct trial_outcome *out, bool legend) {
+static void draw_panel(shear_figure *f, shear_rect cell, const knob_values *snrs,
+                       const struct flaw *flaw, const trial_outcome *out, bool legend) {
     struct curve curves[SURVEY_WAYS] = {
         {.hue = SHEAR_BLUE, .marker = SHEAR_SQUARE, .label = legend ? "mean" : NULL},
         {.hue = SHEAR_VERMILION, .marker = SHEAR_DISC, .label = legend ? "pdf-sym" : NULL}};
@@ -192,7 +193,7 @@ int survey_report(const struct request *r, const struct ledger *ledger, const st
     shear_figure *f = NULL;
     tabulate(t, request_list(r, "snrs"), s);
     int code = draw(r, s, &f, err);
-    code = code ? code : report_save(r, ledger, t, f, err);
+    code = code != SHEAR_OK ? code : report_save(r, ledger, t, f, err);
     shear_figure_free(f);
     table_free(t);
     return code;

@@ -25,10 +25,10 @@ struct cell {
     char text[MAX_CELL];
 };
 
-struct meta {
+typedef struct meta {
     char key[MAX_CELL];
     char text[MAX_TEXT];
-};
+} meta;
 
 struct table {
     int n_columns, n_meta;
@@ -36,7 +36,7 @@ struct table {
     struct cell *cells;
     bool failed;
     struct column columns[MAX_COLUMNS];
-    struct meta meta[MAX_META];
+    meta meta[MAX_META];
 };
 
 /* ---- filling ---- */
@@ -44,19 +44,19 @@ struct table {
 /* "name value" lines become one text. */
 static void add_settings(struct table *t, const struct request *r) {
     char *text = request_describe(r);
-    for (char *p = text; p && *p; p++) {
+    for (char *p = text; p != NULL && *p; p++) {
         const char *separator = p[1] ? ";" : "";
         if (*p == '\n') {
             *p = *separator;
         }
     }
-    table_meta(t, "settings", "%s", text ? text : "");
+    table_meta(t, "settings", "%s", text != NULL ? text : "");
     free(text);
 }
 
 struct table *table_new(const struct request *r) {
     struct table *t = calloc(1, sizeof *t);
-    if (t) {
+    if (t != NULL) {
         table_meta(t, "experiment", "%s", r->experiment->name);
         table_meta(t, "command", "%s", r->command);
         table_meta(t, "version", "sheard %s", shear_version());
@@ -66,7 +66,7 @@ struct table *table_new(const struct request *r) {
 }
 
 void table_free(struct table *t) {
-    if (t) {
+    if (t != NULL) {
         free(t->cells);
         free(t);
     }
@@ -74,7 +74,7 @@ void table_free(struct table *t) {
 
 void table_column(struct table *t, const char *name, int kind, int digits, const char *unit,
                   const char *help) {
-    if (!t || t->n_columns == MAX_COLUMNS) {
+    if (t == NULL || t->n_columns == MAX_COLUMNS) {
         return;
     }
     struct column *c = &t->columns[t->n_columns++];
@@ -85,13 +85,13 @@ void table_column(struct table *t, const char *name, int kind, int digits, const
 }
 
 static struct cell *next_cell(struct table *t, struct column **column) {
-    if (!t || t->failed || t->n_columns == 0) {
+    if (t == NULL || t->failed || t->n_columns == 0) {
         return NULL;
     }
     if (t->n == t->room) {
         size_t room = t->room > 0 ? 2 * t->room : 256;
         struct cell *larger = realloc(t->cells, room * sizeof *larger);
-        if (!larger) {
+        if (larger == NULL) {
             t->failed = true;
             return NULL;
         }
@@ -124,7 +124,7 @@ static void widen(struct column *c, const char *text) {
 void table_number(struct table *t, double value) {
     struct column *column = NULL;
     struct cell *cell = next_cell(t, &column);
-    if (cell) {
+    if (cell != NULL) {
         cell->number = value;
         format_cell(column, value, cell->text);
         widen(column, cell->text);
@@ -134,17 +134,17 @@ void table_number(struct table *t, double value) {
 void table_text(struct table *t, const char *text) {
     struct column *column = NULL;
     struct cell *cell = next_cell(t, &column);
-    if (cell) {
+    if (cell != NULL) {
         snprintf(cell->text, sizeof cell->text, "%s", text);
         widen(column, cell->text);
     }
 }
 
 void table_meta(struct table *t, const char *key, const char *format, ...) {
-    if (!t || t->n_meta == MAX_META) {
+    if (t == NULL || t->n_meta == MAX_META) {
         return;
     }
-    struct meta *m = &t->meta[t->n_meta++];
+    meta *m = &t->meta[t->n_meta++];
     snprintf(m->key, sizeof m->key, "%s", key);
     va_list args;
     va_start(args, format);
@@ -160,7 +160,7 @@ static void print_cell(FILE *out, const struct column *c, const char *text, bool
 }
 
 void table_print(const struct table *t, FILE *out) {
-    if (!t) {
+    if (t == NULL) {
         return;
     }
     for (int i = 0; i < t->n_columns; i++) {
@@ -242,13 +242,13 @@ static int cannot_write(const char *path, shear_error *err) {
 int table_save(const struct table *t, const struct request *r, shear_error *err) {
     char path[700];
     char part[720];
-    if (!t || t->failed) {
+    if (t == NULL || t->failed) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a table");
     }
     request_path(r, NULL, "ecsv", path, sizeof path);
     snprintf(part, sizeof part, "%s.part", path);
     FILE *out = fopen(part, "w");
-    if (!out) {
+    if (out == NULL) {
         return cannot_write(part, err);
     }
     print_head(t, out);

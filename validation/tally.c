@@ -12,17 +12,17 @@ static int no_memory(shear_error *err) {
 int tally_new(struct tally **tally, int n_series, int groups, shear_error *err) {
     struct tally *t = calloc(1, sizeof *t);
     *tally = t;
-    if (!t) {
+    if (t == NULL) {
         return no_memory(err);
     }
     t->n_series = n_series;
     t->groups = groups;
     t->sums = calloc((size_t)n_series * (size_t)groups, sizeof *t->sums);
-    return t->sums ? SHEAR_OK : no_memory(err);
+    return t->sums != NULL ? SHEAR_OK : no_memory(err);
 }
 
 void tally_free(struct tally *t) {
-    if (t) {
+    if (t != NULL) {
         free(t->sums);
         free(t);
     }
@@ -36,7 +36,7 @@ int tally_append(struct tally *t, const struct tally *more, shear_error *err) {
     size_t old = (size_t)t->n_series * (size_t)t->groups;
     size_t added = (size_t)more->n_series * (size_t)t->groups;
     shear_block_sums *larger = realloc(t->sums, (old + added) * sizeof *larger);
-    if (!larger) {
+    if (larger == NULL) {
         return no_memory(err);
     }
     memcpy(larger + old, more->sums, added * sizeof *larger);
@@ -80,11 +80,11 @@ int tally_result(const struct tally *t, int series, bool jackknife, shear_result
     }
     for (int i = 0; code == SHEAR_OK && i < t->groups; i++) {
         shear_field_sums_add(field, tally_at(t, series, i));
-        code = jack ? shear_jackknife_add(jack, tally_at(t, series, i), err) : SHEAR_OK;
+        code = jack != NULL ? shear_jackknife_add(jack, tally_at(t, series, i), err) : SHEAR_OK;
     }
     if (code == SHEAR_OK) {
         shear_field_result(field, out);
-        code = jack ? shear_jackknife_finish(jack, out, err) : SHEAR_OK;
+        code = jack != NULL ? shear_jackknife_finish(jack, out, err) : SHEAR_OK;
     }
     shear_jackknife_free(jack);
     shear_field_sums_free(field);

@@ -45,7 +45,7 @@ const char *const trial_fixed[] = {"size",
                                    "estimator",
                                    NULL};
 
-char *trial_told_text(const struct trial_outcome *o, char *buf, size_t size) {
+char *trial_told_text(const trial_outcome *o, char *buf, size_t size) {
     static const char *const names[] = {"no", "warned", "flagged", "no shear", "refused"};
     const int told = (int)o->told;
     snprintf(buf, size, "%s", names[told]);
@@ -60,9 +60,9 @@ struct run {
     const struct trial *trial;
     int groups; /* files at each sign */
     struct studio *studio;
-    struct harvest *harvests; /* [n_levels][n_ways] */
-    shear_plan_info *plan;    /* the same */
-    struct trial_outcome *out;
+    harvest *harvests;     /* [n_levels][n_ways] */
+    shear_plan_info *plan; /* the same */
+    trial_outcome *out;
     char path[SCRATCH_PATH];
 };
 
@@ -78,22 +78,20 @@ static int64_t begin_of(const struct run *run, int group) {
 
 /* ---- telling ---- */
 
-static void tell(struct trial_outcome *out, int told) {
+static void tell(trial_outcome *out, int told) {
     out->told = fmax(out->told, told);
 }
 
-static void tell_advice(struct trial_outcome *out, const shear_result *r,
-                        const shear_plan_info *plan) {
-    shear_advice_list list;
-    shear_advice_all(&list, r, plan, NULL);
+static void tell_advice(trial_outcome *out, const shear_result *r, const shear_plan_info *plan) {
+    sheard_advice_list list;
+    sheard_advice_all(&list, r, plan, NULL);
     for (size_t i = 0; i < list.n; i++) {
         tell(out, TOLD_WARNED);
-        out->edge = strstr(list.lines[i], "filter edge") ? 1.0 : out->edge;
+        out->edge = strstr(list.lines[i], "filter edge") != NULL ? 1.0 : out->edge;
     }
 }
 
-static void tell_result(struct trial_outcome *out, const shear_result *r,
-                        const shear_plan_info *plan) {
+static void tell_result(trial_outcome *out, const shear_result *r, const shear_plan_info *plan) {
     if (!r->valid) {
         tell(out, TOLD_NO_SHEAR);
     }
@@ -114,8 +112,8 @@ static bool is_refusal(int code) {
 static int measure(struct run *run, int level, int way, int at, shear_error *err) {
     const struct trial *t = run->trial;
     const int index = level * t->n_ways + way;
-    struct harvest *h = &run->harvests[index];
-    struct trial_outcome *out = &run->out[index];
+    harvest *h = &run->harvests[index];
+    trial_outcome *out = &run->out[index];
     shear_run_report report;
     shear_settings settings = t->ways[way];
     if (t->flaw->core_px > 0.0) {
@@ -169,8 +167,8 @@ static int do_group(struct run *run, int group, shear_error *err) {
 /* ---- the whole ---- */
 
 static int judge(struct run *run, int index, shear_error *err) {
-    const struct harvest *h = &run->harvests[index];
-    struct trial_outcome *out = &run->out[index];
+    const harvest *h = &run->harvests[index];
+    trial_outcome *out = &run->out[index];
     shear_result r;
     int code = harvest_judge(h, run->trial, out, err);
     for (int sign = 0; code == SHEAR_OK && !h->refused && sign < 2; sign++) {
@@ -201,13 +199,13 @@ static int prepare(struct run *run, shear_error *err) {
     run->plan = memory_new((size_t)n, sizeof *run->plan, "plans", &code, err);
     for (int i = 0; code == SHEAR_OK && i < n; i++) {
         code = harvest_init(&run->harvests[i], run->groups, t->ways[i % t->n_ways].estimator, err);
-        run->out[i] = (struct trial_outcome){0};
+        run->out[i] = (trial_outcome){0};
     }
-    code = code ? code : studio_new(&run->studio, t, (int)most, err);
-    return code ? code : scratch_new(run->path, err);
+    code = code != SHEAR_OK ? code : studio_new(&run->studio, t, (int)most, err);
+    return code != SHEAR_OK ? code : scratch_new(run->path, err);
 }
 
-int trial_run(const struct trial *t, struct trial_outcome *out, shear_error *err) {
+int trial_run(const struct trial *t, trial_outcome *out, shear_error *err) {
     struct run run = {.trial = t, .out = out};
     int code = prepare(&run, err);
     for (int group = 0; code == SHEAR_OK && group < run.groups; group++) {
@@ -216,7 +214,7 @@ int trial_run(const struct trial *t, struct trial_outcome *out, shear_error *err
     for (int i = 0; code == SHEAR_OK && i < t->n_levels * t->n_ways; i++) {
         code = judge(&run, i, err);
     }
-    for (int i = 0; run.harvests && i < t->n_levels * t->n_ways; i++) {
+    for (int i = 0; run.harvests != NULL && i < t->n_levels * t->n_ways; i++) {
         harvest_deinit(&run.harvests[i]);
     }
     free(run.harvests);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/catalog_header.h: the keywords of a result catalogue. */
+/* fits/catalog_header.h: the keywords of a result catalog. */
 #ifndef SHEAR_FITS_CATALOG_HEADER_H
 #define SHEAR_FITS_CATALOG_HEADER_H
 

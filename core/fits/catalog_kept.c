@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Catalogues of work that outlives its process. */
+/* Catalogs of work that outlives its process. */
 #include "fits/catalog_schema.h"
 #include "fits/catalog_state.h"
 #include "fits/table.h"

@@ -83,7 +83,7 @@ done:
     return rc;
 }
 
-/* A table that has not even these columns is no result catalogue; and its rows may be so narrow
+/* A table that has not even these columns is no result catalog; and its rows may be so narrow
  * that a small file would ask for much memory. */
 static int check_columns(const sf_table *table, shear_error *err) {
     static const char *const needed[] = {"N1", "N2", "D", "FLAGS"};
@@ -95,7 +95,7 @@ static int check_columns(const sf_table *table, shear_error *err) {
         }
         if (column == NULL) {
             return sf_fail(err, SHEAR_E_FORMAT, table->cards->at,
-                           "give a result catalogue of this software", "it has no column %s",
+                           "give a result catalog of this software", "it has no column %s",
                            needed[i]);
         }
     }

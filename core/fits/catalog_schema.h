@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/catalog_schema.h: the columns and flag keywords of result catalogues, for their writer and
+/* fits/catalog_schema.h: the columns and flag keywords of result catalogs, for their writer and
  * reader. */
 #ifndef SHEAR_FITS_CATALOG_SCHEMA_H
 #define SHEAR_FITS_CATALOG_SCHEMA_H

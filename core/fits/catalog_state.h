@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/catalog_state.h: what a catalogue that is being written consists of. */
+/* fits/catalog_state.h: what a catalog that is being written consists of. */
 #ifndef SHEAR_FITS_CATALOG_STATE_H
 #define SHEAR_FITS_CATALOG_STATE_H
 

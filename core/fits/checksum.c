@@ -100,7 +100,7 @@ static bool same_file(const shear_input *input, const int *fds, int a, int b) {
     return known && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
 }
 
-/* Whose file this part is in; a file of several parts is read once. A catalogue that is not given
+/* Whose file this part is in; a file of several parts is read once. A catalog that is not given
  * is in the galaxies' file. */
 static int file_of(const shear_hashing *h, int part) {
     if (h->input->parts[part].path == NULL) {

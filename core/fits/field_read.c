@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear_field_read: a block of stamp pairs with their PSFs and catalogue rows. */
+/* shear_field_read: a block of stamp pairs with their PSFs and catalog rows. */
 #include "fits/field_state.h"
 
 static int check_range(const shear_field *f, int64_t first, int count, const shear_block *block,

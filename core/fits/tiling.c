@@ -206,9 +206,10 @@ static int take_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
         if (c == NULL) {
             continue;
         }
-        const bool sound = i <= SF_RAW_DATA
-                               ? is_variable(c, elements[i])
-                               : c->repeat == 1 && strchr(i == SF_ZBLANK ? "BIJ" : "ED", c->type);
+        const bool sound =
+            i <= SF_RAW_DATA
+                ? is_variable(c, elements[i])
+                : c->repeat == 1 && strchr(i == SF_ZBLANK ? "BIJ" : "ED", c->type) != NULL;
         if (!sound || !is_unscaled(c)) {
             return sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
                            "tile compression: column %s has the wrong type (TFORM), or TSCAL, "

@@ -73,7 +73,7 @@ static int negative_pixel(const shear_plan *plan, const shear_stamps *stamps, in
         where->y + 1, shear_interpolation_name(plan->info.interpolation));
 }
 
-static uint32_t flags_of_catalogue(const shear_stamps *stamps, int i, double weight) {
+static uint32_t flags_of_catalog(const shear_stamps *stamps, int i, double weight) {
     const bool masked = stamps->mask != NULL && stamps->mask[i] != 0;
     const bool bad_weight = !shear_weight_is_good(weight);
     return (masked ? (uint32_t)SHEAR_FLAG_MASKED : 0u) |
@@ -267,7 +267,7 @@ static subject subject_of(const shear_stamps *stamps, int i) {
 
 static void row_begin(shear_row *row, const shear_stamps *stamps, int i) {
     const double weight = stamps->weight != NULL ? stamps->weight[i] : 1.0;
-    row_init(row, stamps->first + i, weight, flags_of_catalogue(stamps, i, weight));
+    row_init(row, stamps->first + i, weight, flags_of_catalog(stamps, i, weight));
 }
 
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,

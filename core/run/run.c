@@ -99,7 +99,7 @@ static double now_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Put the catalogue in place; frees it. */
+/* Put the catalog in place; frees it. */
 static int finish_catalog(shear_catalog *catalog, const shear_plan *plan,
                           const shear_result *result, const shear_input *input,
                           const shear_field_info *info, const shear_run_options *options,
@@ -175,7 +175,7 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
     return code;
 }
 
-/* Measure an open field; on success the report's result and the catalogue are complete. */
+/* Measure an open field; on success the report's result and the catalog are complete. */
 static int run_field(run *r, const shear_input *input, shear_field *field,
                      const shear_settings *settings, const shear_run_options *options,
                      const shear_jackknife *jack, shear_run_report *report, shear_error *err) {

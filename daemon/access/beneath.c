@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "beneath.h"
+#include "access/beneath.h"
 
-#include "permission.h"
+#include "access/permission.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lists of users and groups, by number. */
-#include "permission.h"
+#include "access/permission.h"
 
 #include <errno.h>
 #include <grp.h>

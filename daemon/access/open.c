@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening a file that a client has named. */
-#include "beneath.h"
-#include "roots.h"
-#include "walk.h"
+#include "access/beneath.h"
+#include "access/roots.h"
+#include "access/walk.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "permission.h"
+#include "access/permission.h"
 
 #include <endian.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "roots.h"
+#include "access/roots.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "walk.h"
+#include "access/walk.h"
 
-#include "permission.h"
+#include "access/permission.h"
 
 #include <errno.h>
 #include <fcntl.h>

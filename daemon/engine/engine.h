@@ -55,7 +55,7 @@ typedef struct engine_job {
     const int *fds;           /* its open files, as of shear_field_open_input: the engine closes
                                  them, also when engine_add fails */
     shear_settings settings;
-    const char *catalogue; /* path, or NULL; copied. Replaced where it exists. Its temporary file
+    const char *catalog; /* path, or NULL; copied. Replaced where it exists. Its temporary file
                               (shear_catalog_begin) stays unless the job is DONE: the owner's to
                               forget when the job is over */
 } engine_job;
@@ -103,7 +103,7 @@ void engine_free(engine *e);
 
 int engine_add(engine *e, const engine_job *job, shear_error *err);
 /* After OPENED: measure it, from the checkpoint if there is one. RESUMED tells the block that it
- * begins with: 0 where the rows before the checkpoint are missing in the catalogue, or terms do not
+ * begins with: 0 where the rows before the checkpoint are missing in the catalog, or terms do not
  * belong to the sums. */
 void engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
 /* Stop a job: its last event is STOPPED (after a CHECKPOINT where there is something to save),

@@ -30,13 +30,13 @@ job *job_new(const engine_job *spec, engine *e) {
                    .started_s = engine_now_s()};
         pthread_mutex_init(&j->saving, NULL);
         j->limits.stop = &j->stopping;
-        j->catalogue_path = spec->catalogue != NULL ? strdup(spec->catalogue) : NULL;
+        j->catalog_path = spec->catalog != NULL ? strdup(spec->catalog) : NULL;
         j->team = calloc((size_t)options->workers, sizeof(shear_worker *));
         j->entering = calloc((size_t)options->workers, sizeof *j->entering);
         j->is_member = calloc((size_t)options->workers, sizeof *j->is_member);
     }
     if (j == NULL || !taken || j->team == NULL || j->entering == NULL || j->is_member == NULL ||
-        (spec->catalogue != NULL && j->catalogue_path == NULL)) {
+        (spec->catalog != NULL && j->catalog_path == NULL)) {
         if (j == NULL) {
             job_files_close(&files);
         }
@@ -59,14 +59,14 @@ void job_free(job *j) {
     free(j->sums_before);
     shear_work_free(j->work);
     reader_stop(j->reader);
-    shear_catalog_leave(j->catalogue); /* for the next attempt, if there is one */
+    shear_catalog_leave(j->catalog); /* for the next attempt, if there is one */
     shear_field_sums_free(j->before);
     shear_symmetry_free(j->terms_before);
     pthread_mutex_destroy(&j->saving);
     plans_give_back(j->engine->plans, j->plan);
     budget_change(j, 0);
     job_files_close(&j->files);
-    free(j->catalogue_path);
+    free(j->catalog_path);
     free(j);
 }
 
@@ -81,19 +81,19 @@ static int keep_rows(void *self, int64_t rows, shear_error *err) {
 
 /* The rows before the checkpoint must be there: where they are not, *first_block becomes 0 and the
  * work begins anew. */
-static int open_catalogue(job *j, int64_t *first_block, shear_error *err) {
+static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
     const int64_t rows = *first_block * SHEAR_BLOCK;
-    if (j->catalogue_path == NULL) {
+    if (j->catalog_path == NULL) {
         return SHEAR_OK;
     }
     if (*first_block > 0 &&
-        shear_catalog_resume(&j->catalogue, j->catalogue_path, info, j->checksum,
+        shear_catalog_resume(&j->catalog, j->catalog_path, info, j->checksum,
                              rows < info->n_stamps ? rows : info->n_stamps, err) == SHEAR_OK) {
         return SHEAR_OK;
     }
     *first_block = 0;
-    return shear_catalog_begin(&j->catalogue, j->catalogue_path, info, j->checksum, err);
+    return shear_catalog_begin(&j->catalog, j->catalog_path, info, j->checksum, err);
 }
 
 static int read_block(void *self, int slot, int64_t first, int count, const shear_block **block,
@@ -140,7 +140,7 @@ int job_begin(job *j, shear_error *err) {
     int64_t first_block = 0;
     int code = read_sums_before(j, &first_block, err);
     if (code == SHEAR_OK) {
-        code = open_catalogue(j, &first_block, err);
+        code = open_catalog(j, &first_block, err);
     }
     if (first_block == 0) {
         forget_before(j);
@@ -151,9 +151,9 @@ int job_begin(job *j, shear_error *err) {
                                       .source = {.self = j, .read = read_block},
                                       .size = j->size,
                                       .first_block = first_block,
-                                      .sink = {.self = j->catalogue,
-                                               .write = j->catalogue != NULL ? write_rows : NULL,
-                                               .keep = j->catalogue != NULL ? keep_rows : NULL}};
+                                      .sink = {.self = j->catalog,
+                                               .write = j->catalog != NULL ? write_rows : NULL,
+                                               .keep = j->catalog != NULL ? keep_rows : NULL}};
         code = shear_work_new(&j->work, &spec, err);
     }
     j->checkpoint_block = j->terms_block = first_block;
@@ -253,12 +253,12 @@ static int complete(job *j, engine_event *event, shear_error *err) {
     if (code == SHEAR_OK) {
         code = so_far_write(&f, event, err);
     }
-    if (code == SHEAR_OK && j->catalogue != NULL) {
+    if (code == SHEAR_OK && j->catalog != NULL) {
         char name[SHEAR_INPUT_TEXT_SIZE];
-        code = shear_catalog_finish(j->catalogue, j->plan, &event->result,
+        code = shear_catalog_finish(j->catalog, j->plan, &event->result,
                                     shear_input_text(&j->files.input, name, sizeof name),
                                     j->checksum, err);
-        j->catalogue = NULL;
+        j->catalog = NULL;
     }
     so_far_deinit(&f);
     return code;

@@ -44,14 +44,14 @@ typedef struct job {
     int64_t waiting_since; /* it waits for memory: its ticket; else 0 */
 
     job_files files;
-    char *catalogue_path;
+    char *catalog_path;
     shear_settings settings;
     reader_limits limits;
     int workers;
 
     reader *reader;
     const shear_plan *plan; /* the engine's; given back at the end */
-    shear_catalog *catalogue;
+    shear_catalog *catalog;
     int64_t first_block;          /* the checkpoint's, 0: none */
     char *sums_before;            /* and its sums as text */
     shear_field_sums *before;     /* these; joined to the work's at the end */
@@ -78,12 +78,12 @@ void job_prepare(job *j, engine_event *event);
  * reason. */
 int job_end_of(const job *j, shear_error *err);
 /* Make its work, from the checkpoint where there is one, and the rows before it are in the
- * catalogue. SHEAR_OK or an error. */
+ * catalog. SHEAR_OK or an error. */
 int job_begin(job *j, shear_error *err);
 /* One turn on behalf of worker thread `slot`; false where nothing is left to take. */
 bool job_step(job *j, int slot, shear_error *err);
 /* The sums of all blocks so far, and the terms that the last checkpoint had not, into *event (its
- * CHECKPOINT members); their rows in the catalogue are on disk then. Where a file has changed, the
+ * CHECKPOINT members); their rows in the catalog are on disk then. Where a file has changed, the
  * work fails. `saving` is held. */
 int job_checkpoint(job *j, engine_event *event, shear_error *err);
 /* All turns are over: DONE, FAILED or STOPPED into *event. */

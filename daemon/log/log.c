@@ -40,7 +40,7 @@ static bool is_journal(int fd) {
     unsigned long long inode;
     char *end = NULL;
     struct stat st;
-    if (!text) {
+    if (text == NULL) {
         return false;
     }
     device = strtoull(text, &end, 10);
@@ -74,7 +74,7 @@ bool log_is_on(int level) {
 
 static int64_t now_ms(void) {
     struct timespec now;
-    if (options.now_ms) {
+    if (options.now_ms != NULL) {
         return options.now_ms();
     }
     clock_gettime(CLOCK_REALTIME, &now);

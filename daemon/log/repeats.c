@@ -27,7 +27,7 @@ static repeated *place_of(repeats *r, uint64_t hash) {
             return m;
         }
         if (m->left_out == 0 &&
-            (!best || (best->seen > 0 && (m->seen == 0 || m->since_ms < best->since_ms)))) {
+            (best == NULL || (best->seen > 0 && (m->seen == 0 || m->since_ms < best->since_ms)))) {
             best = m;
         }
     }
@@ -38,7 +38,7 @@ bool repeats_admit(repeats *r, int level, const char *text, unsigned burst, int6
                    int64_t now_ms) {
     const uint64_t hash = hash_of(level, text);
     repeated *m = place_of(r, hash);
-    if (!m) {
+    if (m == NULL) {
         return true;
     }
     if (m->seen == 0 || m->hash != hash || is_over(m, interval_ms, now_ms)) {

@@ -18,7 +18,7 @@ enum { MESSAGE_SIZE = 1024 };
 /* The whole text a decimal number from 1 on; 0: no. */
 static int64_t read_number(const char *text) {
     char *end = NULL;
-    if (!text || *text < '0' || *text > '9') {
+    if (text == NULL || *text < '0' || *text > '9') {
         return 0;
     }
     errno = 0;
@@ -44,7 +44,7 @@ static int set_address(notify *n, const char *name, shear_error *err) {
 static int64_t read_watchdog(void) {
     const int64_t usec = read_number(getenv("WATCHDOG_USEC"));
     const char *pid = getenv("WATCHDOG_PID");
-    const bool ours = !pid || read_number(pid) == getpid();
+    const bool ours = pid == NULL || read_number(pid) == getpid();
     return !ours || usec == 0 ? 0 : usec < 1000 ? 1 : usec / 1000;
 }
 
@@ -62,7 +62,7 @@ static int open_socket(notify *n, const char *name, shear_error *err) {
 int notify_init(notify *n, shear_error *err) {
     const char *name = getenv("NOTIFY_SOCKET");
     *n = (notify){.fd = -1};
-    const int code = name && *name ? open_socket(n, name, err) : SHEAR_OK;
+    const int code = name != NULL && *name ? open_socket(n, name, err) : SHEAR_OK;
     if (n->fd >= 0) {
         n->watchdog_ms = read_watchdog();
     }
@@ -98,7 +98,7 @@ static int send_with_status(const notify *n, const char *state, const char *stat
                             shear_error *err) {
     char text[MESSAGE_SIZE];
     const int begin = snprintf(text, sizeof text, "%s", state);
-    if (status) {
+    if (status != NULL) {
         char clean[MESSAGE_SIZE];
         snprintf(text + begin, sizeof text - (size_t)begin, "STATUS=%s",
                  shear_text_clean(status, clean, sizeof clean));
@@ -125,7 +125,7 @@ int notify_stopping(const notify *n, const char *status, shear_error *err) {
 }
 
 int notify_status(const notify *n, const char *status, shear_error *err) {
-    return send_with_status(n, "", status ? status : "", err);
+    return send_with_status(n, "", status != NULL ? status : "", err);
 }
 
 int notify_watchdog(const notify *n, shear_error *err) {

@@ -16,7 +16,7 @@ static const char advice[] = "ListenStream= in sheard.socket must name one path,
 /* The whole text a decimal number from 0 to max; -1: no. */
 static long read_number(const char *text, long max) {
     char *end = NULL;
-    if (!text || *text < '0' || *text > '9') {
+    if (text == NULL || *text < '0' || *text > '9') {
         return -1;
     }
     errno = 0;
@@ -45,7 +45,7 @@ static int check_socket(int fd, shear_error *err) {
 
 static int take(int *fds, size_t room, size_t *n, shear_error *err) {
     const char *count_text = getenv("LISTEN_FDS");
-    if (!count_text || read_number(getenv("LISTEN_PID"), INT32_MAX) != (long)getpid()) {
+    if (count_text == NULL || read_number(getenv("LISTEN_PID"), INT32_MAX) != (long)getpid()) {
         return SHEAR_OK; /* not for us: the variables were inherited */
     }
     const long count = read_number(count_text, 4096);

@@ -18,7 +18,7 @@ static void wrote(connection *c, size_t bytes) {
     out_queue_take(&c->out, bytes);
     s->statistics.queued_bytes -= bytes;
     s->statistics.unsent_bytes -= held - c->out.held;
-    if (c->user) {
+    if (c->user != NULL) {
         c->user->held -= held - c->out.held;
     }
     turns_made_room(s);
@@ -28,10 +28,10 @@ static void wrote(connection *c, size_t bytes) {
 
 static void free_connection(connection *c) {
     wrote(c, c->out.bytes);
-    if (c->user) {
+    if (c->user != NULL) {
         users_part(&c->server->users, c->user);
     }
-    shear_frame_deinit(&c->frame);
+    sheard_frame_deinit(&c->frame);
     free(c->kept);
     open_requests_deinit(&c->open);
     watched_deinit(&c->watched);
@@ -106,7 +106,7 @@ void connection_send(connection *c, out_text *text) {
         if (c->out.bytes > c->server->limits.queue_bytes) {
             c->server->statistics.dropped++;
             connection_doom(c);
-        } else if (!text || !queue(c, text)) {
+        } else if (text == NULL || !queue(c, text)) {
             connection_doom(c);
         }
     }
@@ -127,7 +127,7 @@ void connection_notify(connection *c, out_text *text) {
     if (c->closed || c->doomed || c->finishing) {
         return;
     }
-    if (c->lost > 0 || !text || !has_room_for_notice(c, text) || !queue(c, text)) {
+    if (c->lost > 0 || text == NULL || !has_room_for_notice(c, text) || !queue(c, text)) {
         c->lost++;
         s->statistics.lost++;
     } else {
@@ -139,24 +139,24 @@ static void tell_lost(connection *c) {
     if (c->lost == 0 || c->finishing || c->out.bytes > c->server->limits.queue_bytes / 16) {
         return;
     }
-    const shear_notice_params params = {.lost.count = (int64_t)c->lost};
-    shear_rpc_error error;
+    const sheard_notice_params params = {.lost.count = (int64_t)c->lost};
+    sheard_rpc_error error;
     char *line;
     size_t n;
-    shear_notice_line(&line, &n, SHEAR_NOTICE_LOST, &params, &error);
+    sheard_notice_line(&line, &n, SHEARD_NOTICE_LOST, &params, &error);
     c->lost = 0;
     connection_send(c, out_text_new(line, n));
 }
 
-void connection_send_error(connection *c, const shear_rpc_id *id, const shear_rpc_error *error) {
+void connection_send_error(connection *c, const sheard_rpc_id *id, const sheard_rpc_error *error) {
     char *line;
     size_t n;
     c->server->statistics
-        .errors[error->code > 0 && error->code < SHEAR_N_RPC_CODES ? error->code
-                                                                   : SHEAR_RPC_UNKNOWN]++;
-    if (shear_error_line(&line, &n, id, error) != SHEAR_RPC_OK) {
-        line = strdup(shear_rpc_no_memory_line);
-        n = strlen(shear_rpc_no_memory_line);
+        .errors[error->code > 0 && error->code < SHEARD_N_RPC_CODES ? error->code
+                                                                    : SHEARD_RPC_UNKNOWN]++;
+    if (sheard_error_line(&line, &n, id, error) != SHEARD_RPC_OK) {
+        line = strdup(sheard_rpc_no_memory_line);
+        n = strlen(sheard_rpc_no_memory_line);
     }
     connection_send(c, out_text_new(line, n));
 }
@@ -233,7 +233,7 @@ static void give_scratch(uv_handle_t *handle, size_t suggested, uv_buf_t *buf) {
 /* It waits for the connection's turns, and nothing more is read until it is used up. */
 static void keep_input(connection *c, const char *input, size_t n) {
     c->kept = malloc(n);
-    if (!c->kept) {
+    if (c->kept == NULL) {
         connection_doom(c);
         return;
     }
@@ -308,7 +308,7 @@ static void go_on(connection *c, open_request *r) {
     }
     s->in_step = r;
     const int next = r->work.step(r->work.context);
-    if (s->in_step) {
+    if (s->in_step != NULL) {
         s->in_step = NULL;
         if (next == SERVER_MORE) {
             server_schedule(s, c);
@@ -329,15 +329,15 @@ void connection_turn(connection *c) {
     }
     open_request *r = TAILQ_FIRST(&c->open.awake);
     const bool may_take = c->n_input > 0 && connection_may_take(c);
-    if ((r || may_take) && has_gone(c)) {
+    if ((r != NULL || may_take) && has_gone(c)) {
         connection_close(c);
         return;
     }
     if (may_take) {
         connection_take_line(c);
-    } else if (r && may_go_on(c)) {
+    } else if (r != NULL && may_go_on(c)) {
         go_on(c, r);
-    } else if (r) {
+    } else if (r != NULL) {
         turns_end_work(c->server, c); /* nobody waits for one that does not read */
     }
     if (c->n_input == 0 || c->finishing) {
@@ -387,11 +387,11 @@ void connection_tick(connection *c, uint64_t now) {
         s->statistics.dropped++;
         connection_close(c);
     } else if (is_idle(c, now)) {
-        const shear_rpc_id none = {.type = SHEAR_ID_NULL};
-        shear_rpc_error error;
+        const sheard_rpc_id none = {.type = SHEARD_ID_NULL};
+        sheard_rpc_error error;
         s->statistics.timeouts++;
-        shear_rpc_fail(&error, SHEAR_RPC_IDLE_TIMEOUT, NULL, "nothing came for %lld s",
-                       (long long)(s->limits.idle_timeout_ms / 1000));
+        sheard_rpc_fail(&error, SHEARD_RPC_IDLE_TIMEOUT, NULL, "nothing came for %lld s",
+                        (long long)(s->limits.idle_timeout_ms / 1000));
         connection_send_error(c, &none, &error);
         connection_finish(c);
     }
@@ -407,7 +407,7 @@ static bool begin(connection *c) {
         return false;
     }
     c->user = users_join(&c->server->users, c->peer.uid, c->server->clock_ns);
-    c->is_admin = h->is_admin && h->is_admin(h->context, &c->peer);
+    c->is_admin = h->is_admin != NULL && h->is_admin(h->context, &c->peer);
     return c->user != NULL;
 }
 
@@ -415,7 +415,8 @@ static bool begin(connection *c) {
 static int find_refusal(const connection *c) {
     const server *s = c->server;
     const server_limits *l = &s->limits;
-    const size_t reserved = c->is_admin || !s->handlers.is_admin ? 0 : l->reserved_connections;
+    const size_t reserved =
+        c->is_admin || s->handlers.is_admin == NULL ? 0 : l->reserved_connections;
     return s->statistics.connections + reserved >= l->connections        ? SERVER_ALL_CONNECTIONS
            : !c->is_admin && c->user->connections >= l->user_connections ? SERVER_USER_CONNECTIONS
                                                                          : SERVER_N_REFUSALS;
@@ -427,7 +428,7 @@ static void refuse(connection *c, int why) {
     uv_buf_t buf = {.base = s->refusal[why], .len = s->refusal_bytes[why]};
     s->statistics.refused++;
     if (uv_try_write((uv_stream_t *)&c->pipe, &buf, 1) > 0) {
-        s->statistics.errors[SHEAR_RPC_TOO_MANY_CONNECTIONS]++;
+        s->statistics.errors[SHEARD_RPC_TOO_MANY_CONNECTIONS]++;
     }
 }
 
@@ -444,12 +445,12 @@ static bool let_in(connection *c) {
 
 bool connection_accept(server *s, uv_stream_t *listener) {
     connection *c = calloc(1, sizeof *c);
-    if (!c) {
+    if (c == NULL) {
         return false;
     }
     c->server = s;
     c->active_ms = uv_now(s->loop);
-    shear_frame_init(&c->frame, s->limits.line_bytes);
+    sheard_frame_init(&c->frame, s->limits.line_bytes);
     open_requests_init(&c->open);
     uv_pipe_init(s->loop, &c->pipe, 0);
     c->pipe.data = c;

@@ -27,7 +27,7 @@ struct connection {
     size_t place;     /* in its user's heap of those that are ready; 0: none */
     bool in_heavy;    /* in the user's list of those whose work waits */
 
-    shear_frame frame;
+    sheard_frame frame;
     const char *input; /* [n_input] of `kept`: read and not yet taken */
     size_t n_input;
     char *kept;
@@ -72,7 +72,7 @@ void connection_doom(connection *c);
 void connection_send(connection *c, out_text *text);
 /* Queue a notification, or count it as lost. The reference stays the caller's. */
 void connection_notify(connection *c, out_text *text);
-void connection_send_error(connection *c, const shear_rpc_id *id, const shear_rpc_error *error);
+void connection_send_error(connection *c, const sheard_rpc_id *id, const sheard_rpc_error *error);
 
 /* Take a line of the input. */
 void connection_take_line(connection *c);

@@ -14,66 +14,66 @@ bool connection_may_take(const connection *c) {
 }
 
 static void send_line_error(connection *c, int code, const char *message) {
-    const shear_rpc_id none = {.type = SHEAR_ID_NULL};
-    shear_rpc_error error;
-    shear_rpc_fail(&error, code, NULL, "%s", message);
+    const sheard_rpc_id none = {.type = SHEARD_ID_NULL};
+    sheard_rpc_error error;
+    sheard_rpc_fail(&error, code, NULL, "%s", message);
     connection_send_error(c, &none, &error);
 }
 
-static int admit(connection *c, const shear_request *request, uint64_t *number,
-                 shear_rpc_error *error) {
+static int admit(connection *c, const sheard_request *request, uint64_t *number,
+                 sheard_rpc_error *error) {
     const size_t limit = c->server->limits.in_flight;
     if (open_request_is_long(request) && c->open.n_long >= limit) {
-        return shear_rpc_fail(error, SHEAR_RPC_TOO_MANY_REQUESTS,
-                              "wait for several jobs in one request, or for fewer at a time",
-                              "this connection has %zu requests that wait for jobs", limit);
+        return sheard_rpc_fail(error, SHEARD_RPC_TOO_MANY_REQUESTS,
+                               "wait for several jobs in one request, or for fewer at a time",
+                               "this connection has %zu requests that wait for jobs", limit);
     }
     *number = open_requests_add(&c->open, request);
-    return *number ? SHEAR_RPC_OK
-                   : shear_rpc_fail(error, SHEAR_RPC_OUT_OF_MEMORY, NULL,
-                                    "out of memory for a request");
+    return *number ? SHEARD_RPC_OK
+                   : sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
+                                     "out of memory for a request");
 }
 
 static void take_request(connection *c, const char *line, size_t n) {
     server *s = c->server;
-    shear_request request;
-    shear_rpc_error error;
+    sheard_request request;
+    sheard_rpc_error error;
     uint64_t number = 0;
-    int rc = shear_request_parse(&request, line, n, s->has_defaults ? &s->defaults : NULL, &error);
-    if (rc == SHEAR_RPC_OK) {
+    int rc = sheard_request_parse(&request, line, n, s->has_defaults ? &s->defaults : NULL, &error);
+    if (rc == SHEARD_RPC_OK) {
         s->statistics.requests[request.method]++;
         rc = admit(c, &request, &number, &error);
     }
-    if (rc != SHEAR_RPC_OK) {
+    if (rc != SHEARD_RPC_OK) {
         connection_send_error(c, &request.id, &error);
     } else {
         const server_request given = {
             .handle = {c->id, number}, .peer = &c->peer, .request = &request};
         s->handlers.request(s->handlers.context, &given);
     }
-    shear_request_deinit(&request);
+    sheard_request_deinit(&request);
 }
 
 static void take_event(connection *c, int event, const char *line, size_t n) {
     switch (event) {
-    case SHEAR_FRAME_LINE:
+    case SHEARD_FRAME_LINE:
         take_request(c, line, n);
         break;
-    case SHEAR_FRAME_NUL:
-        send_line_error(c, SHEAR_RPC_NUL_BYTE, "there is a NUL byte in the line");
+    case SHEARD_FRAME_NUL:
+        send_line_error(c, SHEARD_RPC_NUL_BYTE, "there is a NUL byte in the line");
         break;
-    case SHEAR_FRAME_TOO_LONG:
-        send_line_error(c, SHEAR_RPC_LINE_TOO_LONG, "the line is too long; the connection ends");
+    case SHEARD_FRAME_TOO_LONG:
+        send_line_error(c, SHEARD_RPC_LINE_TOO_LONG, "the line is too long; the connection ends");
         connection_finish(c);
         break;
     default:
-        send_line_error(c, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a line");
+        send_line_error(c, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a line");
         break;
     }
 }
 
 static void note_partial_line(connection *c, uint64_t now) {
-    const bool partial = shear_frame_pending(&c->frame) > 0 || c->frame.skipping;
+    const bool partial = sheard_frame_pending(&c->frame) > 0 || c->frame.skipping;
     if (!partial) {
         c->partial_ms = 0;
     } else if (c->partial_ms == 0) {
@@ -85,8 +85,8 @@ void connection_take_line(connection *c) {
     server *s = c->server;
     const char *line;
     size_t n;
-    const int event = shear_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
-    if (event != SHEAR_FRAME_MORE) {
+    const int event = sheard_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
+    if (event != SHEARD_FRAME_MORE) {
         s->statistics.lines++;
         c->active_ms = uv_now(s->loop);
         c->partial_ms = 0;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 static void request_free(open_request *r) {
-    if (r->work.drop) {
+    if (r->work.drop != NULL) {
         r->work.drop(r->work.context);
     }
     free(r);
@@ -24,18 +24,18 @@ void open_requests_deinit(open_requests *o) {
     open_requests_init(o);
 }
 
-bool open_request_is_long(const shear_request *request) {
-    return request->method == SHEAR_METHOD_WAIT ||
-           (request->method == SHEAR_METHOD_SUBMIT && request->params.submit.wait);
+bool open_request_is_long(const sheard_request *request) {
+    return request->method == SHEARD_METHOD_WAIT ||
+           (request->method == SHEARD_METHOD_SUBMIT && request->params.submit.wait);
 }
 
 static bool make_room(open_requests *o) {
     if (o->n < o->size) {
         return true;
     }
-    const size_t size = o->size ? 2 * o->size : 4;
+    const size_t size = o->size != 0 ? 2 * o->size : 4;
     open_request **larger = realloc(o->items, size * sizeof(open_request *));
-    if (!larger) {
+    if (larger == NULL) {
         return false;
     }
     o->items = larger;
@@ -43,9 +43,9 @@ static bool make_room(open_requests *o) {
     return true;
 }
 
-uint64_t open_requests_add(open_requests *o, const shear_request *request) {
+uint64_t open_requests_add(open_requests *o, const sheard_request *request) {
     open_request *r = make_room(o) ? malloc(sizeof *r) : NULL;
-    if (!r) {
+    if (r == NULL) {
         return 0;
     }
     *r = (open_request){.number = ++o->last,

@@ -13,7 +13,7 @@ typedef struct open_request {
     bool is_long; /* may take as long as the client likes */
     bool answered;
     bool awake; /* its work wants to go on: in the list of these */
-    shear_rpc_id id;
+    sheard_rpc_id id;
     server_work work; /* no step: none */
     TAILQ_ENTRY(open_request) link;
 } open_request;
@@ -29,7 +29,7 @@ typedef struct open_requests {
 void open_requests_init(open_requests *o);
 void open_requests_deinit(open_requests *o);
 /* Its number; 0: out of memory. */
-uint64_t open_requests_add(open_requests *o, const shear_request *request);
+uint64_t open_requests_add(open_requests *o, const sheard_request *request);
 /* NULL: there is none. */
 open_request *open_requests_find(const open_requests *o, uint64_t number);
 /* With its work. */
@@ -39,6 +39,6 @@ void open_requests_wake(open_requests *o, open_request *r);
 void open_requests_pause(open_requests *o, open_request *r);
 
 /* Whether the answer of a request may be long in coming. */
-bool open_request_is_long(const shear_request *request);
+bool open_request_is_long(const sheard_request *request);
 
 #endif

@@ -7,8 +7,8 @@
 enum { SMALL = 16 };
 
 out_text *out_text_new(char *bytes, size_t n) {
-    out_text *text = bytes ? malloc(sizeof *text) : NULL;
-    if (!text) {
+    out_text *text = bytes != NULL ? malloc(sizeof *text) : NULL;
+    if (text == NULL) {
         free(bytes);
         return NULL;
     }
@@ -22,8 +22,8 @@ void out_text_count(out_text *text, size_t *memory) {
 }
 
 void out_text_drop(out_text *text) {
-    if (text && --text->references == 0) {
-        if (text->memory) {
+    if (text != NULL && --text->references == 0) {
+        if (text->memory != NULL) {
             *text->memory -= text->n;
         }
         free(text->bytes);
@@ -42,9 +42,9 @@ out_text *out_queue_at(const out_queue *q, size_t i) {
 }
 
 static bool grow(out_queue *q) {
-    const size_t size = q->size ? 2 * q->size : SMALL;
+    const size_t size = q->size != 0 ? 2 * q->size : SMALL;
     out_text **items = malloc(size * sizeof(out_text *));
-    if (!items) {
+    if (items == NULL) {
         return false;
     }
     for (size_t i = 0; i < q->n; i++) {
@@ -64,7 +64,7 @@ bool out_queue_push(out_queue *q, out_text *text) {
     text->references++;
     q->items[(q->first + q->n++) % q->size] = text;
     q->bytes += text->n;
-    q->held += text->memory ? 0 : text->n;
+    q->held += text->memory != NULL ? 0 : text->n;
     return true;
 }
 
@@ -73,7 +73,7 @@ static void pop(out_queue *q) {
     q->first = (q->first + 1) % q->size;
     q->n--;
     q->written -= text->n;
-    q->held -= text->memory ? 0 : text->n;
+    q->held -= text->memory != NULL ? 0 : text->n;
     out_text_drop(text);
 }
 

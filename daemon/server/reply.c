@@ -7,8 +7,8 @@
 /* The open request of a handle, and its connection; NULL: there is nobody to answer. */
 static open_request *find(const server *s, server_handle handle, connection **c) {
     *c = server_find(s, handle.connection);
-    open_request *r = *c ? open_requests_find(&(*c)->open, handle.request) : NULL;
-    return r && !r->answered ? r : NULL;
+    open_request *r = *c != NULL ? open_requests_find(&(*c)->open, handle.request) : NULL;
+    return r != NULL && !r->answered ? r : NULL;
 }
 
 bool server_is_open(const server *s, server_handle handle) {
@@ -31,16 +31,16 @@ static void answered(connection *c, open_request *r) {
     server_schedule(s, c); /* it may take the next request now */
 }
 
-void server_reply(server *s, server_handle to, const shear_reply *reply) {
+void server_reply(server *s, server_handle to, const sheard_reply *reply) {
     connection *c;
     open_request *r = find(s, to, &c);
-    shear_rpc_error error;
+    sheard_rpc_error error;
     char *line;
     size_t n;
-    if (!r) {
+    if (r == NULL) {
         return;
     }
-    if (shear_reply_line(&line, &n, &r->id, r->method, reply, &error) == SHEAR_RPC_OK) {
+    if (sheard_reply_line(&line, &n, &r->id, r->method, reply, &error) == SHEARD_RPC_OK) {
         connection_send(c, out_text_new(line, n));
     } else {
         connection_send_error(c, &r->id, &error);
@@ -48,10 +48,10 @@ void server_reply(server *s, server_handle to, const shear_reply *reply) {
     answered(c, r);
 }
 
-void server_reply_error(server *s, server_handle to, const shear_rpc_error *error) {
+void server_reply_error(server *s, server_handle to, const sheard_rpc_error *error) {
     connection *c;
     open_request *r = find(s, to, &c);
-    if (r) {
+    if (r != NULL) {
         connection_send_error(c, &r->id, error);
         answered(c, r);
     }
@@ -60,15 +60,15 @@ void server_reply_error(server *s, server_handle to, const shear_rpc_error *erro
 void server_reply_line(server *s, server_handle to, char *line, size_t n) {
     connection *c;
     open_request *r = find(s, to, &c);
-    if (!r) {
+    if (r == NULL) {
         free(line);
         return;
     }
-    if (line) {
+    if (line != NULL) {
         connection_send(c, out_text_new(line, n));
     } else {
-        shear_rpc_error error;
-        shear_rpc_fail(&error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
+        sheard_rpc_error error;
+        sheard_rpc_fail(&error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
         connection_send_error(c, &r->id, &error);
     }
     answered(c, r);
@@ -79,7 +79,7 @@ void server_reply_line(server *s, server_handle to, char *line, size_t n) {
 bool server_defer(server *s, server_handle to, const server_work *work) {
     connection *c;
     open_request *r = find(s, to, &c);
-    if (!r) {
+    if (r == NULL) {
         work->drop(work->context);
         return false;
     }
@@ -92,7 +92,7 @@ bool server_defer(server *s, server_handle to, const server_work *work) {
 void server_wake(server *s, server_handle to) {
     connection *c;
     open_request *r = find(s, to, &c);
-    if (r && r->work.step) {
+    if (r != NULL && r->work.step != NULL) {
         open_requests_wake(&c->open, r);
         server_schedule(s, c);
     }
@@ -101,7 +101,7 @@ void server_wake(server *s, server_handle to) {
 /* ---- subscriptions ---- */
 
 /* Keep the list of subscribers and `*now` in step with what c watches. */
-static void note_change(connection *c, shear_msg_subscribed *now) {
+static void note_change(connection *c, sheard_msg_subscribed *now) {
     server *s = c->server;
     const bool any = watched_anything(&c->watched);
     if (any && !c->subscribed) {
@@ -113,39 +113,39 @@ static void note_change(connection *c, shear_msg_subscribed *now) {
     }
     c->subscribed = any;
     server_schedule(s, c); /* without subscriptions it may be over */
-    if (now) {
-        *now = (shear_msg_subscribed){.jobs = (int64_t)c->watched.n_jobs,
-                                      .fields = (int64_t)c->watched.n_fields,
-                                      .all = c->watched.all};
+    if (now != NULL) {
+        *now = (sheard_msg_subscribed){.jobs = (int64_t)c->watched.n_jobs,
+                                       .fields = (int64_t)c->watched.n_fields,
+                                       .all = c->watched.all};
     }
 }
 
-static int is_gone(shear_rpc_error *error) {
-    return shear_rpc_fail(error, SHEAR_RPC_STOPPING, NULL, "the connection is gone");
+static int is_gone(sheard_rpc_error *error) {
+    return sheard_rpc_fail(error, SHEARD_RPC_STOPPING, NULL, "the connection is gone");
 }
 
-int server_subscribe(server *s, uint64_t connection_id, const shear_msg_subscribe *what,
-                     shear_msg_subscribed *now, shear_rpc_error *error) {
+int server_subscribe(server *s, uint64_t connection_id, const sheard_msg_subscribe *what,
+                     sheard_msg_subscribed *now, sheard_rpc_error *error) {
     connection *c = server_find(s, connection_id);
-    if (!c) {
+    if (c == NULL) {
         return is_gone(error);
     }
     const int rc = watched_add(&c->watched, what, s->limits.subscriptions, error);
-    if (rc == SHEAR_RPC_OK) {
+    if (rc == SHEARD_RPC_OK) {
         note_change(c, now);
     }
     return rc;
 }
 
-int server_unsubscribe(server *s, uint64_t connection_id, const shear_msg_subscribe *what,
-                       shear_msg_subscribed *now, shear_rpc_error *error) {
+int server_unsubscribe(server *s, uint64_t connection_id, const sheard_msg_subscribe *what,
+                       sheard_msg_subscribed *now, sheard_rpc_error *error) {
     connection *c = server_find(s, connection_id);
-    if (!c) {
+    if (c == NULL) {
         return is_gone(error);
     }
     watched_remove(&c->watched, what);
     note_change(c, now);
-    return SHEAR_RPC_OK;
+    return SHEARD_RPC_OK;
 }
 
 bool server_is_watched(const server *s, int notice, int64_t job, const char *field) {
@@ -159,7 +159,7 @@ bool server_is_watched(const server *s, int notice, int64_t job, const char *fie
 }
 
 void server_publish(server *s, int notice, int64_t job, const char *field,
-                    const shear_notice_params *params) {
+                    const sheard_notice_params *params) {
     out_text *text = NULL;
     bool made = false;
     connection *c;
@@ -168,13 +168,13 @@ void server_publish(server *s, int notice, int64_t job, const char *field,
             continue;
         }
         if (!made) {
-            shear_rpc_error error;
+            sheard_rpc_error error;
             char *line;
             size_t n;
-            shear_notice_line(&line, &n, notice, params, &error);
+            sheard_notice_line(&line, &n, notice, params, &error);
             text = out_text_new(line, n);
             made = true;
-            if (text) {
+            if (text != NULL) {
                 out_text_count(text, &s->notice_bytes);
             }
         }

@@ -12,7 +12,7 @@
 enum { SLOT_BITS = 20, MAX_SLOTS = 1 << SLOT_BITS, BACKLOG = 4096, MAX_TICK_MS = 1000 };
 
 void server_limits_init(server_limits *limits) {
-    *limits = (server_limits){.line_bytes = shear_rpc_request_limits.line,
+    *limits = (server_limits){.line_bytes = sheard_rpc_request_limits.line,
                               .connections = 2048,
                               .reserved_connections = 16,
                               .in_flight = 64,
@@ -30,16 +30,16 @@ void server_limits_init(server_limits *limits) {
 connection *server_find(const server *s, uint64_t id) {
     const size_t slot = id % MAX_SLOTS;
     connection *c = slot < s->n_slots ? s->slots[slot] : NULL;
-    return c && c->id == id ? c : NULL;
+    return c != NULL && c->id == id ? c : NULL;
 }
 
 static bool add_slots(server *s) {
-    const size_t n = s->n_slots ? 2 * s->n_slots : 16;
+    const size_t n = s->n_slots != 0 ? 2 * s->n_slots : 16;
     connection **slots = n <= MAX_SLOTS ? realloc(s->slots, n * sizeof(connection *)) : NULL;
-    s->slots = slots ? slots : s->slots;
-    size_t *free_slots = slots ? realloc(s->free_slots, n * sizeof *free_slots) : NULL;
-    s->free_slots = free_slots ? free_slots : s->free_slots;
-    if (!free_slots) {
+    s->slots = slots != NULL ? slots : s->slots;
+    size_t *free_slots = slots != NULL ? realloc(s->free_slots, n * sizeof *free_slots) : NULL;
+    s->free_slots = free_slots != NULL ? free_slots : s->free_slots;
+    if (free_slots == NULL) {
         return false;
     }
     for (size_t i = n; i-- > s->n_slots;) {
@@ -74,7 +74,7 @@ void server_leave(server *s, connection *c) {
         c->subscribed = false;
         s->statistics.subscribers--;
     }
-    if (s->handlers.closed) {
+    if (s->handlers.closed != NULL) {
         s->handlers.closed(s->handlers.context, c->id);
     }
 }
@@ -85,7 +85,7 @@ static void on_tick(uv_timer_t *timer) {
     server *s = timer->data;
     const uint64_t now = uv_now(s->loop);
     for (size_t i = 0; i < s->n_slots; i++) {
-        if (s->slots[i]) {
+        if (s->slots[i] != NULL) {
             connection_tick(s->slots[i], now);
         }
     }
@@ -111,7 +111,7 @@ static void start_tick(server *s) {
 /* ---- limits ---- */
 
 static size_t or_default(size_t given, size_t initial) {
-    return given ? given : initial;
+    return given != 0 ? given : initial;
 }
 
 static size_t at_most(size_t n, size_t most) {
@@ -148,7 +148,7 @@ void server_set_limits(server *s, const server_limits *limits) {
         start_tick(s);
     }
     for (size_t i = 0; i < s->n_slots; i++) {
-        if (s->slots[i]) {
+        if (s->slots[i] != NULL) {
             server_schedule(s, s->slots[i]); /* it may be allowed more now */
         }
     }
@@ -156,7 +156,7 @@ void server_set_limits(server *s, const server_limits *limits) {
 
 void server_set_defaults(server *s, const shear_settings *defaults) {
     s->has_defaults = defaults != NULL;
-    if (defaults) {
+    if (defaults != NULL) {
         s->defaults = *defaults;
     }
 }
@@ -193,7 +193,7 @@ static int listen_on(server *s, int fd, shear_error *err) {
     if (rc != 0) {
         close(fd);
     }
-    rc = rc ? rc : uv_listen((uv_stream_t *)listener, BACKLOG, on_connection);
+    rc = rc != 0 ? rc : uv_listen((uv_stream_t *)listener, BACKLOG, on_connection);
     return rc == 0 ? SHEAR_OK
                    : shear_fail(err, SHEAR_E_IO, NULL, "descriptor %d: cannot listen: %s", fd,
                                 uv_strerror(rc));
@@ -229,7 +229,7 @@ static int start_listening(server *s, const server_options *o, shear_error *err)
     }
     int fd = -1;
     const int code = socket_file_make(&s->file, &fd, o->path, o->mode, o->group, err);
-    return code ? code : listen_on_all(s, &fd, 1, err);
+    return code != SHEAR_OK ? code : listen_on_all(s, &fd, 1, err);
 }
 
 void server_sockets(const server *s, char *out, size_t size) {
@@ -262,14 +262,14 @@ static bool make_refusals(server *s) {
     static const char *const texts[SERVER_N_REFUSALS] = {
         "the service has as many connections as it may have ([limits] connections)",
         "you have as many connections as a user may have ([limits] user_connections)"};
-    const shear_rpc_id none = {.type = SHEAR_ID_NULL};
-    shear_rpc_error error;
-    int rc = SHEAR_RPC_OK;
-    for (int i = 0; i < SERVER_N_REFUSALS && rc == SHEAR_RPC_OK; i++) {
-        shear_rpc_fail(&error, SHEAR_RPC_TOO_MANY_CONNECTIONS, NULL, "%s", texts[i]);
-        rc = shear_error_line(&s->refusal[i], &s->refusal_bytes[i], &none, &error);
+    const sheard_rpc_id none = {.type = SHEARD_ID_NULL};
+    sheard_rpc_error error;
+    int rc = SHEARD_RPC_OK;
+    for (int i = 0; i < SERVER_N_REFUSALS && rc == SHEARD_RPC_OK; i++) {
+        sheard_rpc_fail(&error, SHEARD_RPC_TOO_MANY_CONNECTIONS, NULL, "%s", texts[i]);
+        rc = sheard_error_line(&s->refusal[i], &s->refusal_bytes[i], &none, &error);
     }
-    return rc == SHEAR_RPC_OK;
+    return rc == SHEARD_RPC_OK;
 }
 
 static void free_refusals(server *s) {
@@ -281,8 +281,8 @@ static void free_refusals(server *s) {
 int server_open(server **out, uv_loop_t *loop, const server_options *options, shear_error *err) {
     server *s = calloc(1, sizeof *s);
     *out = NULL;
-    if (!s || !make_refusals(s)) {
-        if (s) {
+    if (s == NULL || !make_refusals(s)) {
+        if (s != NULL) {
             free_refusals(s);
         }
         free(s);
@@ -316,7 +316,7 @@ static void free_server(server *s) {
     free(s->free_slots);
     free_refusals(s);
     free(s);
-    if (done) {
+    if (done != NULL) {
         done(context);
     }
 }
@@ -327,7 +327,7 @@ static void on_handle_closed(uv_handle_t *handle) {
 
 static void close_handle(void *handle) {
     uv_handle_t *h = handle;
-    if (!uv_is_closing(h)) {
+    if (uv_is_closing(h) == 0) {
         uv_close(h, on_handle_closed);
     }
 }
@@ -359,7 +359,7 @@ void server_stop_accepting(server *s) {
 static void on_deadline(uv_timer_t *timer) {
     server *s = timer->data;
     for (size_t i = 0; i < s->n_slots; i++) {
-        if (s->slots[i]) {
+        if (s->slots[i] != NULL) {
             connection_close(s->slots[i]);
         }
     }
@@ -367,8 +367,8 @@ static void on_deadline(uv_timer_t *timer) {
 }
 
 static void say_stopping(server *s, connection *c) {
-    shear_rpc_error error;
-    shear_rpc_fail(&error, SHEAR_RPC_STOPPING, NULL, "the service stops");
+    sheard_rpc_error error;
+    sheard_rpc_fail(&error, SHEARD_RPC_STOPPING, NULL, "the service stops");
     while (c->open.n > 0) {
         server_reply_error(s, (server_handle){c->id, c->open.items[0]->number}, &error);
     }
@@ -388,7 +388,7 @@ void server_close(server *s, int64_t flush_ms, void (*done)(void *context), void
     s->done_context = context;
     server_stop_accepting(s);
     for (size_t i = 0; i < s->n_slots; i++) {
-        if (s->slots[i]) {
+        if (s->slots[i] != NULL) {
             say_stopping(s, s->slots[i]);
         }
     }

@@ -64,7 +64,7 @@ typedef struct server_request {
         *peer; /* as of its connect; valid until `closed` was called for the connection */
     /* Freed when the handler returns, unless the handler has copied the struct and zeroed it: then
      * the copy is the owner's to deinit. */
-    shear_request *request;
+    sheard_request *request;
 } server_request;
 
 typedef struct server_handlers {
@@ -79,7 +79,7 @@ typedef struct server_handlers {
 
 /* 0 (or NULL) in any of them: as server_limits_init says, but for the times in ms: never. */
 typedef struct server_limits {
-    size_t line_bytes;           /* not above shear_rpc_request_limits.line */
+    size_t line_bytes;           /* not above sheard_rpc_request_limits.line */
     size_t connections;          /* beyond: error too_many_connections, and the end */
     size_t user_connections;     /* of a user that is no administrator */
     size_t reserved_connections; /* of `connections`, for administrators; at most a quarter */
@@ -131,9 +131,9 @@ void server_set_defaults(server *s, const shear_settings *defaults);
 
 /* The reply of the handle's method. Nothing happens where the connection is gone or the request
  * has been answered. */
-void server_reply(server *s, server_handle to, const shear_reply *reply);
-void server_reply_error(server *s, server_handle to, const shear_rpc_error *error);
-/* A line of shear_reply_line or shear_error_line, made elsewhere with the request's own id; taken
+void server_reply(server *s, server_handle to, const sheard_reply *reply);
+void server_reply_error(server *s, server_handle to, const sheard_rpc_error *error);
+/* A line of sheard_reply_line or sheard_error_line, made elsewhere with the request's own id; taken
  * over, also when nothing happens. NULL: error out_of_memory. */
 void server_reply_line(server *s, server_handle to, char *line, size_t n);
 /* Is somebody still waiting for it? */
@@ -162,17 +162,17 @@ void server_wake(server *s, server_handle to);
 /* ---- subscriptions ---- */
 
 /* Add to (take away from) what the connection watches, all of it or, on an error, nothing:
- * SHEAR_RPC_TOO_MANY_SUBSCRIPTIONS, SHEAR_RPC_OUT_OF_MEMORY. *now may be NULL. */
-int server_subscribe(server *s, uint64_t connection, const shear_msg_subscribe *what,
-                     shear_msg_subscribed *now, shear_rpc_error *error);
-int server_unsubscribe(server *s, uint64_t connection, const shear_msg_subscribe *what,
-                       shear_msg_subscribed *now, shear_rpc_error *error);
+ * SHEARD_RPC_TOO_MANY_SUBSCRIPTIONS, SHEARD_RPC_OUT_OF_MEMORY. *now may be NULL. */
+int server_subscribe(server *s, uint64_t connection, const sheard_msg_subscribe *what,
+                     sheard_msg_subscribed *now, sheard_rpc_error *error);
+int server_unsubscribe(server *s, uint64_t connection, const sheard_msg_subscribe *what,
+                       sheard_msg_subscribed *now, sheard_rpc_error *error);
 /* Does anybody watch it? To save the work of making a notification. */
 bool server_is_watched(const server *s, int notice, int64_t job, const char *field);
 /* Send to all that watch `job` (0: none), `field` (NULL: none) or everything. job_progress goes
  * only to those who asked for progress, server_state to everybody with a subscription. */
 void server_publish(server *s, int notice, int64_t job, const char *field,
-                    const shear_notice_params *params);
+                    const sheard_notice_params *params);
 
 /* The job is final: subscriptions to it by its number end. */
 void server_end_job(server *s, int64_t job);
@@ -196,8 +196,8 @@ typedef struct server_statistics {
     uint64_t dropped;  /* clients that did not read */
     uint64_t timeouts; /* idle */
     uint64_t lines;
-    uint64_t requests[SHEAR_N_METHODS];
-    uint64_t errors[SHEAR_N_RPC_CODES]; /* error replies (not those of server_reply_line) */
+    uint64_t requests[SHEARD_N_METHODS];
+    uint64_t errors[SHEARD_N_RPC_CODES]; /* error replies (not those of server_reply_line) */
     uint64_t bytes_in, bytes_out;
     uint64_t notices, lost;
 } server_statistics;

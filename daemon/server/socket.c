@@ -87,7 +87,7 @@ static int take_lock(socket_file *file, shear_error *err) {
 }
 
 static void drop_lock(socket_file *file) {
-    if (file->lock >= 0 && file->lock_path) {
+    if (file->lock >= 0 && file->lock_path != NULL) {
         unlink(file->lock_path); /* while it is held: see is_current */
         close(file->lock);
         file->lock = -1;
@@ -135,14 +135,14 @@ static int find_group(gid_t *gid, const char *group, const char *path, shear_err
     struct group *found = NULL;
     char text[16384];
     *gid = (gid_t)-1;
-    if (!group || *group == '\0') {
+    if (group == NULL || *group == '\0') {
         return SHEAR_OK;
     }
     const int rc = getgrnam_r(group, &entry, text, sizeof text, &found);
-    if (rc != 0 || !found) {
+    if (rc != 0 || found == NULL) {
         return shear_fail(err, SHEAR_E_SETTING, "correct [daemon] socket_group in sheard.conf",
-                          "socket '%s': there is no group '%s'%s%s", path, group, rc ? ": " : "",
-                          rc ? strerror(rc) : "");
+                          "socket '%s': there is no group '%s'%s%s", path, group,
+                          rc != 0 ? ": " : "", rc != 0 ? strerror(rc) : "");
     }
     *gid = found->gr_gid;
     return SHEAR_OK;
@@ -197,7 +197,7 @@ static int bind_quietly(int fd, const struct sockaddr_un *address, unsigned mode
 
 static int name_files(socket_file *file, const char *path, shear_error *err) {
     file->path = strdup(path);
-    if (!file->path || asprintf(&file->lock_path, "%s.lock", path) < 0) {
+    if (file->path == NULL || asprintf(&file->lock_path, "%s.lock", path) < 0) {
         file->lock_path = NULL;
         shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the socket '%s'", path);
         return SHEAR_E_NOMEM;
@@ -210,11 +210,11 @@ static int make(socket_file *file, int fd, const char *path, unsigned mode, cons
     struct sockaddr_un address;
     gid_t gid;
     int code = make_address(&address, path, err);
-    code = code ? code : find_group(&gid, group, path, err);
-    code = code ? code : name_files(file, path, err);
-    code = code ? code : take_lock(file, err);
-    code = code ? code : remove_stale(&address, err);
-    return code ? code : bind_quietly(fd, &address, mode, group, gid, file, err);
+    code = code != SHEAR_OK ? code : find_group(&gid, group, path, err);
+    code = code != SHEAR_OK ? code : name_files(file, path, err);
+    code = code != SHEAR_OK ? code : take_lock(file, err);
+    code = code != SHEAR_OK ? code : remove_stale(&address, err);
+    return code != SHEAR_OK ? code : bind_quietly(fd, &address, mode, group, gid, file, err);
 }
 
 int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode, const char *group,
@@ -235,8 +235,8 @@ int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode
 
 void socket_file_remove(socket_file *file) {
     struct stat st;
-    if (file->path && file->inode != 0 && lstat(file->path, &st) == 0 && st.st_ino == file->inode &&
-        st.st_dev == file->device) {
+    if (file->path != NULL && file->inode != 0 && lstat(file->path, &st) == 0 &&
+        st.st_ino == file->inode && st.st_dev == file->device) {
         unlink(file->path);
     }
     drop_lock(file);

@@ -62,7 +62,7 @@ static void no_heavy(connection *c) {
 }
 
 static void offer_work(server *s, const server_user *u) {
-    if (!u->at_work && !TAILQ_EMPTY(&u->heavy)) {
+    if (u->at_work == NULL && !TAILQ_EMPTY(&u->heavy)) {
         server_schedule(s, TAILQ_FIRST(&u->heavy));
     }
 }
@@ -76,7 +76,7 @@ bool turns_may_work(server *s, connection *c) {
         c->in_heavy = true;
         TAILQ_INSERT_TAIL(&u->heavy, c, heavy_link);
     }
-    if (u->at_work || TAILQ_FIRST(&u->heavy) != c) {
+    if (u->at_work != NULL || TAILQ_FIRST(&u->heavy) != c) {
         return false;
     }
     if (turns_is_crowded(s, u)) {
@@ -127,7 +127,7 @@ static void serve(server *s, uint64_t end) {
     uint64_t now = worked_ns();
     do {
         connection *c = users_next(&s->users, &s->clock_ns);
-        if (!c) {
+        if (c == NULL) {
             return;
         }
         const uint64_t begin = now;
@@ -149,7 +149,7 @@ static void serve(server *s, uint64_t end) {
 
 static bool anybody_is_ready(const server *s) {
     const server_user *u = TAILQ_FIRST(&s->users);
-    while (u && u->n == 0) {
+    while (u != NULL && u->n == 0) {
         u = TAILQ_NEXT(u, link);
     }
     return u != NULL;

@@ -7,7 +7,7 @@
 
 static server_user *find(server_user_list *all, uid_t uid) {
     server_user *u = TAILQ_FIRST(all);
-    while (u && u->uid != uid) {
+    while (u != NULL && u->uid != uid) {
         u = TAILQ_NEXT(u, link);
     }
     return u;
@@ -17,9 +17,9 @@ static bool make_room(server_user *u) {
     if (u->references < u->size) {
         return true;
     }
-    const size_t size = u->size ? 2 * u->size : 4;
+    const size_t size = u->size != 0 ? 2 * u->size : 4;
     connection **larger = realloc(u->ready, size * sizeof(connection *));
-    if (!larger) {
+    if (larger == NULL) {
         return false;
     }
     u->ready = larger;
@@ -37,9 +37,9 @@ static void drop_unused(server_user_list *all, server_user *u) {
 
 server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns) {
     server_user *u = find(all, uid);
-    if (!u) {
+    if (u == NULL) {
         u = calloc(1, sizeof *u);
-        if (!u) {
+        if (u == NULL) {
             return NULL;
         }
         u->uid = uid;
@@ -118,11 +118,11 @@ connection *users_next(server_user_list *all, uint64_t *clock_ns) {
     server_user *next = NULL;
     server_user *u;
     TAILQ_FOREACH(u, all, link) {
-        if (u->n > 0 && (!next || u->used_ns < next->used_ns)) {
+        if (u->n > 0 && (next == NULL || u->used_ns < next->used_ns)) {
             next = u;
         }
     }
-    if (!next) {
+    if (next == NULL) {
         return NULL;
     }
     connection *c = next->ready[0];

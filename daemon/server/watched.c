@@ -64,7 +64,7 @@ static void insert_field(watched *w, char *field) {
 }
 
 /* How many there would be, a name given twice counted twice. */
-static size_t count_new(const watched *w, const shear_msg_subscribe *what) {
+static size_t count_new(const watched *w, const sheard_msg_subscribe *what) {
     size_t n = 0;
     bool found;
     for (size_t i = 0; i < what->n_jobs; i++) {
@@ -78,19 +78,19 @@ static size_t count_new(const watched *w, const shear_msg_subscribe *what) {
     return n;
 }
 
-static bool make_room(watched *w, const shear_msg_subscribe *what) {
+static bool make_room(watched *w, const sheard_msg_subscribe *what) {
     int64_t *jobs = realloc(w->jobs, (w->n_jobs + what->n_jobs + 1) * sizeof *jobs);
-    w->jobs = jobs ? jobs : w->jobs;
+    w->jobs = jobs != NULL ? jobs : w->jobs;
     char **fields = realloc(w->fields, (w->n_fields + what->n_fields + 1) * sizeof(*fields));
-    w->fields = fields ? fields : w->fields;
-    return jobs && fields;
+    w->fields = fields != NULL ? fields : w->fields;
+    return jobs != NULL && fields != NULL;
 }
 
-static char **copy_names(const shear_msg_subscribe *what) {
+static char **copy_names(const sheard_msg_subscribe *what) {
     char **names = calloc(what->n_fields + 1, sizeof(*names));
-    for (size_t i = 0; names && i < what->n_fields; i++) {
+    for (size_t i = 0; names != NULL && i < what->n_fields; i++) {
         names[i] = strdup(what->fields[i]);
-        if (!names[i]) {
+        if (names[i] == NULL) {
             while (i > 0) {
                 free(names[--i]);
             }
@@ -101,15 +101,16 @@ static char **copy_names(const shear_msg_subscribe *what) {
     return names;
 }
 
-int watched_add(watched *w, const shear_msg_subscribe *what, size_t limit, shear_rpc_error *error) {
+int watched_add(watched *w, const sheard_msg_subscribe *what, size_t limit,
+                sheard_rpc_error *error) {
     if (w->n_jobs + w->n_fields + count_new(w, what) > limit) {
-        return shear_rpc_fail(error, SHEAR_RPC_TOO_MANY_SUBSCRIPTIONS, NULL,
-                              "a connection may watch %zu jobs and fields", limit);
+        return sheard_rpc_fail(error, SHEARD_RPC_TOO_MANY_SUBSCRIPTIONS, NULL,
+                               "a connection may watch %zu jobs and fields", limit);
     }
     char **names = make_room(w, what) ? copy_names(what) : NULL;
-    if (!names) {
-        return shear_rpc_fail(error, SHEAR_RPC_OUT_OF_MEMORY, NULL,
-                              "out of memory for a subscription");
+    if (names == NULL) {
+        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
+                               "out of memory for a subscription");
     }
     for (size_t i = 0; i < what->n_jobs; i++) {
         insert_job(w, what->jobs[i]);
@@ -120,7 +121,7 @@ int watched_add(watched *w, const shear_msg_subscribe *what, size_t limit, shear
     free(names);
     w->all |= what->all;
     w->progress |= what->progress;
-    return SHEAR_RPC_OK;
+    return SHEARD_RPC_OK;
 }
 
 bool watched_end_job(watched *w, int64_t job) {
@@ -143,7 +144,7 @@ static void remove_field(watched *w, const char *field) {
     }
 }
 
-void watched_remove(watched *w, const shear_msg_subscribe *what) {
+void watched_remove(watched *w, const sheard_msg_subscribe *what) {
     for (size_t i = 0; i < what->n_jobs; i++) {
         watched_end_job(w, what->jobs[i]);
     }
@@ -171,16 +172,16 @@ bool watched_anything(const watched *w) {
 
 bool watched_matches(const watched *w, int notice, int64_t job, const char *field) {
     bool found = false;
-    if (notice == SHEAR_NOTICE_JOB_PROGRESS && !w->progress) {
+    if (notice == SHEARD_NOTICE_JOB_PROGRESS && !w->progress) {
         return false;
     }
-    if (w->all || notice == SHEAR_NOTICE_SERVER_STATE) {
+    if (w->all || notice == SHEARD_NOTICE_SERVER_STATE) {
         return watched_anything(w);
     }
     if (job != 0) {
         find_job(w, job, &found);
     }
-    if (!found && field) {
+    if (!found && field != NULL) {
         find_field(w, field, &found);
     }
     return found;

@@ -15,9 +15,10 @@ typedef struct watched {
 
 void watched_deinit(watched *w); /* zeroed: fine */
 /* All of it or, on an error, nothing. `limit`: jobs and fields together. */
-int watched_add(watched *w, const shear_msg_subscribe *what, size_t limit, shear_rpc_error *error);
+int watched_add(watched *w, const sheard_msg_subscribe *what, size_t limit,
+                sheard_rpc_error *error);
 /* Nothing named: everything. */
-void watched_remove(watched *w, const shear_msg_subscribe *what);
+void watched_remove(watched *w, const sheard_msg_subscribe *what);
 /* Was it watched by its number? It is not any more. */
 bool watched_end_job(watched *w, int64_t job);
 bool watched_anything(const watched *w);

@@ -12,7 +12,7 @@
 /* Less than this, or than a twentieth where the whole disk is small, is as good as nothing. */
 static const int64_t little_bytes = INT64_C(64) << 20;
 
-bool disk_is_full(const shear_msg_disk *d) {
+bool disk_is_full(const sheard_msg_disk *d) {
     const int64_t part = d->bytes / 20;
     return d->free_bytes < (part < little_bytes ? part : little_bytes);
 }
@@ -33,10 +33,10 @@ static const char *spool_complaint(const char *path) {
     return found;
 }
 
-static void look(disk_seen *seen, const char *use, const char *path, shear_msg_disk *d) {
+static void look(disk_seen *seen, const char *use, const char *path, sheard_msg_disk *d) {
     struct statvfs fs;
     struct stat st;
-    *d = (shear_msg_disk){.use = use, .path = path};
+    *d = (sheard_msg_disk){.use = use, .path = path};
     if (stat(path, &st) != 0 || statvfs(path, &fs) != 0) {
         d->problem = strerror(errno);
         return;
@@ -53,7 +53,7 @@ static void look(disk_seen *seen, const char *use, const char *path, shear_msg_d
     }
 }
 
-size_t disks_look(const service *s, shear_msg_disk disks[DISKS]) {
+size_t disks_look(const service *s, sheard_msg_disk disks[DISKS]) {
     const sheard_config *c = &s->config;
     disk_seen seen = {.n = 0};
     size_t n = 0;
@@ -61,8 +61,8 @@ size_t disks_look(const service *s, shear_msg_disk disks[DISKS]) {
     if (c->spool.enabled) {
         look(&seen, "spool", c->spool.directory, &disks[n++]);
     }
-    if (c->catalogues.enabled) {
-        look(&seen, "catalogues", c->catalogues.directory, &disks[n++]);
+    if (c->catalogs.enabled) {
+        look(&seen, "catalogues", c->catalogs.directory, &disks[n++]);
     }
     look(&seen, "scratch", engine_get_scratch(s->engine), &disks[n++]);
     return n;

@@ -5,7 +5,7 @@
 #include <string.h>
 
 void ending_tell(service *s, const store_job *job) {
-    catalogue_forget(s, job);
+    catalog_forget(s, job);
     waits_job_ended(s, job->id);
     server_end_job(s->server, job->id);
 }
@@ -28,7 +28,7 @@ static void settled(service *s, after *a, int code, const shear_error *err) {
     if (job.state == STORE_WAITING) {
         problem_job_waits(s, &job);
     }
-    if (shear_job_state_is_final(job.state)) {
+    if (sheard_job_state_is_final(job.state)) {
         s->jobs_ended++;
         ending_tell(s, &job);
         if (job.outcome == STORE_COUNTED) {
@@ -53,15 +53,15 @@ ending_reason ending_reason_of(const shear_error *error) {
     switch (error->code) {
     case READER_E_DIED:
     case READER_E_PROTOCOL:
-        return (ending_reason){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_CRASHED)->name};
+        return (ending_reason){STORE_BUG, sheard_rpc_code_get(SHEARD_RPC_READER_CRASHED)->name};
     case ENGINE_E_CHANGED:
-        return (ending_reason){STORE_TRANSIENT, shear_rpc_code_get(SHEAR_RPC_FILE_CHANGED)->name};
+        return (ending_reason){STORE_TRANSIENT, sheard_rpc_code_get(SHEARD_RPC_FILE_CHANGED)->name};
     case ENGINE_E_MEMORY:
-        return (ending_reason){STORE_DATA, shear_rpc_code_get(SHEAR_RPC_MEMORY_BUDGET)->name};
+        return (ending_reason){STORE_DATA, sheard_rpc_code_get(SHEARD_RPC_MEMORY_BUDGET)->name};
     case READER_E_MEMORY:
-        return (ending_reason){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_MEMORY)->name};
+        return (ending_reason){STORE_BUG, sheard_rpc_code_get(SHEARD_RPC_READER_MEMORY)->name};
     case READER_E_HUNG:
-        return (ending_reason){STORE_BUG, shear_rpc_code_get(SHEAR_RPC_READER_TIMEOUT)->name};
+        return (ending_reason){STORE_BUG, sheard_rpc_code_get(SHEARD_RPC_READER_TIMEOUT)->name};
     case SHEAR_E_NOMEM:
     case SHEAR_E_IO:
     case SHEAR_E_FULL:
@@ -76,8 +76,8 @@ ending_reason ending_reason_of(const shear_error *error) {
 /* A disk may be away, or full, for longer than any number of attempts: that is nothing of the
  * job's. */
 static bool is_patient(const ending_reason *reason) {
-    return strcmp(reason->name, shear_rpc_code_get(SHEAR_RPC_ROOT_MISSING)->name) == 0 ||
-           strcmp(reason->name, shear_rpc_code_get(SHEAR_RPC_DISK_FULL)->name) == 0;
+    return strcmp(reason->name, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name) == 0 ||
+           strcmp(reason->name, sheard_rpc_code_get(SHEARD_RPC_DISK_FULL)->name) == 0;
 }
 
 /* When to try again: a transient failure with doubling back-off and a limit, a bug once, bad data

@@ -107,22 +107,22 @@ static int learn_again(service *s, const active_job *j, shear_error *err) {
     return store_learn(s->store, j->id, &learned, &duplicate_of, err);
 }
 
-static shear_report_file report_file(const active_job *j, const engine_event *e) {
-    return (shear_report_file){.path = j->path,
-                               .checksum = j->checksum,
-                               .field = j->info.name,
-                               .n_stamps = e->result.n_stamps,
-                               .n_used = e->result.n_used,
-                               .plan = &j->plan,
-                               .seconds = e->seconds};
+static sheard_report_file report_file(const active_job *j, const engine_event *e) {
+    return (sheard_report_file){.path = j->path,
+                                .checksum = j->checksum,
+                                .field = j->info.name,
+                                .n_stamps = e->result.n_stamps,
+                                .n_used = e->result.n_used,
+                                .plan = &j->plan,
+                                .seconds = e->seconds};
 }
 
 /* NULL where there is no memory for it, or it would be too long: then the field's report knows less
  * of this file. */
-static char *account_text(const shear_report_file *file) {
+static char *account_text(const sheard_report_file *file) {
     char *text = NULL;
     shear_error ignored;
-    if (shear_account_format(&text, file, &ignored) == SHEAR_OK &&
+    if (sheard_account_format(&text, file, &ignored) == SHEAR_OK &&
         strlen(text) > STORE_ACCOUNT_MAX) {
         free(text);
         text = NULL;
@@ -130,38 +130,38 @@ static char *account_text(const shear_report_file *file) {
     return text;
 }
 
-static char *result_text(const active_job *j, const engine_event *e, const shear_report_file *file,
+static char *result_text(const active_job *j, const engine_event *e, const sheard_report_file *file,
                          shear_error *err) {
     char *text = NULL;
-    shear_advice_list advice;
-    shear_advice_all(&advice, &e->result, &j->plan, NULL);
-    const shear_report report = {.field = j->field,
-                                 .result = &e->result,
-                                 .settings = &j->settings,
-                                 .plan = &j->plan,
-                                 .files = file,
-                                 .n_files = 1,
-                                 .top_file = e->result.top_stamp >= 0 ? file->path : NULL,
-                                 .has_truth = j->info.has_truth,
-                                 .true_g1 = j->info.sim_g1,
-                                 .true_g2 = j->info.sim_g2,
-                                 .warnings = advice.lines,
-                                 .n_warnings = advice.n,
-                                 .seconds = e->seconds};
-    shear_report_json(&text, &report, err);
+    sheard_advice_list advice;
+    sheard_advice_all(&advice, &e->result, &j->plan, NULL);
+    const sheard_report report = {.field = j->field,
+                                  .result = &e->result,
+                                  .settings = &j->settings,
+                                  .plan = &j->plan,
+                                  .files = file,
+                                  .n_files = 1,
+                                  .top_file = e->result.top_stamp >= 0 ? file->path : NULL,
+                                  .has_truth = j->info.has_truth,
+                                  .true_g1 = j->info.sim_g1,
+                                  .true_g2 = j->info.sim_g2,
+                                  .warnings = advice.lines,
+                                  .n_warnings = advice.n,
+                                  .seconds = e->seconds};
+    sheard_report_json(&text, &report, err);
     return text;
 }
 
 static void done(service *s, active_job *j, const engine_event *e) {
     shear_error err = {0};
     store_finished end;
-    const shear_report_file file = report_file(j, e);
+    const sheard_report_file file = report_file(j, e);
     char *result = result_text(j, e, &file, &err);
     char *account = account_text(&file);
-    char *catalogue = catalogue_path(s, j->id);
+    char *catalog = catalog_path(s, j->id);
     const store_work work = {.sums = e->sums,
                              .result = result,
-                             .catalogue = catalogue,
+                             .catalog = catalog,
                              .elapsed_us = (int64_t)(1e6 * e->seconds),
                              .now_ms = wall_ms(),
                              .account = account,
@@ -186,7 +186,7 @@ static void done(service *s, active_job *j, const engine_event *e) {
     }
     free(result);
     free(account);
-    free(catalogue);
+    free(catalog);
 }
 
 static void stopped(service *s, active_job *j) {

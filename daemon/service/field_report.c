@@ -13,13 +13,13 @@
 
 /* An account that is not there (of a job that was retired before there were accounts), or cannot be
  * read, leaves what the contribution itself says. */
-static void read_account(const store_contribution *c, shear_account *account) {
+static void read_account(const store_contribution *c, sheard_account *account) {
     shear_error ignored;
-    if (c->account == NULL || shear_account_parse(account, c->account, &ignored) != SHEAR_OK) {
-        *account = (shear_account){.file = {.checksum = c->content,
-                                            .n_stamps = c->n_stamps,
-                                            .n_used = c->n_used,
-                                            .seconds = (double)NAN}};
+    if (c->account == NULL || sheard_account_parse(account, c->account, &ignored) != SHEAR_OK) {
+        *account = (sheard_account){.file = {.checksum = c->content,
+                                             .n_stamps = c->n_stamps,
+                                             .n_used = c->n_used,
+                                             .seconds = (double)NAN}};
     }
 }
 
@@ -29,10 +29,10 @@ static bool is_of(const active_job *j, const store_field *f) {
 }
 
 /* The plan of the first file that was counted, or else of one that is being measured. */
-static int first_plan(service *s, const store_field *f, shear_account *first, shear_error *err) {
+static int first_plan(service *s, const store_field *f, sheard_account *first, shear_error *err) {
     store_contribution_page page = {0};
     int code = SHEAR_OK;
-    *first = (shear_account){.texts = NULL};
+    *first = (sheard_account){.texts = NULL};
     if (f->jobs > 0) {
         code = store_contributions(s->store, f->name, f->settings_digest, 0, 1, &page, err);
     }
@@ -81,7 +81,7 @@ static char *find_top_file(service *s, const store_field *f, const shear_result 
     shear_influence top = {.stamp = -1};
     char *account_text = NULL;
     char *path = NULL;
-    shear_account account;
+    sheard_account account;
     shear_error ignored;
     if (f->jobs == 0) {
         const active_job *j = s->active;
@@ -94,9 +94,9 @@ static char *find_top_file(service *s, const store_field *f, const shear_result 
     const bool is_it = code == SHEAR_OK && top.stamp == r->top_stamp &&
                        top.size == r->top_size; /* not of a job that runs */
     if (is_it && account_text != NULL &&
-        shear_account_parse(&account, account_text, &ignored) == SHEAR_OK) {
+        sheard_account_parse(&account, account_text, &ignored) == SHEAR_OK) {
         path = account.file.path != NULL ? strdup(account.file.path) : NULL;
-        shear_account_deinit(&account);
+        sheard_account_deinit(&account);
     }
     free(account_text);
     return path;
@@ -104,54 +104,54 @@ static char *find_top_file(service *s, const store_field *f, const shear_result 
 
 /* What is said of the field, and of its files' PSFs. */
 typedef struct warnings_said {
-    shear_advice_list advice;
-    char others[SHEAR_ADVICE_SIZE];
-    const char *lines[SHEAR_ADVICES + 1]; /* [n] */
+    sheard_advice_list advice;
+    char others[SHEARD_ADVICE_SIZE];
+    const char *lines[SHEARD_ADVICES + 1]; /* [n] */
     size_t n;
 } warnings_said;
 
-static void say(warnings_said *w, const shear_result *result, const shear_account *first,
-                const char *top_file, const shear_report_file *files, size_t n) {
-    shear_advice_all(&w->advice, result, first->file.plan, top_file);
+static void say(warnings_said *w, const shear_result *result, const sheard_account *first,
+                const char *top_file, const sheard_report_file *files, size_t n) {
+    sheard_advice_all(&w->advice, result, first->file.plan, top_file);
     memcpy(w->lines, w->advice.lines, w->advice.n * sizeof *w->lines);
     w->n = w->advice.n;
-    if (shear_advice_other_psfs(files, n, first->file.path, w->others, sizeof w->others) != NULL) {
+    if (sheard_advice_other_psfs(files, n, first->file.path, w->others, sizeof w->others) != NULL) {
         w->lines[w->n++] = w->others;
     }
 }
 
 static int write_report(const store_field *f, const shear_settings *settings,
-                        const shear_result *result, const shear_account *first,
+                        const shear_result *result, const sheard_account *first,
                         const store_truth *truth, const char *top_file,
-                        const shear_report_file *files, size_t n, char **text, shear_error *err) {
+                        const sheard_report_file *files, size_t n, char **text, shear_error *err) {
     warnings_said said;
     say(&said, result, first, f->jobs > 1 ? top_file : NULL, files, n);
-    const shear_report report = {.field = f->name,
-                                 .result = result,
-                                 .settings = settings,
-                                 .plan = first->file.plan,
-                                 .files = files,
-                                 .n_files = n,
-                                 .top_file = top_file,
-                                 .has_truth = truth->known,
-                                 .true_g1 = truth->g1,
-                                 .true_g2 = truth->g2,
-                                 .warnings = said.lines,
-                                 .n_warnings = said.n,
-                                 .seconds = 1e-6 * (double)f->elapsed_us};
-    return shear_report_json(text, &report, err);
+    const sheard_report report = {.field = f->name,
+                                  .result = result,
+                                  .settings = settings,
+                                  .plan = first->file.plan,
+                                  .files = files,
+                                  .n_files = n,
+                                  .top_file = top_file,
+                                  .has_truth = truth->known,
+                                  .true_g1 = truth->g1,
+                                  .true_g2 = truth->g2,
+                                  .warnings = said.lines,
+                                  .n_warnings = said.n,
+                                  .seconds = 1e-6 * (double)f->elapsed_us};
+    return sheard_report_json(text, &report, err);
 }
 
 /* The accounts of what was counted, and their files. */
 typedef struct listed {
-    shear_account *accounts; /* [n] */
-    shear_report_file *files;
+    sheard_account *accounts; /* [n] */
+    sheard_report_file *files;
     size_t n;
 } listed;
 
 static void listed_deinit(listed *l) {
     for (size_t i = 0; i < l->n; i++) {
-        shear_account_deinit(&l->accounts[i]);
+        sheard_account_deinit(&l->accounts[i]);
     }
     free(l->accounts);
     free(l->files);
@@ -173,7 +173,7 @@ static int listed_init(listed *l, const store_contribution_page *counted, shear_
 int field_report(service *s, const store_field *f, const shear_settings *settings,
                  const shear_result *result, const store_contribution_page *counted, char **text,
                  shear_error *err) {
-    shear_account first;
+    sheard_account first;
     store_truth truth;
     listed files;
     int code = listed_init(&files, counted, err);
@@ -188,7 +188,7 @@ int field_report(service *s, const store_field *f, const shear_settings *setting
                                 text, err);
             free(top_file);
         }
-        shear_account_deinit(&first);
+        sheard_account_deinit(&first);
     }
     listed_deinit(&files);
     return code;

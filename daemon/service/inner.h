@@ -114,11 +114,11 @@ typedef struct problem_note {
 
 /* What there is to tell now, with the texts. */
 typedef struct problem_list {
-    shear_msg_problem items[PROBLEMS_TOLD];
+    sheard_msg_problem items[PROBLEMS_TOLD];
     const char *lines[PROBLEMS_TOLD]; /* the messages of items */
     size_t n;
     char texts[PROBLEMS_TOLD][PROBLEM_TEXT];
-    shear_msg_disk disks[DISKS];
+    sheard_msg_disk disks[DISKS];
     size_t n_disks;
     store_waiting waiting[PROBLEM_REASONS];
     size_t n_waiting;
@@ -176,7 +176,7 @@ struct service {
     int64_t news_round;
     solutions *solutions;
 
-    int state; /* enum shear_server_state */
+    int state; /* enum sheard_server_state */
     int exit_code;
     bool closing;
     bool drain_pending;        /* drained jobs are left, and their end is to be told */
@@ -253,20 +253,20 @@ int spooled_take_back(service *s, const store_job *job, shear_error *err);
 
 int make_directory(const char *path, mode_t mode, shear_error *err); /* start.c; may be there */
 
-/* catalogues.c */
-char *catalogue_path(const service *s, int64_t job); /* malloc'd; NULL where there are none */
-/* A job is over: its temporary file, and a catalogue that it did not end with, go. */
-void catalogue_forget(const service *s, const store_job *job);
+/* catalogs.c */
+char *catalog_path(const service *s, int64_t job); /* malloc'd; NULL where there are none */
+/* A job is over: its temporary file, and a catalog that it did not end with, go. */
+void catalog_forget(const service *s, const store_job *job);
 /* The directory is made, where it is not there, and is this database's from now on. SHEAR_E_EXISTS
  * where it is another's. */
-int catalogues_claim(service *s, const char *directory, shear_error *err);
+int catalogs_claim(service *s, const char *directory, shear_error *err);
 /* At the start: their directory is claimed, and what nobody needs goes. */
-int catalogues_open(service *s, shear_error *err);
-/* Jobs were retracted, and that is on disk: their catalogues go. */
-void catalogues_remove_retracted(service *s);
+int catalogs_open(service *s, shear_error *err);
+/* Jobs were retracted, and that is on disk: their catalogs go. */
+void catalogs_remove_retracted(service *s);
 /* That of a contribution of a forgotten field; of a retired job, as it is called in the directory.
  * True: there is none any more. */
-bool catalogue_leaves(const service *s, const store_leaving *leaving);
+bool catalog_leaves(const service *s, const store_leaving *leaving);
 
 /* method_forget.c */
 /* Contributions of fields that were forgotten are left, it may be from before the start: some of
@@ -297,32 +297,33 @@ const char *reason_brief(const store_field *f, const shear_result *result);
 
 /* submit.c */
 typedef struct submission {
-    const shear_msg_submit *submit;
+    const sheard_msg_submit *submit;
     access_peer peer; /* groups borrowed */
     int origin;
     const char *key;
     const char *source;  /* path to store, for the watch folder's own files; NULL: a client's */
     const char *dropped; /* name of the file that was dropped; NULL: none was */
 } submission;
-/* Into the store, within the group. SHEAR_RPC_OK and *id, or an error. */
-int submit_job(service *s, const submission *sub, int64_t *id, bool *known, shear_rpc_error *error);
+/* Into the store, within the group. SHEARD_RPC_OK and *id, or an error. */
+int submit_job(service *s, const submission *sub, int64_t *id, bool *known,
+               sheard_rpc_error *error);
 /* From the store's or the library's error to the protocol's. */
-int rpc_from_store(shear_rpc_error *error, int code, const shear_error *err);
-int rpc_from_access(shear_rpc_error *error, int code, const shear_error *err);
+int rpc_from_store(sheard_rpc_error *error, int code, const shear_error *err);
+int rpc_from_access(sheard_rpc_error *error, int code, const shear_error *err);
 
 /* present.c: records of the store as messages. Texts are borrowed from the record. */
-void present_job(service *s, const store_job *job, shear_msg_job *out);
-void present_job_free(shear_msg_job *out);
+void present_job(service *s, const store_job *job, sheard_msg_job *out);
+void present_job_free(sheard_msg_job *out);
 /* What a job that runs now is at; false, and nothing is changed, where it does not. */
-bool present_running(service *s, int64_t id, shear_msg_progress *p);
+bool present_running(service *s, int64_t id, sheard_msg_progress *p);
 /* Add the rows of a field that have no contribution yet, but running jobs. */
 int present_begun(service *s, const char *name, store_field_page *page, shear_error *err);
 /* `counted`: the contributions whose files are to be listed. *why is begun, for the row's reason
  * and culprit, which are left out. */
 int present_field(service *s, const store_field *f, const store_contribution_page *counted,
-                  shear_msg_field_row *out, field_reason *why, shear_error *err);
-void present_field_free(shear_msg_field_row *out);
-void present_summary(service *s, const store_field *f, shear_msg_summary *out);
+                  sheard_msg_field_row *out, field_reason *why, shear_error *err);
+void present_field_free(sheard_msg_field_row *out);
+void present_summary(service *s, const store_field *f, sheard_msg_summary *out);
 void publish_job(service *s, const store_job *job);
 
 /* field_report.c: what `shearctl measure --json` prints of a field's files, those of `counted`
@@ -359,7 +360,7 @@ const char *user_name(service *s, uid_t uid);
 /* pace.c */
 void pace_start(service *s);
 void pace_tick(service *s); /* once a second, when `ticks` has moved on */
-shear_msg_loop pace_tell(const service *s);
+sheard_msg_loop pace_tell(const service *s);
 
 /* news.c */
 void news_field_changed(service *s, const char *name, const char *digest); /* NULL: no name yet */
@@ -373,7 +374,7 @@ bool peer_is_admin(const service *s, const access_peer *peer);
 
 /* status.c */
 #define SHEARD_VERSION SHEAR_VERSION_STRING
-shear_msg_limits status_limits(const service *s);
+sheard_msg_limits status_limits(const service *s);
 void status_reply(service *s, server_handle to);
 void metrics_reply(service *s, server_handle to);
 void status_tick(service *s);
@@ -391,8 +392,8 @@ void problems_tick(service *s);
 problem_list *problems_look(service *s, shear_error *err);
 
 /* disks.c */
-size_t disks_look(const service *s, shear_msg_disk disks[DISKS]);
-bool disk_is_full(const shear_msg_disk *disk); /* ... as good as */
+size_t disks_look(const service *s, sheard_msg_disk disks[DISKS]);
+bool disk_is_full(const sheard_msg_disk *disk); /* ... as good as */
 
 /* waits.c */
 void waits_for_submitted(service *s, server_handle to, bool known, int64_t id);
@@ -402,8 +403,8 @@ void waits_expire(service *s);
 /* life.c */
 void life_start(service *s); /* signals and timers */
 void life_close(service *s, int64_t flush_ms);
-shear_msg_stopping life_left(service *s); /* the state, and the jobs that are left */
-void life_drain_queue(service *s);        /* take no new jobs, finish all that there are, stay */
+sheard_msg_stopping life_left(service *s); /* the state, and the jobs that are left */
+void life_drain_queue(service *s);         /* take no new jobs, finish all that there are, stay */
 void life_drain(service *s, double timeout_s);
 void life_stop_now(service *s);
 void life_announce(service *s); /* the state, to those who watch */
@@ -419,13 +420,13 @@ void probe_free(service *s);
 int roots_set(service *s, shear_error *err);
 void roots_free(service *s);
 void roots_tick(service *s);
-const shear_msg_root *roots_tell(const service *s, size_t *n); /* valid until the next call */
+const sheard_msg_root *roots_tell(const service *s, size_t *n); /* valid until the next call */
 /* One line for each that is missing, as long as there is room; returns how many. */
 size_t roots_problems(const service *s, const char **list, size_t room);
 
 /* reload.c */
-int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error);
-void reload_reply_deinit(shear_msg_reloaded *reply);
+int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *error);
+void reload_reply_deinit(sheard_msg_reloaded *reply);
 /* Lists of users and groups, and the data roots; all or nothing. */
 int reload_access(const sheard_config *c, access_list **admins, access_list **submitters,
                   access_roots **roots, shear_error *err);

@@ -51,7 +51,7 @@ static int active_new(active_job **out, const store_job *job, ending_reason *rea
                       .started_ms = steady_ms(),
                       .field = job->field != NULL ? strdup(job->field) : NULL,
                       .digest = strdup(job->settings_digest)};
-    const int code = shear_settings_read(&j->settings, job->settings, err);
+    const int code = sheard_settings_read(&j->settings, job->settings, err);
     if (code != SHEAR_OK) { /* they were good when they were stored */
         *reason = ending_reason_of(&(shear_error){.code = SHEAR_E_INTERNAL});
         active_free(j);
@@ -65,7 +65,7 @@ static int active_new(active_job **out, const store_job *job, ending_reason *rea
 static int give(service *s, const store_job *job, active_job *j, source_opened *o,
                 shear_error *err) {
     char text[SHEAR_INPUT_TEXT_SIZE];
-    char *catalogue = catalogue_path(s, job->id);
+    char *catalog = catalog_path(s, job->id);
     j->path = strdup(shear_input_text(&o->input, text, sizeof text));
     j->active_name = o->active_name;
     o->active_name = NULL;
@@ -74,12 +74,12 @@ static int give(service *s, const store_job *job, active_job *j, source_opened *
                              .input = &o->input,
                              .fds = o->files.fds,
                              .settings = j->settings,
-                             .catalogue = catalogue};
+                             .catalog = catalog};
     const int code = engine_add(s->engine, &spec, err);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
         o->files.fds[i] = -1; /* the engine's, in any case */
     }
-    free(catalogue);
+    free(catalog);
     return code;
 }
 
@@ -161,7 +161,7 @@ void jobs_fill(service *s) {
     if (s->strays && s->store_trouble_ms == 0 && marked(s) == 0) {
         put_back_strays(s);
     }
-    while (s->state != SHEAR_SERVER_STOPPING && s->store_trouble_ms == 0 &&
+    while (s->state != SHEARD_SERVER_STOPPING && s->store_trouble_ms == 0 &&
            s->n_active + marked(s) < s->config.daemon.max_active_jobs) {
         store_job job = {0};
         int64_t due = 0;

@@ -12,7 +12,7 @@ enum { FLUSH_MS = 2000 };
 /* ---- stopping ---- */
 
 static void close_handle(uv_handle_t *handle) {
-    if (!uv_is_closing(handle)) {
+    if (uv_is_closing(handle) == 0) {
         uv_close(handle, NULL);
     }
 }
@@ -41,36 +41,36 @@ void life_close(service *s, int64_t flush_ms) {
     }
 }
 
-shear_msg_stopping life_left(service *s) {
+sheard_msg_stopping life_left(service *s) {
     store_counts counts = {0};
     shear_error ignored;
     store_count(s->store, &counts, &ignored);
-    return (shear_msg_stopping){.state = s->state,
-                                .running = counts.jobs[STORE_RUNNING],
-                                .queued = counts.jobs[STORE_QUEUED] + counts.jobs[STORE_WAITING]};
+    return (sheard_msg_stopping){.state = s->state,
+                                 .running = counts.jobs[STORE_RUNNING],
+                                 .queued = counts.jobs[STORE_QUEUED] + counts.jobs[STORE_WAITING]};
 }
 
 void life_announce(service *s) {
-    const shear_notice_params params = {.server_state = life_left(s)};
-    server_publish(s->server, SHEAR_NOTICE_SERVER_STATE, 0, NULL, &params);
+    const sheard_notice_params params = {.server_state = life_left(s)};
+    server_publish(s->server, SHEARD_NOTICE_SERVER_STATE, 0, NULL, &params);
 }
 
 void life_drain_queue(service *s) {
-    if (s->state != SHEAR_SERVER_RUNNING) {
+    if (s->state != SHEARD_SERVER_RUNNING) {
         return;
     }
-    const shear_msg_stopping left = life_left(s);
-    s->state = SHEAR_SERVER_DRAINING;
+    const sheard_msg_stopping left = life_left(s);
+    s->state = SHEARD_SERVER_DRAINING;
     s->drain_pending = left.running + left.queued > 0;
     log_notice("draining: %lld jobs are left", (long long)(left.running + left.queued));
 }
 
 /* The last job of a drain has ended: tell it, once. */
 static void check_drain(service *s) {
-    if (s->state != SHEAR_SERVER_DRAINING || !s->drain_pending) {
+    if (s->state != SHEARD_SERVER_DRAINING || !s->drain_pending) {
         return;
     }
-    const shear_msg_stopping left = life_left(s);
+    const sheard_msg_stopping left = life_left(s);
     if (left.running + left.queued == 0 && s->first_after == NULL && !s->group_open) {
         s->drain_pending = false;
         log_notice("drained: no job is left");
@@ -80,7 +80,7 @@ static void check_drain(service *s) {
 
 void life_check(service *s) {
     check_drain(s);
-    if (s->state != SHEAR_SERVER_STOPPING || s->n_active > 0 || s->first_after != NULL ||
+    if (s->state != SHEARD_SERVER_STOPPING || s->n_active > 0 || s->first_after != NULL ||
         s->group_open || s->closing || s->server == NULL) {
         return;
     }
@@ -93,7 +93,7 @@ void life_check(service *s) {
 
 /* Give the running jobs back: their checkpoints are kept, and they go on at the next start. */
 void life_stop_now(service *s) {
-    s->state = SHEAR_SERVER_STOPPING;
+    s->state = SHEARD_SERVER_STOPPING;
     server_stop_accepting(s->server);
     life_announce(s);
     jobs_stop_all(s);
@@ -111,11 +111,11 @@ static void drain_over(uv_timer_t *timer) {
 void life_drain(service *s, double timeout_s) {
     const double seconds =
         isnan(timeout_s) ? 1e-3 * (double)s->config.daemon.drain_timeout_ms : timeout_s;
-    if (s->state == SHEAR_SERVER_STOPPING) {
+    if (s->state == SHEARD_SERVER_STOPPING) {
         return;
     }
     log_notice("stopping: %d running jobs have %.0f s to finish", s->n_active, seconds);
-    s->state = SHEAR_SERVER_STOPPING;
+    s->state = SHEARD_SERVER_STOPPING;
     notify_stopping(&s->notify, "finishing the running jobs", NULL);
     life_announce(s);
     uv_timer_start(&s->drain_end, drain_over, (uint64_t)(1e3 * fmax(0.0, seconds)), 0);
@@ -126,11 +126,11 @@ void life_drain(service *s, double timeout_s) {
 static void on_signal(uv_signal_t *handle, int number) {
     service *s = handle->data;
     if (number == SIGHUP) {
-        shear_msg_reloaded reply;
-        shear_rpc_error error;
+        sheard_msg_reloaded reply;
+        sheard_rpc_error error;
         reload_config(s, &reply, &error);
         reload_reply_deinit(&reply);
-    } else if (s->state == SHEAR_SERVER_STOPPING) {
+    } else if (s->state == SHEARD_SERVER_STOPPING) {
         log_notice("stopping at once: %d jobs go on at the next start", s->n_active);
         jobs_stop_all(s);
     } else {

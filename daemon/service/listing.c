@@ -10,12 +10,12 @@ void listing_begin(listing *l, service *s, const server_request *r, int (*step)(
                    void (*drop)(void *)) {
     const server_work work = {.step = step, .drop = drop, .context = l};
     *l = (listing){.s = s, .to = r->handle, .request = *r->request};
-    *r->request = (shear_request){0}; /* taken over */
+    *r->request = (sheard_request){0}; /* taken over */
     server_defer(s->server, l->to, &work);
 }
 
 void listing_deinit(listing *l) {
-    shear_request_deinit(&l->request);
+    sheard_request_deinit(&l->request);
     free(l->items);
 }
 
@@ -34,14 +34,14 @@ static bool make_room(listing *l, size_t n) {
 }
 
 bool listing_add(listing *l, const void *item) {
-    shear_rpc_error error;
+    sheard_rpc_error error;
     char *text = NULL;
     size_t n = 0;
-    int rc = shear_reply_item(&text, &n, l->request.method, item, &error);
-    if (rc == SHEAR_RPC_OK && !make_room(l, n + 1)) {
-        rc = shear_rpc_fail(&error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
+    int rc = sheard_reply_item(&text, &n, l->request.method, item, &error);
+    if (rc == SHEARD_RPC_OK && !make_room(l, n + 1)) {
+        rc = sheard_rpc_fail(&error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory for the reply");
     }
-    if (rc != SHEAR_RPC_OK) {
+    if (rc != SHEARD_RPC_OK) {
         server_reply_error(l->s->server, l->to, &error);
     } else {
         if (l->used > 0) {
@@ -51,7 +51,7 @@ bool listing_add(listing *l, const void *item) {
         l->used += n;
     }
     free(text);
-    return rc == SHEAR_RPC_OK;
+    return rc == SHEARD_RPC_OK;
 }
 
 void listing_clear(listing *l) {
@@ -60,12 +60,12 @@ void listing_clear(listing *l) {
     l->used = l->size = 0;
 }
 
-void listing_reply(listing *l, const shear_reply *rest) {
-    shear_rpc_error error;
+void listing_reply(listing *l, const sheard_reply *rest) {
+    sheard_rpc_error error;
     char *line = NULL;
     size_t n = 0;
-    if (shear_reply_list_line(&line, &n, &l->request.id, l->request.method, rest, l->items, l->used,
-                              &error) == SHEAR_RPC_OK) {
+    if (sheard_reply_list_line(&line, &n, &l->request.id, l->request.method, rest, l->items,
+                               l->used, &error) == SHEARD_RPC_OK) {
         server_reply_line(l->s->server, l->to, line, n);
     } else {
         server_reply_error(l->s->server, l->to, &error);

@@ -9,8 +9,8 @@
 typedef struct listing {
     service *s;
     server_handle to;
-    shear_request request; /* taken over from the one that was given */
-    char *items;           /* [used] of [size]: their texts */
+    sheard_request request; /* taken over from the one that was given */
+    char *items;            /* [used] of [size]: their texts */
     size_t used, size;
 } listing;
 
@@ -25,7 +25,7 @@ bool listing_add(listing *l, const void *item);
 /* Begin again, without items. */
 void listing_clear(listing *l);
 /* The reply, with the items in its list. */
-void listing_reply(listing *l, const shear_reply *rest);
+void listing_reply(listing *l, const sheard_reply *rest);
 /* Answered with an error, of the store or by the protocol's code. */
 void listing_refuse_store(listing *l, int code, const shear_error *err);
 void listing_refuse(listing *l, int code, const char *message);

@@ -18,17 +18,17 @@ void method_reply_job(service *s, after *a, int code, const shear_error *err) {
         return;
     }
     spooled_end(s, &job);
-    shear_reply reply = {0};
-    shear_msg_job *message = a->method == SHEAR_METHOD_SUBMIT   ? &reply.submit.job
-                             : a->method == SHEAR_METHOD_CANCEL ? &reply.cancel
-                             : a->method == SHEAR_METHOD_RETRY  ? &reply.retry
-                                                                : &reply.retract;
+    sheard_reply reply = {0};
+    sheard_msg_job *message = a->method == SHEARD_METHOD_SUBMIT   ? &reply.submit.job
+                              : a->method == SHEARD_METHOD_CANCEL ? &reply.cancel
+                              : a->method == SHEARD_METHOD_RETRY  ? &reply.retry
+                                                                  : &reply.retract;
     present_job(s, &job, message);
-    reply.submit.known = a->method == SHEAR_METHOD_SUBMIT && a->flag;
+    reply.submit.known = a->method == SHEARD_METHOD_SUBMIT && a->flag;
     server_reply(s->server, a->to, &reply);
     present_job_free(message);
     publish_job(s, &job);
-    if (shear_job_state_is_final(job.state)) {
+    if (sheard_job_state_is_final(job.state)) {
         ending_tell(s, &job);
     }
     store_job_deinit(&job);
@@ -47,7 +47,7 @@ static after *answer_later(service *s, void (*run)(service *, after *, int, cons
                            server_handle to, int method, int64_t job, bool flag) {
     after *a = group_after(s, run);
     if (a == NULL) {
-        method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY,
+        method_refuse(s, to, SHEARD_RPC_OUT_OF_MEMORY,
                       "out of memory for a reply; the request may have been carried out");
         return NULL;
     }
@@ -59,8 +59,8 @@ static after *answer_later(service *s, void (*run)(service *, after *, int, cons
 }
 
 void method_submit(service *s, const server_request *r) {
-    const shear_msg_submit *submit = &r->request->params.submit;
-    shear_rpc_error error;
+    const sheard_msg_submit *submit = &r->request->params.submit;
+    sheard_rpc_error error;
     int64_t id = 0;
     bool known = false;
     const submission sub = {
@@ -68,15 +68,15 @@ void method_submit(service *s, const server_request *r) {
     if (s->config.access.submit_groups.n > 0 && !access_list_has(s->submitters, &sub.peer) &&
         !peer_is_admin(s, r->peer)) {
         method_refuse(
-            s, r->handle, SHEAR_RPC_NOT_OWNER,
+            s, r->handle, SHEARD_RPC_NOT_OWNER,
             "you are in none of the groups that may submit jobs ([access] submit_groups)");
-    } else if (s->state != SHEAR_SERVER_RUNNING) {
+    } else if (s->state != SHEARD_SERVER_RUNNING) {
         method_refuse_new(s, r->handle);
-    } else if (submit_job(s, &sub, &id, &known, &error) != SHEAR_RPC_OK) {
+    } else if (submit_job(s, &sub, &id, &known, &error) != SHEARD_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);
     } else {
         answer_later(s, submit->wait ? reply_when_ended : method_reply_job, r->handle,
-                     SHEAR_METHOD_SUBMIT, id, known);
+                     SHEARD_METHOD_SUBMIT, id, known);
     }
 }
 
@@ -89,7 +89,7 @@ bool method_may_change(service *s, const server_request *r, int64_t id) {
     if (code != SHEAR_OK) {
         method_refuse_store(s, r->handle, code, &err);
     } else if (!mine) {
-        method_refuse(s, r->handle, SHEAR_RPC_NOT_OWNER, "the job belongs to somebody else");
+        method_refuse(s, r->handle, SHEARD_RPC_NOT_OWNER, "the job belongs to somebody else");
     }
     return code == SHEAR_OK && mine;
 }
@@ -112,56 +112,56 @@ void method_cancel(service *s, const server_request *r) {
     if (state == STORE_RUNNING) {
         engine_stop_job(s->engine, id);
     }
-    answer_later(s, method_reply_job, r->handle, SHEAR_METHOD_CANCEL, id, false);
+    answer_later(s, method_reply_job, r->handle, SHEARD_METHOD_CANCEL, id, false);
 }
 
 /* The dropped file of a job that is to be tried again goes back into active/. */
-static int take_back(service *s, const store_job *job, shear_rpc_error *error) {
+static int take_back(service *s, const store_job *job, sheard_rpc_error *error) {
     shear_error err = {0};
     const int code = spooled_take_back(s, job, &err);
-    const int rpc = code == SPOOL_GONE          ? SHEAR_RPC_NO_SUCH_FILE
-                    : code == SPOOL_REPLACED    ? SHEAR_RPC_FILE_CHANGED
-                    : code == SPOOL_NOT_REGULAR ? SHEAR_RPC_NOT_REGULAR
-                                                : SHEAR_RPC_IO;
-    return code == SHEAR_OK ? SHEAR_RPC_OK
-                            : shear_rpc_fail(error, rpc, err.advice[0] != '\0' ? err.advice : NULL,
-                                             "%s", err.message);
+    const int rpc = code == SPOOL_GONE          ? SHEARD_RPC_NO_SUCH_FILE
+                    : code == SPOOL_REPLACED    ? SHEARD_RPC_FILE_CHANGED
+                    : code == SPOOL_NOT_REGULAR ? SHEARD_RPC_NOT_REGULAR
+                                                : SHEARD_RPC_IO;
+    return code == SHEAR_OK ? SHEARD_RPC_OK
+                            : sheard_rpc_fail(error, rpc, err.advice[0] != '\0' ? err.advice : NULL,
+                                              "%s", err.message);
 }
 
 /* Its files are opened, as at its submission, and closed. */
-static int try_to_open(service *s, const store_job *job, shear_rpc_error *error) {
+static int try_to_open(service *s, const store_job *job, sheard_rpc_error *error) {
     source_opened o;
     shear_error err = {0};
     const int code = source_open_for_job(s, job, &o, &err);
-    const int rpc = shear_rpc_code_find(o.name);
+    const int rpc = sheard_rpc_code_find(o.name);
     source_opened_deinit(&o);
     if (code == SHEAR_OK) {
-        return SHEAR_RPC_OK;
+        return SHEARD_RPC_OK;
     }
     return spooled_is_own(job)
-               ? shear_rpc_fail(error, rpc, err.advice[0] != '\0' ? err.advice : NULL, "%s",
-                                err.message)
+               ? sheard_rpc_fail(error, rpc, err.advice[0] != '\0' ? err.advice : NULL, "%s",
+                                 err.message)
                : rpc_from_access(error, code, &err);
 }
 
 /* Queued again, in this group; its file is back before. Where that was in vain, the file returns to
  * where it was. */
-static int retry(service *s, store_job *job, shear_rpc_error *error) {
+static int retry(service *s, store_job *job, sheard_rpc_error *error) {
     shear_error err = {0};
     const bool may = job->state == STORE_FAILED || job->state == STORE_CANCELLED;
-    int code = may ? take_back(s, job, error) : SHEAR_RPC_OK; /* else wrong_state, below */
-    if (code != SHEAR_RPC_OK) {
+    int code = may ? take_back(s, job, error) : SHEARD_RPC_OK; /* else wrong_state, below */
+    if (code != SHEARD_RPC_OK) {
         return code;
     }
-    code = may ? try_to_open(s, job, error) : SHEAR_RPC_OK;
-    int stored = code == SHEAR_RPC_OK ? group_begin(s, &err) : SHEAR_OK;
-    if (code == SHEAR_RPC_OK && stored == SHEAR_OK) {
+    code = may ? try_to_open(s, job, error) : SHEARD_RPC_OK;
+    int stored = code == SHEARD_RPC_OK ? group_begin(s, &err) : SHEAR_OK;
+    if (code == SHEARD_RPC_OK && stored == SHEAR_OK) {
         stored = store_retry(s->store, job->id, s->config.limits.queue, &err);
     }
     if (stored != SHEAR_OK) {
         code = rpc_from_store(error, stored, &err);
     }
-    if (code != SHEAR_RPC_OK && may) {
+    if (code != SHEARD_RPC_OK && may) {
         spooled_end(s, job);
     }
     return code;
@@ -181,22 +181,22 @@ void method_retry(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
     store_job job = {0};
     shear_error err = {0};
-    shear_rpc_error error;
+    sheard_rpc_error error;
     char name[SPOOL_NAME_SIZE];
     if (!method_may_change(s, r, id)) {
         return;
     }
-    if (s->state != SHEAR_SERVER_RUNNING) {
+    if (s->state != SHEARD_SERVER_RUNNING) {
         method_refuse_new(s, r->handle);
         return;
     }
     const int code = store_job_get(s->store, id, &job, &err);
     if (code != SHEAR_OK) {
         method_refuse_store(s, r->handle, code, &err);
-    } else if (retry(s, &job, &error) != SHEAR_RPC_OK) {
+    } else if (retry(s, &job, &error) != SHEARD_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);
     } else {
-        after *a = answer_later(s, reply_retried, r->handle, SHEAR_METHOD_RETRY, id, false);
+        after *a = answer_later(s, reply_retried, r->handle, SHEARD_METHOD_RETRY, id, false);
         if (a != NULL && spooled_name(&job, name)) {
             a->name = strdup(name);
         }

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int find_contributions(service *s, const shear_msg_field *p, const store_field *f,
+static int find_contributions(service *s, const sheard_msg_field *p, const store_field *f,
                               store_contribution_page *page, shear_error *err) {
     *page = (store_contribution_page){0};
     return p->limit == 0 || f->jobs == 0
@@ -15,17 +15,17 @@ static int find_contributions(service *s, const shear_msg_field *p, const store_
                                      (size_t)p->limit, page, err);
 }
 
-static int list_contributions(const store_contribution_page *page, shear_msg_field_row *row,
+static int list_contributions(const store_contribution_page *page, sheard_msg_field_row *row,
                               shear_error *err) {
-    shear_msg_contribution *list = calloc(page->n + 1, sizeof *list);
+    sheard_msg_contribution *list = calloc(page->n + 1, sizeof *list);
     for (size_t i = 0; list != NULL && i < page->n; i++) {
         const store_contribution *c = &page->items[i];
-        list[i] = (shear_msg_contribution){.id = c->id,
-                                           .job = c->job,
-                                           .checksum = c->content,
-                                           .n_stamps = c->n_stamps,
-                                           .n_used = c->n_used,
-                                           .counted_ms = c->counted_ms};
+        list[i] = (sheard_msg_contribution){.id = c->id,
+                                            .job = c->job,
+                                            .checksum = c->content,
+                                            .n_stamps = c->n_stamps,
+                                            .n_used = c->n_used,
+                                            .counted_ms = c->counted_ms};
     }
     row->contributions = list;
     row->n_contributions = list != NULL ? page->n : 0;
@@ -43,7 +43,7 @@ typedef struct field_rows {
     bool ready;
     size_t next;
     bool made; /* what follows, of the next one */
-    shear_msg_field_row row;
+    sheard_msg_field_row row;
     store_contribution_page contributions;
     field_reason why;
 } field_rows;
@@ -51,11 +51,11 @@ typedef struct field_rows {
 /* The rows, and their results. */
 static int find_rows(field_rows *w) {
     service *s = w->list.s;
-    const shear_msg_field *p = &w->list.request.params.field;
+    const sheard_msg_field *p = &w->list.request.params.field;
     shear_error err = {0};
     int code = store_field_get(s->store, p->field, &w->page, &err);
     if (code == STORE_NOT_FOUND) {
-        listing_refuse(&w->list, SHEAR_RPC_NO_SUCH_FIELD, err.message);
+        listing_refuse(&w->list, SHEARD_RPC_NO_SUCH_FIELD, err.message);
         return SERVER_PAUSE;
     }
     if (code == SHEAR_OK) {
@@ -84,7 +84,7 @@ static int make_row(field_rows *w, const store_field *f, shear_error *err) {
 }
 
 static void clear_row(field_rows *w) {
-    free((shear_msg_contribution *)w->row.contributions);
+    free((sheard_msg_contribution *)w->row.contributions);
     store_contribution_page_deinit(&w->contributions);
     present_field_free(&w->row);
     reason_deinit(&w->why);
@@ -99,10 +99,10 @@ static void row_step(field_rows *w, const store_field *f) {
         listing_refuse_store(&w->list, code, &err);
     } else if (reason_look(w->list.s, f, &w->why)) {
         w->row.reason = w->why.text;
-        w->row.culprit = (shear_msg_culprit){.job = w->why.job,
-                                             .contribution = w->why.contribution,
-                                             .file = w->why.file,
-                                             .checksum = w->why.checksum};
+        w->row.culprit = (sheard_msg_culprit){.job = w->why.job,
+                                              .contribution = w->why.contribution,
+                                              .file = w->why.file,
+                                              .checksum = w->why.checksum};
         (void)listing_add(&w->list, &w->row);
         clear_row(w);
         w->next++;
@@ -112,13 +112,13 @@ static void row_step(field_rows *w, const store_field *f) {
 static int rows_step(void *context) {
     field_rows *w = context;
     service *s = w->list.s;
-    const shear_msg_field *p = &w->list.request.params.field;
+    const sheard_msg_field *p = &w->list.request.params.field;
     int next = SERVER_MORE;
     solutions_since(s, w->since);
     if (!w->ready) {
         next = find_rows(w);
     } else if (w->next == w->page.n) {
-        const shear_reply rest = {.field = {.field = p->field, .mixed = w->page.n > 1}};
+        const sheard_reply rest = {.field = {.field = p->field, .mixed = w->page.n > 1}};
         listing_reply(&w->list, &rest);
     } else {
         const store_field *f = &w->page.fields[w->next];
@@ -144,7 +144,7 @@ static void rows_drop(void *context) {
 void method_field(service *s, const server_request *r) {
     field_rows *w = calloc(1, sizeof *w);
     if (w == NULL) {
-        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a field");
+        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a field");
         return;
     }
     w->since = solutions_begun(s);
@@ -178,7 +178,7 @@ static bool read_cursor(const char *cursor, char *digest, const char **name) {
 static bool add_summary(field_list *w, const store_field_page *page, size_t i) {
     const char *name = page->fields[i].name;
     const char *before = i > 0 ? page->fields[i - 1].name : w->name;
-    shear_msg_summary summary;
+    sheard_msg_summary summary;
     present_summary(w->list.s, &page->fields[i], &summary);
     summary.mixed = (before != NULL && strcmp(before, name) == 0) ||
                     (i + 1 < page->n && strcmp(page->fields[i + 1].name, name) == 0);
@@ -199,7 +199,8 @@ static bool take_fields(field_list *w, const store_field_page *page, size_t n) {
         w->name = strdup(page->fields[n - 1].name);
         w->digest = strdup(page->fields[n - 1].settings_digest);
         if (w->name == NULL || w->digest == NULL) {
-            listing_refuse(&w->list, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a list of fields");
+            listing_refuse(&w->list, SHEARD_RPC_OUT_OF_MEMORY,
+                           "out of memory for a list of fields");
             return false;
         }
     }
@@ -207,11 +208,11 @@ static bool take_fields(field_list *w, const store_field_page *page, size_t n) {
 }
 
 static void reply_with_fields(field_list *w, bool more) {
-    char cursor[SHEAR_MSG_CURSOR_MAX];
+    char cursor[SHEARD_MSG_CURSOR_MAX];
     if (more) {
         snprintf(cursor, sizeof cursor, "%s %s", w->digest, w->name);
     }
-    const shear_reply rest = {.fields.cursor = more ? cursor : NULL};
+    const sheard_reply rest = {.fields.cursor = more ? cursor : NULL};
     listing_reply(&w->list, &rest);
 }
 
@@ -250,11 +251,11 @@ static void fields_drop(void *context) {
 }
 
 void method_fields(service *s, const server_request *r) {
-    const shear_msg_fields *p = &r->request->params.fields;
+    const sheard_msg_fields *p = &r->request->params.fields;
     char digest[STORE_DIGEST_MAX + 1];
     const char *name = NULL;
     if (p->cursor != NULL && !read_cursor(p->cursor, digest, &name)) {
-        method_refuse(s, r->handle, SHEAR_RPC_BAD_CURSOR, "the cursor is none of this service");
+        method_refuse(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
         return;
     }
     field_list *w = calloc(1, sizeof *w);
@@ -263,7 +264,7 @@ void method_fields(service *s, const server_request *r) {
         w->digest = strdup(digest);
     }
     if (w == NULL || (name != NULL && (w->name == NULL || w->digest == NULL))) {
-        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a list of fields");
+        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a list of fields");
         free(w);
         return;
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* forget: a whole field is taken back. Its rows are gone for everybody with the first commit; then
  * its contributions leave, a few milliseconds of them in a group, for there may be very many, and
- * each takes its job's catalogue along. The store keeps what is left to do: whoever waits for the
+ * each takes its job's catalog along. The store keeps what is left to do: whoever waits for the
  * reply may go, and the service, too. */
 #include "service/methods.h"
 
@@ -55,10 +55,10 @@ static forgotten *find_asker(service *s, int64_t row) {
 }
 
 static void reply_forgotten(service *s, forgotten *f) {
-    const shear_reply reply = {.forget = {.field = f->field,
-                                          .rows = f->numbers.rows,
-                                          .contributions = f->numbers.contributions,
-                                          .jobs = f->jobs}};
+    const sheard_reply reply = {.forget = {.field = f->field,
+                                           .rows = f->numbers.rows,
+                                           .contributions = f->numbers.contributions,
+                                           .jobs = f->jobs}};
     server_reply(s->server, f->to, &reply);
     TAILQ_REMOVE(&s->forgotten, f, link);
     forgotten_free(f);
@@ -90,7 +90,7 @@ static int take_one(service *s, slice *out, shear_error *err) {
     store_leaving next;
     int code = store_next_leaving(s->store, &next, err);
     if (code == SHEAR_OK && next.forgotten != 0) {
-        const bool gone = next.contribution != 0 && catalogue_leaves(s, &next);
+        const bool gone = next.contribution != 0 && catalog_leaves(s, &next);
         code = store_leave(s->store, &next, gone, err);
     }
     if (code == SHEAR_OK) {
@@ -128,7 +128,7 @@ static bool is_any_left(service *s) {
 void forget_go_on(service *s) {
     enum { SECONDS_MS = 5000 };
     shear_error err = {0};
-    if (s->forgetting || s->state == SHEAR_SERVER_STOPPING || !is_any_left(s)) {
+    if (s->forgetting || s->state == SHEARD_SERVER_STOPPING || !is_any_left(s)) {
         return;
     }
     slice *next = calloc(1, sizeof *next);
@@ -173,7 +173,7 @@ static void begun(service *s, after *a, int code, const shear_error *err) {
 }
 
 /* The digests of the rows that will be gone, for the news. */
-static int list_rows(service *s, const shear_msg_forget *p, forgotten *f, shear_error *err) {
+static int list_rows(service *s, const sheard_msg_forget *p, forgotten *f, shear_error *err) {
     store_field_page page = {0};
     size_t size = 0;
     int code = store_field_get(s->store, p->field, &page, err);
@@ -192,7 +192,7 @@ static int list_rows(service *s, const shear_msg_forget *p, forgotten *f, shear_
     return code;
 }
 
-static int forget(service *s, const shear_msg_forget *p, forgotten *f, shear_error *err) {
+static int forget(service *s, const sheard_msg_forget *p, forgotten *f, shear_error *err) {
     f->field = strdup(p->field);
     int code = f->field != NULL ? list_rows(s, p, f, err)
                                 : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
@@ -214,7 +214,7 @@ void method_forget(service *s, const server_request *r) {
         return;
     }
     if (code == STORE_NOT_FOUND) {
-        method_refuse(s, r->handle, SHEAR_RPC_NO_SUCH_FIELD, err.message);
+        method_refuse(s, r->handle, SHEARD_RPC_NO_SUCH_FIELD, err.message);
     } else {
         method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
     }

@@ -16,21 +16,21 @@ void method_job(service *s, const server_request *r) {
     if (code == SHEAR_OK) {
         code = store_attempts_get(s->store, id, &attempts, &err);
     }
-    shear_msg_attempt *history = code == SHEAR_OK ? calloc(attempts.n + 1, sizeof *history) : NULL;
+    sheard_msg_attempt *history = code == SHEAR_OK ? calloc(attempts.n + 1, sizeof *history) : NULL;
     if (history == NULL) {
         method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
     } else {
         for (size_t i = 0; i < attempts.n; i++) {
             const store_attempt *a = &attempts.attempts[i];
-            history[i] = (shear_msg_attempt){.number = a->number,
-                                             .started_ms = a->started_ms,
-                                             .ended_ms = a->ended_ms,
-                                             .ending = a->ending,
-                                             .job_class = a->failure_class,
-                                             .code = a->code,
-                                             .message = a->message};
+            history[i] = (sheard_msg_attempt){.number = a->number,
+                                              .started_ms = a->started_ms,
+                                              .ended_ms = a->ended_ms,
+                                              .ending = a->ending,
+                                              .job_class = a->failure_class,
+                                              .code = a->code,
+                                              .message = a->message};
         }
-        shear_reply reply = {.job = {.history = history, .n_history = attempts.n}};
+        sheard_reply reply = {.job = {.history = history, .n_history = attempts.n}};
         present_job(s, &job, &reply.job.job);
         server_reply(s->server, r->handle, &reply);
         present_job_free(&reply.job.job);
@@ -53,7 +53,7 @@ typedef struct job_list {
 static bool add_jobs(job_list *w, const store_job_page *page) {
     bool good = true;
     for (size_t i = 0; good && i < page->n; i++) {
-        shear_msg_job job;
+        sheard_msg_job job;
         present_job(w->list.s, &page->jobs[i], &job);
         job.result = NULL;
         good = listing_add(&w->list, &job);
@@ -75,7 +75,7 @@ static int jobs_step(void *context) {
         listing_refuse_store(&w->list, code, &err);
     } else if (add_jobs(w, &page) && (!page.more || w->left == 0)) {
         snprintf(cursor, sizeof cursor, "%" PRId64, w->filter.before);
-        const shear_reply rest = {.jobs.cursor = page.more ? cursor : NULL};
+        const sheard_reply rest = {.jobs.cursor = page.more ? cursor : NULL};
         listing_reply(&w->list, &rest);
     }
     store_job_page_deinit(&page);
@@ -89,16 +89,16 @@ static void jobs_drop(void *context) {
 }
 
 void method_jobs(service *s, const server_request *r) {
-    const shear_msg_jobs *p = &r->request->params.jobs;
+    const sheard_msg_jobs *p = &r->request->params.jobs;
     char *end = NULL;
     const int64_t before = p->cursor != NULL ? strtoll(p->cursor, &end, 10) : 0;
     if (p->cursor != NULL && (*end != '\0' || before <= 0)) {
-        method_refuse(s, r->handle, SHEAR_RPC_BAD_CURSOR, "the cursor is none of this service");
+        method_refuse(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
         return;
     }
     job_list *w = calloc(1, sizeof *w);
     if (w == NULL) {
-        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a list of jobs");
+        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a list of jobs");
         return;
     }
     w->filter = (store_job_filter){.states = p->states,

@@ -2,13 +2,13 @@
 /* retract: what was counted is taken back; answered when that is on disk. */
 #include "service/methods.h"
 
-/* The fields' news, and the catalogues that are to go, come after the commit. */
+/* The fields' news, and the catalogs that are to go, come after the commit. */
 static void reply_retracted(service *s, after *a, int code, const shear_error *err) {
     store_job job = {0};
     shear_error ignored;
     method_reply_job(s, a, code, err);
     if (code == SHEAR_OK) {
-        catalogues_remove_retracted(s);
+        catalogs_remove_retracted(s);
     }
     if (code == SHEAR_OK && store_job_get(s->store, a->job, &job, &ignored) == SHEAR_OK) {
         news_field_changed(s, job.field, job.settings_digest);
@@ -33,6 +33,6 @@ void method_retract(service *s, const server_request *r) {
     }
     s->retractions++;
     a->to = r->handle;
-    a->method = SHEAR_METHOD_RETRACT;
+    a->method = SHEARD_METHOD_RETRACT;
     a->job = id;
 }

@@ -10,19 +10,19 @@ bool peer_is_admin(const service *s, const access_peer *peer) {
 }
 
 void method_refuse(service *s, server_handle to, int code, const char *message) {
-    shear_rpc_error error;
-    shear_rpc_fail(&error, code, NULL, "%s", message);
+    sheard_rpc_error error;
+    sheard_rpc_fail(&error, code, NULL, "%s", message);
     server_reply_error(s->server, to, &error);
 }
 
 void method_refuse_new(service *s, server_handle to) {
     method_refuse(s, to,
-                  s->state == SHEAR_SERVER_DRAINING ? SHEAR_RPC_DRAINING : SHEAR_RPC_STOPPING,
+                  s->state == SHEARD_SERVER_DRAINING ? SHEARD_RPC_DRAINING : SHEARD_RPC_STOPPING,
                   "the service takes no new jobs");
 }
 
 void method_refuse_store(service *s, server_handle to, int code, const shear_error *err) {
-    shear_rpc_error error;
+    sheard_rpc_error error;
     rpc_from_store(&error, code, err);
     server_reply_error(s->server, to, &error);
 }
@@ -30,19 +30,19 @@ void method_refuse_store(service *s, server_handle to, int code, const shear_err
 /* ---- looking ---- */
 
 static void do_hello(service *s, const server_request *r) {
-    const shear_msg_hello *hello = &r->request->params.hello;
-    if (hello->oldest > SHEAR_PROTOCOL_VERSION || hello->newest < SHEAR_PROTOCOL_OLDEST) {
-        method_refuse(s, r->handle, SHEAR_RPC_UNSUPPORTED_VERSION,
+    const sheard_msg_hello *hello = &r->request->params.hello;
+    if (hello->oldest > SHEARD_PROTOCOL_VERSION || hello->newest < SHEARD_PROTOCOL_OLDEST) {
+        method_refuse(s, r->handle, SHEARD_RPC_UNSUPPORTED_VERSION,
                       "client and service speak no common version of the protocol");
         return;
     }
-    shear_reply reply = {.hello = {.protocol = SHEAR_PROTOCOL_VERSION,
-                                   .oldest = SHEAR_PROTOCOL_OLDEST,
-                                   .newest = SHEAR_PROTOCOL_VERSION,
-                                   .server = "sheard " SHEARD_VERSION,
-                                   .uid = r->peer->uid,
-                                   .admin = peer_is_admin(s, r->peer)}};
-    reply.hello.methods = shear_method_names(&reply.hello.n_methods);
+    sheard_reply reply = {.hello = {.protocol = SHEARD_PROTOCOL_VERSION,
+                                    .oldest = SHEARD_PROTOCOL_OLDEST,
+                                    .newest = SHEARD_PROTOCOL_VERSION,
+                                    .server = "sheard " SHEARD_VERSION,
+                                    .uid = r->peer->uid,
+                                    .admin = peer_is_admin(s, r->peer)}};
+    reply.hello.methods = sheard_method_names(&reply.hello.n_methods);
     reply.hello.limits = status_limits(s);
     server_reply(s->server, r->handle, &reply);
 }
@@ -62,32 +62,32 @@ static bool jobs_known(service *s, const server_request *r, const int64_t *ids, 
 }
 
 /* Of jobs that are final already nothing will be told. */
-static void leave_final(service *s, uint64_t connection, const shear_msg_subscribe *what,
-                        shear_msg_subscribed *now) {
+static void leave_final(service *s, uint64_t connection, const sheard_msg_subscribe *what,
+                        sheard_msg_subscribed *now) {
     for (size_t i = 0; i < what->n_jobs; i++) {
         int state;
         shear_error ignored;
-        shear_rpc_error error;
+        sheard_rpc_error error;
         if (store_job_state(s->store, what->jobs[i], &state, &ignored) == SHEAR_OK &&
-            shear_job_state_is_final(state)) {
-            const shear_msg_subscribe one = {.jobs = &what->jobs[i], .n_jobs = 1};
+            sheard_job_state_is_final(state)) {
+            const sheard_msg_subscribe one = {.jobs = &what->jobs[i], .n_jobs = 1};
             server_unsubscribe(s->server, connection, &one, now, &error);
         }
     }
 }
 
 static void do_subscribe(service *s, const server_request *r, bool add) {
-    shear_rpc_error error;
-    shear_reply reply = {0};
+    sheard_rpc_error error;
+    sheard_reply reply = {0};
     const uint64_t connection = r->handle.connection;
-    const shear_msg_subscribe *what = &r->request->params.subscribe;
+    const sheard_msg_subscribe *what = &r->request->params.subscribe;
     if (add && !jobs_known(s, r, what->jobs, what->n_jobs)) {
         return;
     }
     const int code =
         add ? server_subscribe(s->server, connection, what, &reply.subscribe, &error)
             : server_unsubscribe(s->server, connection, what, &reply.unsubscribe, &error);
-    if (code != SHEAR_RPC_OK) {
+    if (code != SHEARD_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);
     } else {
         if (add) {
@@ -100,9 +100,9 @@ static void do_subscribe(service *s, const server_request *r, bool add) {
 /* ---- administration ---- */
 
 static void do_reload(service *s, const server_request *r) {
-    shear_rpc_error error;
-    shear_reply reply = {0};
-    if (reload_config(s, &reply.reload, &error) != SHEAR_RPC_OK) {
+    sheard_rpc_error error;
+    sheard_reply reply = {0};
+    if (reload_config(s, &reply.reload, &error) != SHEARD_RPC_OK) {
         server_reply_error(s->server, r->handle, &error);
     } else {
         server_reply(s->server, r->handle, &reply);
@@ -111,16 +111,16 @@ static void do_reload(service *s, const server_request *r) {
 }
 
 static void do_stop(service *s, const server_request *r) {
-    if (r->request->method == SHEAR_METHOD_DRAIN) {
+    if (r->request->method == SHEARD_METHOD_DRAIN) {
         life_drain_queue(s);
-    } else if (r->request->params.shutdown.mode == SHEAR_SHUTDOWN_NOW) {
+    } else if (r->request->params.shutdown.mode == SHEARD_SHUTDOWN_NOW) {
         life_stop_now(s);
     } else {
         life_drain(s, r->request->params.shutdown.timeout_s);
     }
-    const shear_reply reply = {.drain = life_left(s)};
+    const sheard_reply reply = {.drain = life_left(s)};
     server_reply(s->server, r->handle, &reply);
-    if (r->request->method == SHEAR_METHOD_DRAIN) {
+    if (r->request->method == SHEARD_METHOD_DRAIN) {
         life_announce(s);
     }
 }
@@ -128,59 +128,59 @@ static void do_stop(service *s, const server_request *r) {
 void methods_request(void *context, const server_request *r) {
     service *s = context;
     const int method = r->request->method;
-    if (shear_method_needs_admin(method) && !peer_is_admin(s, r->peer)) {
-        method_refuse(s, r->handle, SHEAR_RPC_NOT_ADMIN,
+    if (sheard_method_needs_admin(method) && !peer_is_admin(s, r->peer)) {
+        method_refuse(s, r->handle, SHEARD_RPC_NOT_ADMIN,
                       "only administrators may do this ([access] admin_users, admin_groups)");
         return;
     }
     switch (method) {
-    case SHEAR_METHOD_HELLO:
+    case SHEARD_METHOD_HELLO:
         do_hello(s, r);
         break;
-    case SHEAR_METHOD_SUBMIT:
+    case SHEARD_METHOD_SUBMIT:
         method_submit(s, r);
         break;
-    case SHEAR_METHOD_JOB:
+    case SHEARD_METHOD_JOB:
         method_job(s, r);
         break;
-    case SHEAR_METHOD_JOBS:
+    case SHEARD_METHOD_JOBS:
         method_jobs(s, r);
         break;
-    case SHEAR_METHOD_WAIT:
+    case SHEARD_METHOD_WAIT:
         method_wait(s, r);
         break;
-    case SHEAR_METHOD_CANCEL:
+    case SHEARD_METHOD_CANCEL:
         method_cancel(s, r);
         break;
-    case SHEAR_METHOD_RETRY:
+    case SHEARD_METHOD_RETRY:
         method_retry(s, r);
         break;
-    case SHEAR_METHOD_RETRACT:
+    case SHEARD_METHOD_RETRACT:
         method_retract(s, r);
         break;
-    case SHEAR_METHOD_FORGET:
+    case SHEARD_METHOD_FORGET:
         method_forget(s, r);
         break;
-    case SHEAR_METHOD_FIELD:
+    case SHEARD_METHOD_FIELD:
         method_field(s, r);
         break;
-    case SHEAR_METHOD_FIELDS:
+    case SHEARD_METHOD_FIELDS:
         method_fields(s, r);
         break;
-    case SHEAR_METHOD_SUBSCRIBE:
-    case SHEAR_METHOD_UNSUBSCRIBE:
-        do_subscribe(s, r, method == SHEAR_METHOD_SUBSCRIBE);
+    case SHEARD_METHOD_SUBSCRIBE:
+    case SHEARD_METHOD_UNSUBSCRIBE:
+        do_subscribe(s, r, method == SHEARD_METHOD_SUBSCRIBE);
         break;
-    case SHEAR_METHOD_STATUS:
+    case SHEARD_METHOD_STATUS:
         status_reply(s, r->handle);
         break;
-    case SHEAR_METHOD_PROBE:
+    case SHEARD_METHOD_PROBE:
         method_probe(s, r);
         break;
-    case SHEAR_METHOD_METRICS:
+    case SHEARD_METHOD_METRICS:
         metrics_reply(s, r->handle);
         break;
-    case SHEAR_METHOD_RELOAD:
+    case SHEARD_METHOD_RELOAD:
         do_reload(s, r);
         break;
     default:

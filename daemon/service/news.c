@@ -35,7 +35,7 @@ void news_field_changed(service *s, const char *name, const char *digest) {
         f->again = f->being_solved;
         return;
     }
-    if (name == NULL || !server_is_watched(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, name)) {
+    if (name == NULL || !server_is_watched(s->server, SHEARD_NOTICE_FIELD_CHANGED, 0, name)) {
         return;
     }
     f = calloc(1, sizeof *f);
@@ -56,10 +56,10 @@ void news_field_changed(service *s, const char *name, const char *digest) {
 /* Nothing is counted in it any more. */
 static void publish_gone(service *s, const changed_field *f, bool mixed) {
     const store_field gone = {.name = f->name, .settings_digest = f->digest};
-    shear_notice_params params = {0};
+    sheard_notice_params params = {0};
     present_summary(s, &gone, &params.field_changed.field);
     params.field_changed.field.mixed = mixed;
-    server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, f->name, &params);
+    server_publish(s->server, SHEARD_NOTICE_FIELD_CHANGED, 0, f->name, &params);
 }
 
 /* False where its result is still being solved. */
@@ -80,10 +80,10 @@ static bool publish(service *s, const changed_field *f) {
         found = true;
         at_hand = solutions_at_hand(s, &page.fields[i]);
         if (at_hand) {
-            shear_notice_params params = {0};
+            sheard_notice_params params = {0};
             present_summary(s, &page.fields[i], &params.field_changed.field);
             params.field_changed.field.mixed = page.n > 1;
-            server_publish(s->server, SHEAR_NOTICE_FIELD_CHANGED, 0, f->name, &params);
+            server_publish(s->server, SHEARD_NOTICE_FIELD_CHANGED, 0, f->name, &params);
         }
     }
     solutions_since(s, INT64_MAX);

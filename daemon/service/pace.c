@@ -33,15 +33,15 @@ void pace_tick(service *s) {
     s->longest_at[s->ticks % RATE_SLOTS] = 0;
 }
 
-shear_msg_loop pace_tell(const service *s) {
+sheard_msg_loop pace_tell(const service *s) {
     server_statistics net;
     int64_t lately = 0;
     for (int i = 0; i < RATE_SLOTS; i++) {
         lately = s->longest_at[i] > lately ? s->longest_at[i] : lately;
     }
     server_get_statistics(s->server, &net);
-    return (shear_msg_loop){.longest_ms = 1e-6 * (double)s->longest_ns,
-                            .longest_minute_ms = 1e-6 * (double)lately,
-                            .unsent_bytes = (int64_t)net.unsent_bytes,
-                            .dropped = (int64_t)net.dropped};
+    return (sheard_msg_loop){.longest_ms = 1e-6 * (double)s->longest_ns,
+                             .longest_minute_ms = 1e-6 * (double)lately,
+                             .unsent_bytes = (int64_t)net.unsent_bytes,
+                             .dropped = (int64_t)net.dropped};
 }

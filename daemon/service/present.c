@@ -9,21 +9,21 @@
 static int phase_of(const engine_progress *at) {
     switch (at->stage) {
     case ENGINE_OPENING:
-        return SHEAR_PHASE_OPENING;
+        return SHEARD_PHASE_OPENING;
     case ENGINE_HASHING:
-        return SHEAR_PHASE_HASHING;
+        return SHEARD_PHASE_HASHING;
     case ENGINE_WAITING_MEMORY:
-        return SHEAR_PHASE_WAITING_MEMORY;
+        return SHEARD_PHASE_WAITING_MEMORY;
     case ENGINE_PREPARING:
-        return SHEAR_PHASE_PREPARING;
+        return SHEARD_PHASE_PREPARING;
     case ENGINE_MEASURING:
-        return SHEAR_PHASE_MEASURING;
+        return SHEARD_PHASE_MEASURING;
     default:
-        return SHEAR_PHASE_FINISHING;
+        return SHEARD_PHASE_FINISHING;
     }
 }
 
-bool present_running(service *s, int64_t id, shear_msg_progress *p) {
+bool present_running(service *s, int64_t id, sheard_msg_progress *p) {
     engine_progress at;
     const active_job *j = jobs_find(s, id);
     if (j == NULL || !engine_get_progress(s->engine, id, &at)) {
@@ -44,8 +44,8 @@ bool present_running(service *s, int64_t id, shear_msg_progress *p) {
     return true;
 }
 
-static void present_progress(service *s, const store_job *job, shear_msg_progress *p) {
-    *p = (shear_msg_progress){
+static void present_progress(service *s, const store_job *job, sheard_msg_progress *p) {
+    *p = (sheard_msg_progress){
         .total = job->n_stamps, .rate = NAN, .eta_s = NAN, .bytes_done = -1, .bytes_total = -1};
     if (job->state == STORE_DONE) {
         p->done = job->n_stamps;
@@ -55,56 +55,56 @@ static void present_progress(service *s, const store_job *job, shear_msg_progres
     }
 }
 
-void present_job(service *s, const store_job *job, shear_msg_job *out) {
-    shear_rpc_error ignored;
+void present_job(service *s, const store_job *job, sheard_msg_job *out) {
+    sheard_rpc_error ignored;
     const char *user = user_name(s, job->owner);
-    *out = (shear_msg_job){.id = job->id,
-                           .state = job->state,
-                           .job_class = job->failure_class,
-                           .code = job->code,
-                           .message = job->message,
-                           .advice = job->advice,
-                           .field = job->field,
-                           .owner = job->owner,
-                           .user = user != NULL ? strdup(user) : NULL,
-                           .origin = job->origin,
-                           .priority = job->priority,
-                           .force = job->force,
-                           .key = job->key,
-                           .cancel_asked = job->cancel_asked,
-                           .created_ms = job->created_ms,
-                           .started_ms = job->started_ms,
-                           .finished_ms = job->finished_ms,
-                           .not_before_ms = job->not_before_ms,
-                           .attempts = job->attempts,
-                           .outcome = job->outcome,
-                           .duplicate_of = job->duplicate_of,
-                           .settings = job->settings,
-                           .digest = job->settings_digest,
-                           .checksum = job->content,
-                           .result = job->result,
-                           .catalogue = job->state != STORE_RETRACTED ? job->catalogue : NULL,
-                           .dropped_name = job->dropped,
-                           .file_now = spooled_where(s, job)};
-    if (shear_source_parse(&out->source, job->source, &ignored) != SHEAR_RPC_OK) {
-        out->source = (shear_msg_source){0};
+    *out = (sheard_msg_job){.id = job->id,
+                            .state = job->state,
+                            .job_class = job->failure_class,
+                            .code = job->code,
+                            .message = job->message,
+                            .advice = job->advice,
+                            .field = job->field,
+                            .owner = job->owner,
+                            .user = user != NULL ? strdup(user) : NULL,
+                            .origin = job->origin,
+                            .priority = job->priority,
+                            .force = job->force,
+                            .key = job->key,
+                            .cancel_asked = job->cancel_asked,
+                            .created_ms = job->created_ms,
+                            .started_ms = job->started_ms,
+                            .finished_ms = job->finished_ms,
+                            .not_before_ms = job->not_before_ms,
+                            .attempts = job->attempts,
+                            .outcome = job->outcome,
+                            .duplicate_of = job->duplicate_of,
+                            .settings = job->settings,
+                            .digest = job->settings_digest,
+                            .checksum = job->content,
+                            .result = job->result,
+                            .catalog = job->state != STORE_RETRACTED ? job->catalog : NULL,
+                            .dropped_name = job->dropped,
+                            .file_now = spooled_where(s, job)};
+    if (sheard_source_parse(&out->source, job->source, &ignored) != SHEARD_RPC_OK) {
+        out->source = (sheard_msg_source){0};
     }
     present_progress(s, job, &out->progress);
 }
 
-void present_job_free(shear_msg_job *out) {
-    shear_source_deinit(&out->source);
+void present_job_free(sheard_msg_job *out) {
+    sheard_source_deinit(&out->source);
     free((char *)out->user);
     free((char *)out->file_now);
-    *out = (shear_msg_job){0};
+    *out = (sheard_msg_job){0};
 }
 
 void publish_job(service *s, const store_job *job) {
-    if (server_is_watched(s->server, SHEAR_NOTICE_JOB_CHANGED, job->id, job->field)) {
-        shear_notice_params params = {0};
+    if (server_is_watched(s->server, SHEARD_NOTICE_JOB_CHANGED, job->id, job->field)) {
+        sheard_notice_params params = {0};
         present_job(s, job, &params.job_changed.job);
         params.job_changed.job.result = NULL;
-        server_publish(s->server, SHEAR_NOTICE_JOB_CHANGED, job->id, job->field, &params);
+        server_publish(s->server, SHEARD_NOTICE_JOB_CHANGED, job->id, job->field, &params);
         present_job_free(&params.job_changed.job);
     }
 }
@@ -140,8 +140,8 @@ static bool has_row(const store_field_page *page, const char *digest) {
 
 static int add_row(store_field_page *page, const char *name, const active_job *j,
                    shear_error *err) {
-    char settings[SHEAR_MSG_SETTINGS_SIZE];
-    const int code = shear_settings_write(&j->settings, settings, sizeof settings, err);
+    char settings[SHEARD_MSG_SETTINGS_SIZE];
+    const int code = sheard_settings_write(&j->settings, settings, sizeof settings, err);
     store_field *grown =
         code == SHEAR_OK ? realloc(page->fields, (page->n + 1) * sizeof *grown) : NULL;
     if (code != SHEAR_OK) {
@@ -196,22 +196,22 @@ static int result_of(service *s, const store_field *f, const shear_settings *set
 }
 
 int present_field(service *s, const store_field *f, const store_contribution_page *counted,
-                  shear_msg_field_row *out, field_reason *why, shear_error *err) {
+                  sheard_msg_field_row *out, field_reason *why, shear_error *err) {
     shear_field_sums *sums = NULL;
     shear_result result;
     shear_settings settings;
     char *report_text = NULL;
     int64_t jobs = 0;
-    int64_t *running = calloc(SHEAR_MSG_LIST_MAX, sizeof *running);
+    int64_t *running = calloc(SHEARD_MSG_LIST_MAX, sizeof *running);
     size_t n = 0;
     if (running == NULL) {
         shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
         return SHEAR_E_NOMEM;
     }
-    int code = shear_settings_read(&settings, f->settings, err);
+    int code = sheard_settings_read(&settings, f->settings, err);
     if (code == SHEAR_OK) {
         code = sums_now(s, f, !shear_estimator_is_symmetric(settings.estimator), &sums, running,
-                        SHEAR_MSG_LIST_MAX, &n, err);
+                        SHEARD_MSG_LIST_MAX, &n, err);
     }
     if (code == SHEAR_OK) {
         code = result_of(s, f, &settings, sums, &result, &jobs, err);
@@ -227,25 +227,25 @@ int present_field(service *s, const store_field *f, const store_contribution_pag
         free(running);
         return code;
     }
-    *out = (shear_msg_field_row){.report = report_text,
-                                 .digest = f->settings_digest,
-                                 .jobs = jobs,
-                                 .unfinished = f->unfinished,
-                                 .partial = f->unfinished > 0,
-                                 .running = running,
-                                 .n_running = n,
-                                 .files_left_out = f->jobs - (int64_t)counted->n,
-                                 .updated_ms = f->updated_ms};
+    *out = (sheard_msg_field_row){.report = report_text,
+                                  .digest = f->settings_digest,
+                                  .jobs = jobs,
+                                  .unfinished = f->unfinished,
+                                  .partial = f->unfinished > 0,
+                                  .running = running,
+                                  .n_running = n,
+                                  .files_left_out = f->jobs - (int64_t)counted->n,
+                                  .updated_ms = f->updated_ms};
     return SHEAR_OK;
 }
 
-void present_field_free(shear_msg_field_row *out) {
+void present_field_free(sheard_msg_field_row *out) {
     free((char *)out->report);
     free((int64_t *)out->running);
-    *out = (shear_msg_field_row){0};
+    *out = (sheard_msg_field_row){0};
 }
 
-void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
+void present_summary(service *s, const store_field *f, sheard_msg_summary *out) {
     shear_field_sums *sums = NULL;
     shear_settings settings;
     int64_t jobs = f->jobs;
@@ -255,23 +255,23 @@ void present_summary(service *s, const store_field *f, shear_msg_summary *out) {
                       .g2 = NAN,
                       .g1_err = NAN,
                       .g2_err = NAN};
-    if (f->sums != NULL && shear_settings_read(&settings, f->settings, NULL) == SHEAR_OK &&
+    if (f->sums != NULL && sheard_settings_read(&settings, f->settings, NULL) == SHEAR_OK &&
         shear_field_sums_parse(&sums, f->sums, NULL) == SHEAR_OK &&
         result_of(s, f, &settings, sums, &r, &jobs, NULL) != SHEAR_OK) {
         r.g1 = r.g2 = r.g1_err = r.g2_err = NAN;
     }
     shear_field_sums_free(sums);
-    *out = (shear_msg_summary){.field = f->name,
-                               .digest = f->settings_digest,
-                               .g1 = r.g1,
-                               .g1_err = r.g1_err,
-                               .g2 = r.g2,
-                               .g2_err = r.g2_err,
-                               .n_stamps = r.n_stamps,
-                               .n_used = r.n_used,
-                               .jobs = jobs,
-                               .unfinished = f->unfinished,
-                               .partial = f->unfinished > 0,
-                               .updated_ms = f->updated_ms,
-                               .reason = reason_brief(f, &r)};
+    *out = (sheard_msg_summary){.field = f->name,
+                                .digest = f->settings_digest,
+                                .g1 = r.g1,
+                                .g1_err = r.g1_err,
+                                .g2 = r.g2,
+                                .g2_err = r.g2_err,
+                                .n_stamps = r.n_stamps,
+                                .n_used = r.n_used,
+                                .jobs = jobs,
+                                .unfinished = f->unfinished,
+                                .partial = f->unfinished > 0,
+                                .updated_ms = f->updated_ms,
+                                .reason = reason_brief(f, &r)};
 }

@@ -31,49 +31,49 @@ static double now_s(void) {
     return 1e-9 * (double)uv_hrtime();
 }
 
-static void answer(service *s, const shear_msg_probed *what) {
+static void answer(service *s, const sheard_msg_probed *what) {
     probe *p = s->probe;
     const asking all = p->asking;
     p->asking.n = 0;
     for (size_t i = 0; i < all.n; i++) {
-        const shear_reply reply = {.probe = *what};
+        const sheard_reply reply = {.probe = *what};
         server_reply(s->server, all.to[i], &reply);
     }
 }
 
 static void answer_failed(service *s, const char *code, const shear_error *err) {
-    const shear_msg_probed what = {.code = code,
-                                   .message = err->message,
-                                   .advice = err->advice[0] != '\0' ? err->advice : NULL,
-                                   .g1 = NAN,
-                                   .g1_err = NAN,
-                                   .g2 = NAN,
-                                   .g2_err = NAN,
-                                   .true_g1 = PROBE_G1,
-                                   .true_g2 = PROBE_G2,
-                                   .seconds = now_s() - s->probe->begun_s};
+    const sheard_msg_probed what = {.code = code,
+                                    .message = err->message,
+                                    .advice = err->advice[0] != '\0' ? err->advice : NULL,
+                                    .g1 = NAN,
+                                    .g1_err = NAN,
+                                    .g2 = NAN,
+                                    .g2_err = NAN,
+                                    .true_g1 = PROBE_G1,
+                                    .true_g2 = PROBE_G2,
+                                    .seconds = now_s() - s->probe->begun_s};
     log_warning("probe: %s", err->message);
     answer(s, &what);
 }
 
 static void answer_measured(service *s, const shear_result *r) {
     char text[200];
-    shear_msg_probed what = {.ok = fabs(r->g1 - PROBE_G1) < PROBE_TOLERANCE &&
-                                   fabs(r->g2 - PROBE_G2) < PROBE_TOLERANCE,
-                             .g1 = r->g1,
-                             .g1_err = r->g1_err,
-                             .g2 = r->g2,
-                             .g2_err = r->g2_err,
-                             .true_g1 = PROBE_G1,
-                             .true_g2 = PROBE_G2,
-                             .stamps = r->n_used,
-                             .seconds = now_s() - s->probe->begun_s,
-                             .landlock = (s->probe->guards & SANDBOX_LANDLOCK) != 0,
-                             .namespaces = (s->probe->guards & SANDBOX_NAMESPACES) != 0};
+    sheard_msg_probed what = {.ok = fabs(r->g1 - PROBE_G1) < PROBE_TOLERANCE &&
+                                    fabs(r->g2 - PROBE_G2) < PROBE_TOLERANCE,
+                              .g1 = r->g1,
+                              .g1_err = r->g1_err,
+                              .g2 = r->g2,
+                              .g2_err = r->g2_err,
+                              .true_g1 = PROBE_G1,
+                              .true_g2 = PROBE_G2,
+                              .stamps = r->n_used,
+                              .seconds = now_s() - s->probe->begun_s,
+                              .landlock = (s->probe->guards & SANDBOX_LANDLOCK) != 0,
+                              .namespaces = (s->probe->guards & SANDBOX_NAMESPACES) != 0};
     if (!what.ok) {
         snprintf(text, sizeof text, "the probe's shear is measured as %.6f, %.6f; it is %.6f, %.6f",
                  r->g1, r->g2, PROBE_G1, PROBE_G2);
-        what.code = shear_rpc_code_get(SHEAR_RPC_INTERNAL)->name;
+        what.code = sheard_rpc_code_get(SHEARD_RPC_INTERNAL)->name;
         what.message = text;
         log_error("%s", text);
     }
@@ -104,7 +104,7 @@ static void made(uv_work_t *work, int status) {
         int fds[SHEAR_N_PARTS] = {p->fd, -1, -1, -1};
         shear_settings_init(&settings);
         const engine_job job = {.id = PROBE_JOB,
-                                .priority = SHEAR_MSG_PRIORITY_MAX + 1,
+                                .priority = SHEARD_MSG_PRIORITY_MAX + 1,
                                 .input = &input,
                                 .fds = fds,
                                 .settings = settings};
@@ -128,7 +128,7 @@ void probe_event(service *s, const engine_event *e) {
         answer_failed(s, ending_reason_of(&e->error).name, &e->error);
         break;
     case ENGINE_STOPPED:
-        answer_failed(s, shear_rpc_code_get(SHEAR_RPC_STOPPING)->name,
+        answer_failed(s, sheard_rpc_code_get(SHEARD_RPC_STOPPING)->name,
                       &(shear_error){.message = "the service stops"});
         break;
     default:
@@ -137,8 +137,8 @@ void probe_event(service *s, const engine_event *e) {
 }
 
 void method_probe(service *s, const server_request *r) {
-    if (s->state == SHEAR_SERVER_STOPPING) {
-        method_refuse(s, r->handle, SHEAR_RPC_STOPPING, "the service is about to exit");
+    if (s->state == SHEARD_SERVER_STOPPING) {
+        method_refuse(s, r->handle, SHEARD_RPC_STOPPING, "the service is about to exit");
         return;
     }
     if (s->probe == NULL) {
@@ -146,11 +146,11 @@ void method_probe(service *s, const server_request *r) {
     }
     probe *p = s->probe;
     if (p == NULL) {
-        method_refuse(s, r->handle, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a probe");
+        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a probe");
         return;
     }
     if (p->asking.n == ASKING_MAX) {
-        method_refuse(s, r->handle, SHEAR_RPC_TOO_MANY_REQUESTS,
+        method_refuse(s, r->handle, SHEARD_RPC_TOO_MANY_REQUESTS,
                       "as many wait for the probe under way as may");
         return;
     }
@@ -162,7 +162,7 @@ void method_probe(service *s, const server_request *r) {
     p->work.data = s;
     p->fd = -1;
     if (uv_queue_work(&s->loop, &p->work, make_field, made) != 0) {
-        answer_failed(s, shear_rpc_code_get(SHEAR_RPC_INTERNAL)->name,
+        answer_failed(s, sheard_rpc_code_get(SHEARD_RPC_INTERNAL)->name,
                       &(shear_error){.message = "the probe's field cannot be made now"});
     }
 }

@@ -73,7 +73,7 @@ static bool in_burst(problem_note *note) {
 }
 
 void problem_job_waits(service *s, const store_job *job) {
-    char time[SHEAR_TIME_SIZE];
+    char time[SHEARD_TIME_SIZE];
     const char *code = job->code != NULL ? job->code : "unknown";
     const char *message = job->message != NULL ? job->message : code;
     /* It is the same trouble as long as attempts follow each other. */
@@ -83,7 +83,7 @@ void problem_job_waits(service *s, const store_job *job) {
         log_warning("job %" PRId64 " (%s) waits: %s (%s, attempt %" PRId64
                     "); it is tried again at %s",
                     job->id, job->field != NULL ? job->field : "field unknown", message, code,
-                    job->attempts, shear_time_format(job->not_before_ms, time));
+                    job->attempts, sheard_time_format(job->not_before_ms, time));
     }
 }
 
@@ -110,12 +110,12 @@ void problems_tick(service *s) {
 
 /* ---- the list ---- */
 
-static shear_msg_problem *add(problem_list *list, const char *about, const char *code) {
+static sheard_msg_problem *add(problem_list *list, const char *about, const char *code) {
     if (list->n == PROBLEMS_TOLD) {
         return NULL;
     }
-    shear_msg_problem *p = &list->items[list->n];
-    *p = (shear_msg_problem){
+    sheard_msg_problem *p = &list->items[list->n];
+    *p = (sheard_msg_problem){
         .about = about, .code = code, .message = list->texts[list->n], .count = 1};
     list->lines[list->n] = list->texts[list->n];
     list->texts[list->n][0] = '\0';
@@ -129,7 +129,7 @@ static char *text_of(problem_list *list) {
 
 static void add_store(const service *s, problem_list *list) {
     const problem_note *note = find_note(s, "store", NULL);
-    shear_msg_problem *p = note != NULL ? add(list, "store", note->code) : NULL;
+    sheard_msg_problem *p = note != NULL ? add(list, "store", note->code) : NULL;
     if (p != NULL) {
         p->since_ms = note->since_ms;
         p->count = note->count;
@@ -147,7 +147,7 @@ static void add_waiting(service *s, problem_list *list) {
     for (size_t i = 0; i < list->n_waiting; i++) {
         const store_waiting *w = &list->waiting[i];
         const problem_note *note = find_note(s, "jobs", w->code);
-        shear_msg_problem *p = add(list, "jobs", w->code);
+        sheard_msg_problem *p = add(list, "jobs", w->code);
         if (p == NULL) {
             return;
         }
@@ -164,7 +164,7 @@ static void add_spool(const service *s, problem_list *list) {
     const spool_stats st = spool_get_stats(s->spool);
     spool_ignored first;
     const problem_note *note = find_note(s, "spool", NULL);
-    shear_msg_problem *p;
+    sheard_msg_problem *p;
     if (st.trouble[0] != '\0' && (p = add(list, "spool", "io")) != NULL) {
         p->since_ms = st.trouble_since_ms;
         snprintf(text_of(list), PROBLEM_TEXT, "the watch folder: %.300s", st.trouble);
@@ -190,7 +190,7 @@ static void add_spool(const service *s, problem_list *list) {
 
 static void add_disks(problem_list *list) {
     for (size_t i = 0; i < list->n_disks; i++) {
-        const shear_msg_disk *d = &list->disks[i];
+        const sheard_msg_disk *d = &list->disks[i];
         if (d->problem != NULL && add(list, "disk", "unusable") != NULL) {
             snprintf(text_of(list), PROBLEM_TEXT, "%s, %.200s: %s", d->use, d->path, d->problem);
         } else if (d->problem == NULL && d->same_as == NULL && disk_is_full(d) &&
@@ -202,7 +202,7 @@ static void add_disks(problem_list *list) {
 }
 
 static void add_log(problem_list *list, const log_losses *log) {
-    shear_msg_problem *p = log->untold > 0 ? add(list, "log", "log_stalled") : NULL;
+    sheard_msg_problem *p = log->untold > 0 ? add(list, "log", "log_stalled") : NULL;
     if (p != NULL) {
         p->since_ms = log->since_ms;
         p->count = log->untold;

@@ -17,7 +17,7 @@ const char *reason_brief(const store_field *f, const shear_result *r) {
     if (f->jobs == 0 && r->n_stamps == 0) {
         return "nothing is counted yet";
     }
-    const char *brief = shear_no_shear_brief(r);
+    const char *brief = sheard_no_shear_brief(r);
     return brief != NULL ? brief : "there is no result";
 }
 
@@ -69,18 +69,18 @@ static bool look_at_some(service *s, const store_field *f, field_reason *r) {
 /* As its owner calls it. NULL: the job is forgotten. */
 static char *file_of(service *s, int64_t id) {
     store_job job = {0};
-    shear_msg_source source = {0};
+    sheard_msg_source source = {0};
     shear_error ignored;
-    shear_rpc_error error;
+    sheard_rpc_error error;
     char *name = NULL;
     if (store_job_get(s->store, id, &job, &ignored) == SHEAR_OK) {
-        const bool parsed = shear_source_parse(&source, job.source, &error) == SHEAR_RPC_OK;
+        const bool parsed = sheard_source_parse(&source, job.source, &error) == SHEARD_RPC_OK;
         const char *path = spooled_is_own(&job)  ? job.dropped
                            : source.path != NULL ? source.path
                                                  : source.galaxy.path;
         name = path != NULL ? strdup(path) : NULL;
         if (parsed) {
-            shear_source_deinit(&source);
+            sheard_source_deinit(&source);
         }
     }
     store_job_deinit(&job);

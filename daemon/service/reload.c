@@ -133,23 +133,22 @@ void reload_warn_names(const service *s) {
     }
 }
 
-void reload_reply_deinit(shear_msg_reloaded *reply) {
+void reload_reply_deinit(sheard_msg_reloaded *reply) {
     free((void *)reply->changed);
     free((void *)reply->restart);
     free((void *)reply->warnings);
-    *reply = (shear_msg_reloaded){0};
+    *reply = (sheard_msg_reloaded){0};
 }
 
-/* Catalogues that go elsewhere from now on: is it a place for them? */
-static int claim_catalogues(service *s, const sheard_config *fresh, shear_error *err) {
-    const bool same = s->config.catalogues.enabled &&
-                      strcmp(s->config.catalogues.directory, fresh->catalogues.directory) == 0;
-    return fresh->catalogues.enabled && !same
-               ? catalogues_claim(s, fresh->catalogues.directory, err)
-               : SHEAR_OK;
+/* Catalogs that go elsewhere from now on: is it a place for them? */
+static int claim_catalogs(service *s, const sheard_config *fresh, shear_error *err) {
+    const bool same = s->config.catalogs.enabled &&
+                      strcmp(s->config.catalogs.directory, fresh->catalogs.directory) == 0;
+    return fresh->catalogs.enabled && !same ? catalogs_claim(s, fresh->catalogs.directory, err)
+                                            : SHEAR_OK;
 }
 
-int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error) {
+int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *error) {
     enum { ROOM = 128 };
     static sheard_problems problems; /* large; one thread */
     size_t changed[ROOM];
@@ -161,7 +160,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     access_list *hurried = NULL;
     access_roots *roots = NULL;
     problems = (sheard_problems){0};
-    *reply = (shear_msg_reloaded){0};
+    *reply = (sheard_msg_reloaded){0};
     notify_reloading(&s->notify, NULL);
     int code = sheard_config_read(&fresh, s->config_path, &s->assignments, &problems);
     if (code != SHEAR_OK) {
@@ -169,7 +168,7 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     } else {
         code = reload_access(&fresh, &admins, &submitters, &roots, &err);
         code = code == SHEAR_OK ? reload_hurried(&fresh, &hurried, &err) : code;
-        code = code == SHEAR_OK ? claim_catalogues(s, &fresh, &err) : code;
+        code = code == SHEAR_OK ? claim_catalogs(s, &fresh, &err) : code;
         if (code == SHEAR_OK) {
             const size_t all = sheard_config_changes(&s->config, &fresh, false, changed, ROOM);
             reply->n_restart = sheard_config_changes(&s->config, &fresh, true, restart, ROOM);
@@ -186,11 +185,11 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
         access_list_free(submitters);
         access_list_free(hurried);
         access_roots_free(roots);
-        *reply = (shear_msg_reloaded){0};
+        *reply = (sheard_msg_reloaded){0};
         log_error("the configuration was not reloaded, the old one stays: %s", err.message);
         notify_ready(&s->notify, NULL, NULL);
-        return shear_rpc_fail(error, SHEAR_RPC_BAD_CONFIG,
-                              err.advice[0] != '\0' ? err.advice : NULL, "%s", err.message);
+        return sheard_rpc_fail(error, SHEARD_RPC_BAD_CONFIG,
+                               err.advice[0] != '\0' ? err.advice : NULL, "%s", err.message);
     }
     if (roots_set(s, &err) != SHEAR_OK) {
         log_warning("%s", err.message);
@@ -211,5 +210,5 @@ int reload_config(service *s, shear_msg_reloaded *reply, shear_rpc_error *error)
     log_notice("configuration reloaded: %zu settings changed, %zu of them need a restart",
                reply->n_changed, reply->n_restart);
     notify_ready(&s->notify, NULL, NULL);
-    return SHEAR_RPC_OK;
+    return SHEARD_RPC_OK;
 }

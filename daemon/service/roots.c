@@ -23,7 +23,7 @@ typedef struct root_list {
 
 struct data_roots {
     root_list known;
-    shear_msg_root *told; /* [n] */
+    sheard_msg_root *told; /* [n] */
     uv_work_t work;
     root_list looking; /* n > 0: a look is under way */
     bool stale;        /* ... at the roots of another configuration */
@@ -67,7 +67,7 @@ int roots_set(service *s, shear_error *err) {
     if (s->data_roots == NULL) {
         s->data_roots = calloc(1, sizeof *s->data_roots);
     }
-    shear_msg_root *told = calloc(paths->n + 1, sizeof *told);
+    sheard_msg_root *told = calloc(paths->n + 1, sizeof *told);
     bool ok = s->data_roots != NULL && told != NULL && list_init(&list, paths->n);
     for (size_t i = 0; ok && i < paths->n; i++) {
         ok = list_add(&list, paths->items[i]);
@@ -101,11 +101,11 @@ void roots_free(service *s) {
     }
 }
 
-const shear_msg_root *roots_tell(const service *s, size_t *n) {
+const sheard_msg_root *roots_tell(const service *s, size_t *n) {
     const data_roots *d = s->data_roots;
     for (size_t i = 0; i < d->known.n; i++) {
         const one_root *r = &d->known.roots[i];
-        d->told[i] = (shear_msg_root){r->path, r->missing, r->missing ? r->reason : NULL};
+        d->told[i] = (sheard_msg_root){r->path, r->missing, r->missing ? r->reason : NULL};
     }
     *n = d->known.n;
     return d->told;
@@ -127,7 +127,7 @@ static void hurry(service *s) {
     shear_error err = {0};
     int code = group_begin(s, &err);
     if (code == SHEAR_OK) {
-        code = store_hurry(s->store, shear_rpc_code_get(SHEAR_RPC_ROOT_MISSING)->name, wall_ms(),
+        code = store_hurry(s->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name, wall_ms(),
                            &err);
     }
     if (code != SHEAR_OK) {

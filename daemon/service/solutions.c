@@ -269,8 +269,8 @@ static void solved(uv_work_t *work, int status) {
 
 static int estimator_of(const store_field *f) {
     shear_settings settings;
-    return shear_settings_read(&settings, f->settings, NULL) == SHEAR_OK ? settings.estimator
-                                                                         : SHEAR_ESTIMATOR_MEAN;
+    return sheard_settings_read(&settings, f->settings, NULL) == SHEAR_OK ? settings.estimator
+                                                                          : SHEAR_ESTIMATOR_MEAN;
 }
 
 /* *out: what is in the queue, or being solved, for it; NULL: its result is at hand. One that is
@@ -360,7 +360,7 @@ bool solutions_ready(service *s, server_handle to, const store_field_page *page,
         good = (digest != NULL && strcmp(digest, f->settings_digest) != 0) || wait_for(s, a, f);
     }
     if (!good) {
-        method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for solving a field");
+        method_refuse(s, to, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for solving a field");
         return false;
     }
     begin_next(s);

@@ -18,23 +18,23 @@ int source_check_size(const service *s, int fd, const char *name, shear_error *e
                       (long long)st.st_size, (long long)most);
 }
 
-static int open_part(const service *s, const access_peer *peer, const shear_msg_image *wanted,
+static int open_part(const service *s, const access_peer *peer, const sheard_msg_image *wanted,
                      source_files *files, int i, shear_error *err) {
-    shear_msg_image *const named[] = {&files->named.galaxy, &files->named.noise, &files->named.psf,
-                                      &files->named.catalog};
+    sheard_msg_image *const named[] = {&files->named.galaxy, &files->named.noise, &files->named.psf,
+                                       &files->named.catalog};
     if (wanted->path == NULL) {
         return SHEAR_OK;
     }
     const int code =
         access_open(s->roots, peer, wanted->path, &files->fds[i], &files->paths[i], err);
-    *named[i] = (shear_msg_image){files->paths[i], wanted->hdu, wanted->extname};
+    *named[i] = (sheard_msg_image){files->paths[i], wanted->hdu, wanted->extname};
     return code == SHEAR_OK ? source_check_size(s, files->fds[i], files->paths[i], err) : code;
 }
 
-int source_files_open(const service *s, const access_peer *peer, const shear_msg_source *source,
+int source_files_open(const service *s, const access_peer *peer, const sheard_msg_source *source,
                       source_files *files, int *part, shear_error *err) {
-    const shear_msg_image *const wanted[] = {&source->galaxy, &source->noise, &source->psf,
-                                             &source->catalog};
+    const sheard_msg_image *const wanted[] = {&source->galaxy, &source->noise, &source->psf,
+                                              &source->catalog};
     int code = SHEAR_OK;
     *files = (source_files){.fds = {-1, -1, -1, -1}};
     *part = -1;
@@ -74,7 +74,7 @@ static int open_clients(service *s, const store_job *job, source_opened *o, shea
     int code = peer_of(job, &peer, err);
     if (code == SHEAR_OK) {
         code = source_files_open(s, &peer, &o->source, &o->files, &part, err);
-        o->input = shear_source_input(&o->files.named);
+        o->input = sheard_source_input(&o->files.named);
     }
     access_peer_deinit(&peer);
     /* It was beneath a root when it was accepted, maybe by another name of one that is away. */
@@ -83,10 +83,11 @@ static int open_clients(service *s, const store_job *job, source_opened *o, shea
         code = ACCESS_E_ROOT;
     }
     if (code != SHEAR_OK) {
-        shear_rpc_error error;
+        sheard_rpc_error error;
         const int rpc = rpc_from_access(&error, code, err);
         o->name =
-            shear_rpc_code_get(rpc == SHEAR_RPC_NO_SUCH_FILE ? SHEAR_RPC_FILE_VANISHED : rpc)->name;
+            sheard_rpc_code_get(rpc == SHEARD_RPC_NO_SUCH_FILE ? SHEARD_RPC_FILE_VANISHED : rpc)
+                ->name;
         o->job_class = code == ACCESS_E_NOT_FOUND || code == ACCESS_E_ROOT || code == SHEAR_E_IO ||
                                code == SHEAR_E_NOMEM
                            ? STORE_TRANSIENT
@@ -113,23 +114,23 @@ static int open_spooled(service *s, const char *spooled, const char *dropped, so
     if (code == SHEAR_OK) {
         code = source_check_size(s, o->files.fds[0], o->files.paths[0], err);
     }
-    const int rpc = code == SPOOL_GONE           ? SHEAR_RPC_FILE_VANISHED
-                    : code == SPOOL_DENIED       ? SHEAR_RPC_NOT_READABLE
-                    : code == SPOOL_NOT_REGULAR  ? SHEAR_RPC_NOT_REGULAR
-                    : code == SOURCE_E_TOO_LARGE ? SHEAR_RPC_FILE_TOO_LARGE
-                                                 : SHEAR_RPC_IO;
-    o->name = shear_rpc_code_get(rpc)->name;
+    const int rpc = code == SPOOL_GONE           ? SHEARD_RPC_FILE_VANISHED
+                    : code == SPOOL_DENIED       ? SHEARD_RPC_NOT_READABLE
+                    : code == SPOOL_NOT_REGULAR  ? SHEARD_RPC_NOT_REGULAR
+                    : code == SOURCE_E_TOO_LARGE ? SHEARD_RPC_FILE_TOO_LARGE
+                                                 : SHEARD_RPC_IO;
+    o->name = sheard_rpc_code_get(rpc)->name;
     o->job_class = code == SPOOL_GONE || code == SHEAR_E_IO ? STORE_TRANSIENT : STORE_DATA;
     return code;
 }
 
 int source_open_for_job(service *s, const store_job *job, source_opened *o, shear_error *err) {
-    shear_rpc_error error;
+    sheard_rpc_error error;
     char spooled[SPOOL_NAME_SIZE];
     *o = (source_opened){.files = {.fds = {-1, -1, -1, -1}},
                          .job_class = STORE_DATA,
-                         .name = shear_rpc_code_get(SHEAR_RPC_IO)->name};
-    if (shear_source_parse(&o->source, job->source, &error) != SHEAR_RPC_OK) {
+                         .name = sheard_rpc_code_get(SHEARD_RPC_IO)->name};
+    if (sheard_source_parse(&o->source, job->source, &error) != SHEARD_RPC_OK) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the job's source cannot be read: %s",
                           error.message);
     }
@@ -140,7 +141,7 @@ int source_open_for_job(service *s, const store_job *job, source_opened *o, shea
 
 void source_opened_deinit(source_opened *o) {
     source_files_deinit(&o->files);
-    shear_source_deinit(&o->source);
+    sheard_source_deinit(&o->source);
     free(o->active_name);
     o->active_name = NULL;
 }

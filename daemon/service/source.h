@@ -8,7 +8,7 @@
 typedef struct source_files {
     int fds[SHEAR_N_PARTS];     /* as of shear_field_open_input; -1: none */
     char *paths[SHEAR_N_PARTS]; /* without links; of a field file: the first */
-    shear_msg_source named;     /* the source by those paths; its other texts are borrowed */
+    sheard_msg_source named;    /* the source by those paths; its other texts are borrowed */
 } source_files;
 
 enum source_code {
@@ -21,14 +21,14 @@ int source_check_size(const service *s, int fd, const char *name, shear_error *e
 /* Open a client's files beneath the data roots, by the peer's rights, and look at their sizes.
  * Errors of access_open and SOURCE_E_TOO_LARGE; *part is then which one failed (-1: the field
  * file). Deinit it either way. */
-int source_files_open(const service *s, const access_peer *peer, const shear_msg_source *source,
+int source_files_open(const service *s, const access_peer *peer, const sheard_msg_source *source,
                       source_files *files, int *part, shear_error *err);
 /* Closes what is open. */
 void source_files_deinit(source_files *files);
 
 /* What a running job reads: opened, and what it is called. */
 typedef struct source_opened {
-    shear_msg_source source; /* as the store has it */
+    sheard_msg_source source; /* as the store has it */
     source_files files;
     shear_input input; /* its names, which live as long as this */
     char *active_name; /* of the watch folder's own file, or NULL */

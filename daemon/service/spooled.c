@@ -58,7 +58,7 @@ char *spooled_where(const service *s, const store_job *job) {
         return NULL;
     }
     spool_place place = place_of(job);
-    if (place.name[0] == '\0' && shear_job_state_is_final(job->state)) {
+    if (place.name[0] == '\0' && sheard_job_state_is_final(job->state)) {
         spool_find(s->spool, name, GLANCE, &place); /* the service died before it was kept */
     }
     const char *where = spool_where(s->spool, name, &place, buffer);
@@ -86,12 +86,12 @@ int spooled_take_back(service *s, const store_job *job, shear_error *err) {
 
 /* The report beside the file, and the file to done/ or failed/. A report that cannot be written now
  * is tried again: the file stays in active/ and is told again. */
-static void move(service *s, const char *active_name, bool good, const shear_msg_side *side,
+static void move(service *s, const char *active_name, bool good, const sheard_msg_side *side,
                  spool_place *place) {
-    shear_rpc_error error;
+    sheard_rpc_error error;
     shear_error err = {0};
     char *text = NULL;
-    int code = shear_side_text(&text, side, &error) == SHEAR_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
+    int code = sheard_side_text(&text, side, &error) == SHEARD_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
     if (code == SHEAR_OK) {
         /* Twice: the file may be there, and only an fsync missing; then it is not told again. */
         code = spool_end(s->spool, active_name, good, text, place, &err);
@@ -130,16 +130,16 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
 void spooled_end(service *s, store_job *job) {
     char name[SPOOL_NAME_SIZE];
     spool_place place = {.name = ""};
-    if (s->spool == NULL || !shear_job_state_is_final(job->state) || !spooled_name(job, name)) {
+    if (s->spool == NULL || !sheard_job_state_is_final(job->state) || !spooled_name(job, name)) {
         return;
     }
-    shear_msg_side side = {.file = job->dropped,
-                           .state = job->state,
-                           .code = job->state == STORE_DONE ? NULL : job->code,
-                           .message = job->message,
-                           .advice = job->advice,
-                           .written_ms = wall_ms(),
-                           .version = SHEARD_VERSION};
+    sheard_msg_side side = {.file = job->dropped,
+                            .state = job->state,
+                            .code = job->state == STORE_DONE ? NULL : job->code,
+                            .message = job->message,
+                            .advice = job->advice,
+                            .written_ms = wall_ms(),
+                            .version = SHEARD_VERSION};
     present_job(s, job, &side.job);
     free((char *)side.job.file_now); /* beside this report, soon */
     side.job.file_now = NULL;
@@ -149,19 +149,19 @@ void spooled_end(service *s, store_job *job) {
 }
 
 /* A file that never becomes a job. */
-static void reject(service *s, const spool_file *file, const shear_rpc_error *why) {
-    const shear_msg_side side = {.file = file->name,
-                                 .state = SHEAR_JOB_FAILED,
-                                 .code = why->name,
-                                 .message = why->message,
-                                 .advice = why->advice,
-                                 .written_ms = wall_ms(),
-                                 .version = SHEARD_VERSION,
-                                 .job = {.state = SHEAR_JOB_FAILED,
-                                         .code = why->name,
-                                         .message = why->message,
-                                         .advice = why->advice,
-                                         .source = {.path = file->name}}};
+static void reject(service *s, const spool_file *file, const sheard_rpc_error *why) {
+    const sheard_msg_side side = {.file = file->name,
+                                  .state = SHEARD_JOB_FAILED,
+                                  .code = why->name,
+                                  .message = why->message,
+                                  .advice = why->advice,
+                                  .written_ms = wall_ms(),
+                                  .version = SHEARD_VERSION,
+                                  .job = {.state = SHEARD_JOB_FAILED,
+                                          .code = why->name,
+                                          .message = why->message,
+                                          .advice = why->advice,
+                                          .source = {.path = file->name}}};
     spool_place ignored;
     log_notice("%s is no job: %s", file->name, why->message);
     move(s, file->active_name, false, &side, &ignored);
@@ -178,7 +178,7 @@ static void submitted(service *s, after *a, int code, const shear_error *err) {
     store_job job = {0};
     if (store_job_get(s->store, a->job, &job, &ignored) == SHEAR_OK) {
         spooled_end(s, &job);
-        if (!shear_job_state_is_final(job.state)) {
+        if (!sheard_job_state_is_final(job.state)) {
             publish_job(s, &job);
         }
     }
@@ -198,10 +198,10 @@ static void follow(service *s, const spool_file *file, int64_t id) {
 }
 
 static void submit_file(service *s, const spool_file *file, const submission *sub) {
-    shear_rpc_error error;
+    sheard_rpc_error error;
     int64_t id = 0;
     bool known = false;
-    if (submit_job(s, sub, &id, &known, &error) == SHEAR_RPC_OK) {
+    if (submit_job(s, sub, &id, &known, &error) == SHEARD_RPC_OK) {
         follow(s, file, id);
     } else if (error.retry) {
         put_off(s, file->active_name, error.name, error.message);
@@ -231,33 +231,34 @@ static bool is_known(service *s, const spool_file *file) {
 
 /* A job file: read whole, bounded, then as a submit of the file's owner. */
 static void submit_job_file(service *s, const spool_file *file, submission *sub) {
-    char *text = malloc(SHEAR_MSG_JOB_FILE_MAX + 1);
+    char *text = malloc(SHEARD_MSG_JOB_FILE_MAX + 1);
     shear_error err = {0};
-    shear_rpc_error error = {0};
-    shear_msg_submit submit = {0};
+    sheard_rpc_error error = {0};
+    sheard_msg_submit submit = {0};
     int fd = -1;
     if (text == NULL || spool_open_file(s->spool, file->active_name, &fd, &err) != SHEAR_OK) {
-        shear_rpc_fail(&error, SHEAR_RPC_IO, NULL, "%s",
-                       text == NULL ? "out of memory" : err.message);
+        sheard_rpc_fail(&error, SHEARD_RPC_IO, NULL, "%s",
+                        text == NULL ? "out of memory" : err.message);
         reject(s, file, &error);
         free(text);
         return;
     }
     size_t n = 0;
     ssize_t got = 1;
-    while (got > 0 && n <= SHEAR_MSG_JOB_FILE_MAX) {
-        got = read(fd, text + n, SHEAR_MSG_JOB_FILE_MAX + 1 - n);
+    while (got > 0 && n <= SHEARD_MSG_JOB_FILE_MAX) {
+        got = read(fd, text + n, SHEARD_MSG_JOB_FILE_MAX + 1 - n);
         n += got > 0 ? (size_t)got : 0;
     }
     close(fd);
-    if (n > SHEAR_MSG_JOB_FILE_MAX) {
-        shear_rpc_fail(&error, SHEAR_RPC_LINE_TOO_LONG, "write a smaller job file",
-                       "the job file is larger than %d bytes", SHEAR_MSG_JOB_FILE_MAX);
-    } else if (shear_job_file_parse(&submit, text, n, &s->config.measure, &error) == SHEAR_RPC_OK) {
+    if (n > SHEARD_MSG_JOB_FILE_MAX) {
+        sheard_rpc_fail(&error, SHEARD_RPC_LINE_TOO_LONG, "write a smaller job file",
+                        "the job file is larger than %d bytes", SHEARD_MSG_JOB_FILE_MAX);
+    } else if (sheard_job_file_parse(&submit, text, n, &s->config.measure, &error) ==
+               SHEARD_RPC_OK) {
         sub->submit = &submit;
         submit_file(s, file, sub);
         sub->submit = NULL;
-        shear_submit_deinit(&submit);
+        sheard_submit_deinit(&submit);
         free(text);
         return;
     }
@@ -280,7 +281,7 @@ static bool is_too_large(service *s, const spool_file *file, shear_error *err) {
 static void found(void *context, const spool_file *file) {
     service *s = context;
     char path[4400];
-    static const shear_msg_submit plain = {0};
+    static const sheard_msg_submit plain = {0};
     shear_error err = {0};
     submission sub = {
         .submit = &plain, .origin = STORE_SPOOL, .key = file->key, .dropped = file->name};
@@ -298,7 +299,7 @@ static void found(void *context, const spool_file *file) {
         return;
     }
     if (!file->again && is_too_large(s, file, &err)) {
-        shear_rpc_error error;
+        sheard_rpc_error error;
         rpc_from_access(&error, err.code, &err);
         reject(s, file, &error);
         return;
@@ -312,7 +313,7 @@ static int64_t room(void *context) {
     service *s = context;
     store_counts counts;
     shear_error ignored;
-    if (s->state != SHEAR_SERVER_RUNNING || s->store_trouble_ms != 0 ||
+    if (s->state != SHEARD_SERVER_RUNNING || s->store_trouble_ms != 0 ||
         store_count(s->store, &counts, &ignored) != SHEAR_OK) {
         return 0;
     }

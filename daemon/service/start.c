@@ -61,10 +61,10 @@ static int open_store(service *s, shear_error *err) {
                    (long long)store_opened(s->store)->requeued);
     }
     if (code == SHEAR_OK) {
-        code = catalogues_open(s, err);
+        code = catalogs_open(s, err);
     }
     if (code == SHEAR_OK) {
-        catalogues_remove_retracted(s);
+        catalogs_remove_retracted(s);
     }
     return code;
 }

@@ -12,18 +12,18 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-shear_msg_limits status_limits(const service *s) {
+sheard_msg_limits status_limits(const service *s) {
     const sheard_config *c = &s->config;
-    return (shear_msg_limits){.line_bytes = (int64_t)shear_rpc_request_limits.line,
-                              .depth = shear_rpc_request_limits.depth,
-                              .values = (int64_t)shear_rpc_request_limits.values,
-                              .list = SHEAR_MSG_LIST_MAX,
-                              .jobs_page = SHEAR_MSG_JOBS_PAGE,
-                              .fields_page = SHEAR_MSG_FIELDS_PAGE,
-                              .connections = descriptors_connections(c),
-                              .in_flight = c->limits.requests_in_flight,
-                              .idle_s = c->limits.idle_timeout_ms / 1000,
-                              .queue = c->limits.queue};
+    return (sheard_msg_limits){.line_bytes = (int64_t)sheard_rpc_request_limits.line,
+                               .depth = sheard_rpc_request_limits.depth,
+                               .values = (int64_t)sheard_rpc_request_limits.values,
+                               .list = SHEARD_MSG_LIST_MAX,
+                               .jobs_page = SHEARD_MSG_JOBS_PAGE,
+                               .fields_page = SHEARD_MSG_FIELDS_PAGE,
+                               .connections = descriptors_connections(c),
+                               .in_flight = c->limits.requests_in_flight,
+                               .idle_s = c->limits.idle_timeout_ms / 1000,
+                               .queue = c->limits.queue};
 }
 
 static int64_t free_bytes(const char *path) {
@@ -37,29 +37,29 @@ static int64_t file_size(const char *path) {
 }
 
 /* Over the last minute, or since the start where that is shorter. */
-static shear_msg_rates rates(const service *s) {
+static sheard_msg_rates rates(const service *s) {
     const int64_t span = s->ticks < RATE_SLOTS - 1 ? s->ticks : RATE_SLOTS - 1;
     if (span <= 0) {
-        return (shear_msg_rates){0};
+        return (sheard_msg_rates){0};
     }
     const int64_t now = s->ticks % RATE_SLOTS;
     const int64_t then = (s->ticks - span) % RATE_SLOTS;
-    return (shear_msg_rates){
+    return (sheard_msg_rates){
         .stamps_per_s = (double)(s->stamps_at[now] - s->stamps_at[then]) / (double)span,
         .jobs_per_s = (double)(s->jobs_at[now] - s->jobs_at[then]) / (double)span};
 }
 
-static void fill_spool(const service *s, shear_msg_spool *out) {
+static void fill_spool(const service *s, sheard_msg_spool *out) {
     if (s->spool != NULL) {
         const spool_stats st = spool_get_stats(s->spool);
-        *out = (shear_msg_spool){.path = s->config.spool.directory,
-                                 .watching = st.watching,
-                                 .incoming = st.waiting,
-                                 .active = st.active,
-                                 .done = st.done,
-                                 .failed = st.failed,
-                                 .ignored = st.ignored,
-                                 .free_bytes = free_bytes(s->config.spool.directory)};
+        *out = (sheard_msg_spool){.path = s->config.spool.directory,
+                                  .watching = st.watching,
+                                  .incoming = st.waiting,
+                                  .active = st.active,
+                                  .done = st.done,
+                                  .failed = st.failed,
+                                  .ignored = st.ignored,
+                                  .free_bytes = free_bytes(s->config.spool.directory)};
     }
 }
 
@@ -67,21 +67,21 @@ enum { LEFT_LYING = 16 }; /* files that are told at most */
 
 typedef struct left_lying {
     spool_ignored found[LEFT_LYING];
-    shear_msg_ignored told[LEFT_LYING];
+    sheard_msg_ignored told[LEFT_LYING];
 } left_lying;
 
-static void fill_left_lying(const service *s, left_lying *lying, shear_msg_spool *out) {
+static void fill_left_lying(const service *s, left_lying *lying, sheard_msg_spool *out) {
     if (s->spool == NULL) {
         return;
     }
     out->n_left_lying = spool_get_ignored(s->spool, lying->found, LEFT_LYING);
     for (size_t i = 0; i < out->n_left_lying; i++) {
-        lying->told[i] = (shear_msg_ignored){lying->found[i].name, lying->found[i].reason};
+        lying->told[i] = (sheard_msg_ignored){lying->found[i].name, lying->found[i].reason};
     }
     out->left_lying = lying->told;
 }
 
-static int fill(service *s, shear_msg_status *out, char *store_path, size_t size,
+static int fill(service *s, sheard_msg_status *out, char *store_path, size_t size,
                 shear_error *err) {
     store_counts counts;
     store_totals totals;
@@ -96,9 +96,9 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
     }
     server_get_statistics(s->server, &net);
     snprintf(store_path, size, "%s/sheard.db", s->config.daemon.state_dir);
-    *out = (shear_msg_status){
+    *out = (sheard_msg_status){
         .version = SHEARD_VERSION,
-        .protocol = SHEAR_PROTOCOL_VERSION,
+        .protocol = SHEARD_PROTOCOL_VERSION,
         .pid = getpid(),
         .state = s->state,
         .started_ms = s->started_ms,
@@ -140,18 +140,18 @@ static int fill(service *s, shear_msg_status *out, char *store_path, size_t size
                   .commits = s->commits},
         .config = s->config_path != NULL ? s->config_path : sheard_config_default_path(),
         .state_dir = s->config.daemon.state_dir,
-        .catalogues = s->config.catalogues.enabled ? s->config.catalogues.directory : NULL,
+        .catalogs = s->config.catalogs.enabled ? s->config.catalogs.directory : NULL,
         .user = s->user,
         .activated = s->activated,
         .limits = status_limits(s)};
     out->roots = roots_tell(s, &out->n_roots);
     const log_losses losses = log_get_losses();
-    out->log = (shear_msg_log){losses.lines, losses.waiting_bytes};
+    out->log = (sheard_msg_log){losses.lines, losses.waiting_bytes};
     fill_spool(s, &out->spool);
     return SHEAR_OK;
 }
 
-static void fill_problems(const problem_list *list, shear_msg_status *out) {
+static void fill_problems(const problem_list *list, sheard_msg_status *out) {
     out->problems = list->lines;
     out->problem_details = list->items;
     out->n_problems = out->n_problem_details = list->n;
@@ -160,7 +160,7 @@ static void fill_problems(const problem_list *list, shear_msg_status *out) {
 }
 
 static void refuse(service *s, server_handle to, int code, const shear_error *err) {
-    shear_rpc_error error;
+    sheard_rpc_error error;
     rpc_from_store(&error, code, err);
     server_reply_error(s->server, to, &error);
 }
@@ -168,7 +168,7 @@ static void refuse(service *s, server_handle to, int code, const shear_error *er
 void status_reply(service *s, server_handle to) {
     char path[4200];
     left_lying lying;
-    shear_reply reply = {0};
+    sheard_reply reply = {0};
     shear_error err = {0};
     problem_list *list = problems_look(s, &err);
     if (list == NULL) {
@@ -193,7 +193,7 @@ static void metric(FILE *out, const char *name, const char *type, const char *he
             type, name, value);
 }
 
-static void write_metrics(const shear_msg_status *st, const server_statistics *net, FILE *out) {
+static void write_metrics(const sheard_msg_status *st, const server_statistics *net, FILE *out) {
     static const char *const names[] = {"queued", "running",   "waiting",  "done",
                                         "failed", "cancelled", "retracted"};
     const int64_t states[] = {st->states.queued,   st->states.running, st->states.waiting,
@@ -297,7 +297,7 @@ static void write_problem_metrics(const problem_list *list, FILE *out) {
 static int metrics_text(service *s, const problem_list *list, char **text, shear_error *err) {
     char path[4200];
     size_t size = 0;
-    shear_msg_status st;
+    sheard_msg_status st;
     server_statistics net;
     const int code = fill(s, &st, path, sizeof path, err);
     FILE *out = code == SHEAR_OK ? open_memstream(text, &size) : NULL;
@@ -321,7 +321,7 @@ void metrics_reply(service *s, server_handle to) {
     if (code != SHEAR_OK) {
         refuse(s, to, code, &err);
     } else {
-        const shear_reply reply = {
+        const sheard_reply reply = {
             .metrics = {.content_type = "text/plain; version=0.0.4; charset=utf-8", .text = text}};
         server_reply(s->server, to, &reply);
     }
@@ -336,14 +336,14 @@ void status_tick(service *s) {
     s->stamps_at[s->ticks % RATE_SLOTS] = engine_get_load(s->engine).stamps_total;
     s->jobs_at[s->ticks % RATE_SLOTS] = s->jobs_ended;
     for (const active_job *j = s->active; j != NULL; j = j->next) {
-        shear_notice_params params = {
+        sheard_notice_params params = {
             .job_progress = {
                 .id = j->id,
                 .progress = {
                     .total = -1, .rate = NAN, .eta_s = NAN, .bytes_done = -1, .bytes_total = -1}}};
-        if (server_is_watched(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field) &&
+        if (server_is_watched(s->server, SHEARD_NOTICE_JOB_PROGRESS, j->id, j->field) &&
             present_running(s, j->id, &params.job_progress.progress)) {
-            server_publish(s->server, SHEAR_NOTICE_JOB_PROGRESS, j->id, j->field, &params);
+            server_publish(s->server, SHEARD_NOTICE_JOB_PROGRESS, j->id, j->field, &params);
         }
     }
 }

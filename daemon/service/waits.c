@@ -108,7 +108,7 @@ static int look(waiter *w) {
             method_refuse_store(w->list.s, w->list.to, code, &err);
             return SERVER_PAUSE;
         }
-        if (code == SHEAR_OK && !shear_job_state_is_final(state)) {
+        if (code == SHEAR_OK && !sheard_job_state_is_final(state)) {
             w->pending[w->n_pending++] = w->ids[w->next];
         }
     }
@@ -132,15 +132,15 @@ static int look(waiter *w) {
 static bool add_job(waiter *w, int64_t id) {
     store_job job = {0};
     shear_error ignored;
-    shear_msg_job message = {.id = id, .state = -1};
+    sheard_msg_job message = {.id = id, .state = -1};
     const bool found = store_job_get(w->list.s->store, id, &job, &ignored) == SHEAR_OK;
     bool good = true;
     if (found) {
         present_job(w->list.s, &job, &message);
-        w->timed_out |= !shear_job_state_is_final(job.state);
+        w->timed_out |= !sheard_job_state_is_final(job.state);
     }
-    if (w->method == SHEAR_METHOD_SUBMIT) {
-        const shear_reply reply = {.submit = {.job = message, .known = w->known}};
+    if (w->method == SHEARD_METHOD_SUBMIT) {
+        const sheard_reply reply = {.submit = {.job = message, .known = w->known}};
         server_reply(w->list.s->server, w->list.to, &reply);
     } else {
         good = listing_add(&w->list, &message);
@@ -159,8 +159,8 @@ static int waiter_step(void *context) {
     while (w->next < end && add_job(w, w->ids[w->next])) {
         w->next++;
     }
-    if (w->next == w->n_ids && w->method == SHEAR_METHOD_WAIT) {
-        const shear_reply rest = {.wait.timed_out = w->timed_out};
+    if (w->next == w->n_ids && w->method == SHEARD_METHOD_WAIT) {
+        const sheard_reply rest = {.wait.timed_out = w->timed_out};
         listing_reply(&w->list, &rest);
     }
     return SERVER_MORE;
@@ -194,22 +194,22 @@ static waiter *waiter_new(const service *s, int method, size_t n, double timeout
 }
 
 static void refuse(service *s, server_handle to) {
-    method_refuse(s, to, SHEAR_RPC_OUT_OF_MEMORY, "out of memory for a wait");
+    method_refuse(s, to, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a wait");
 }
 
 void method_wait(service *s, const server_request *r) {
-    const shear_msg_wait *p = &r->request->params.wait;
+    const sheard_msg_wait *p = &r->request->params.wait;
     wait_user *u = find_user(s, r->peer->uid);
     if (u != NULL && u->ids > 0 &&
         (u->ids + p->n_ids > USER_IDS || s->wait_ids + p->n_ids > ALL_IDS)) {
-        shear_rpc_error error;
-        shear_rpc_fail(&error, SHEAR_RPC_TOO_MANY_REQUESTS, "wait for fewer jobs at a time",
-                       "your waits name %zu jobs; %d are taken of a user, %d of all", u->ids,
-                       (int)USER_IDS, (int)ALL_IDS);
+        sheard_rpc_error error;
+        sheard_rpc_fail(&error, SHEARD_RPC_TOO_MANY_REQUESTS, "wait for fewer jobs at a time",
+                        "your waits name %zu jobs; %d are taken of a user, %d of all", u->ids,
+                        (int)USER_IDS, (int)ALL_IDS);
         server_reply_error(s->server, r->handle, &error);
         return;
     }
-    waiter *w = u != NULL ? waiter_new(s, SHEAR_METHOD_WAIT, p->n_ids, p->timeout_s) : NULL;
+    waiter *w = u != NULL ? waiter_new(s, SHEARD_METHOD_WAIT, p->n_ids, p->timeout_s) : NULL;
     count_ids(s, u, w != NULL ? w->n_ids : 0, true);
     if (w == NULL) {
         refuse(s, r->handle);
@@ -221,7 +221,7 @@ void method_wait(service *s, const server_request *r) {
 }
 
 void waits_for_submitted(service *s, server_handle to, bool known, int64_t id) {
-    waiter *w = waiter_new(s, SHEAR_METHOD_SUBMIT, 1, NAN);
+    waiter *w = waiter_new(s, SHEARD_METHOD_SUBMIT, 1, NAN);
     if (w == NULL) {
         refuse(s, to);
         return;

@@ -10,7 +10,7 @@
  * Where a link is found at the start and its file is still in active/, the report goes; where the
  * file has moved, only the link. The link itself needs no fsync: if the power fails and it is lost
  * but the report is not, there is a report too many, and no file is lost or overwritten. */
-#include "inner.h"
+#include "spool/inner.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "folders.h"
+#include "spool/folders.h"
 
 #include "spool/spool.h"
 

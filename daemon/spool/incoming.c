@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From incoming/ to active/. */
-#include "inner.h"
+#include "spool/inner.h"
 
 #include <errno.h>
 #include <stdarg.h>

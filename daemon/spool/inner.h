@@ -3,13 +3,13 @@
 #ifndef SHEARD_SPOOL_INNER_H
 #define SHEARD_SPOOL_INNER_H
 
-#include "folders.h"
-#include "names.h"
-#include "offers.h"
+#include "spool/folders.h"
+#include "spool/names.h"
+#include "spool/offers.h"
 #include "spool/spool.h"
-#include "sweep.h"
-#include "waiting.h"
-#include "watch.h"
+#include "spool/sweep.h"
+#include "spool/waiting.h"
+#include "spool/watch.h"
 
 /* A look at all of incoming/, over several turns of the loop. */
 typedef struct scan {

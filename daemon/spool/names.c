@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "names.h"
+#include "spool/names.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "offers.h"
+#include "spool/offers.h"
 
-#include "inner.h"
+#include "spool/inner.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
  *
  * The last fsync keeps a link that is gone from coming back with the power: by then another file
  * may lie at failed/NAME, with a report of its own. */
-#include "inner.h"
+#include "spool/inner.h"
 
 #include <errno.h>
 #include <fcntl.h>

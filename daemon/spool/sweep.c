@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep.h"
+#include "spool/sweep.h"
 
-#include "inner.h"
+#include "spool/inner.h"
 
 #include <errno.h>
 #include <stdio.h>

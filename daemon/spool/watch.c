@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "watch.h"
+#include "spool/watch.h"
 
-#include "folders.h"
+#include "spool/folders.h"
 
 #include <errno.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Is the database sound, and does what it says agree? These read everything: not for every day. */
-#include "query.h"
-#include "sums_text.h"
+#include "store/query.h"
+#include "store/sums_text.h"
 
 #include "shear/sums.h"
 

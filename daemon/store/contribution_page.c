@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a field was joined from. */
-#include "identity.h"
-#include "page.h"
-#include "query.h"
-#include "sums_text.h"
+#include "store/identity.h"
+#include "store/page.h"
+#include "store/query.h"
+#include "store/sums_text.h"
 
 #include <inttypes.h>
 #include <math.h>

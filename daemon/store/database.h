@@ -4,8 +4,8 @@
 #ifndef SHEARD_STORE_DATABASE_H
 #define SHEARD_STORE_DATABASE_H
 
-#include "sql.h"
-#include "store.h"
+#include "store/sql.h"
+#include "store/store.h"
 
 #include <sqlite3.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fields as their readers see them. */
-#include "page.h"
-#include "query.h"
-#include "sums_text.h"
+#include "store/page.h"
+#include "store/query.h"
+#include "store/sums_text.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A job's end: it and its contribution to its field in one operation. */
-#include "identity.h"
-#include "job.h"
-#include "operation.h"
-#include "sums_text.h"
-#include "terms.h"
+#include "store/identity.h"
+#include "store/job.h"
+#include "store/operation.h"
+#include "store/sums_text.h"
+#include "store/terms.h"
 
 #include "shear/sums.h"
 
@@ -168,7 +168,7 @@ static int write_done(store *s, int64_t id, const store_work *w, const store_fin
     query_int(&q, w->elapsed_us);
     query_int(&q, w->now_ms);
     query_text(&q, w->result);
-    query_text(&q, w->catalogue);
+    query_text(&q, w->catalog);
     const int code = query_run(&q, err);
     return code == SHEAR_OK ? query_run_id(s, SQL_CHECKPOINT_DROP, id, err) : code;
 }
@@ -227,7 +227,7 @@ static int check_work(const store_work *w, shear_error *err) {
         code = query_check_text("account", w->account, STORE_ACCOUNT_MAX, true, err);
     }
     return code == SHEAR_OK
-               ? query_check_text("catalogue's path", w->catalogue, STORE_PATH_MAX, true, err)
+               ? query_check_text("catalog's path", w->catalog, STORE_PATH_MAX, true, err)
                : code;
 }
 

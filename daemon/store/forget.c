@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How a whole field is taken back: its rows at once, in one operation that tells the contributions
  * to go; then these, one by one, for there may be very many. */
-#include "operation.h"
-#include "query.h"
+#include "store/operation.h"
+#include "store/query.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -108,7 +108,7 @@ int store_forget(store *s, const char *name, const char *settings_digest, store_
 
 void store_leaving_deinit(store_leaving *l) {
     free(l->field);
-    free(l->catalogue);
+    free(l->catalog);
     *l = (store_leaving){0};
 }
 
@@ -123,7 +123,7 @@ int store_next_leaving(store *s, store_leaving *next, shear_error *err) {
         next->contribution = query_get_int(&q);
         next->job = query_get_int(&q);
         next->kept = query_get_int(&q) != 0;
-        next->catalogue = query_get_text(&q);
+        next->catalog = query_get_text(&q);
         code = query_got(&q, err);
     }
     query_end(&q);
@@ -133,7 +133,7 @@ int store_next_leaving(store *s, store_leaving *next, shear_error *err) {
     return code;
 }
 
-static int leave(store *s, const store_leaving *l, bool catalogue_gone, shear_error *err) {
+static int leave(store *s, const store_leaving *l, bool catalog_gone, shear_error *err) {
     if (l->contribution == 0) {
         return query_run_id(s, SQL_FORGOTTEN_DROP, l->forgotten, err);
     }
@@ -141,12 +141,12 @@ static int leave(store *s, const store_leaving *l, bool catalogue_gone, shear_er
     if (code == SHEAR_OK && l->kept) {
         code = query_run_id(s, SQL_JOB_RETRACT, l->job, err);
     }
-    return code == SHEAR_OK && l->catalogue != NULL && catalogue_gone
-               ? query_run_id(s, SQL_CATALOGUE_GONE, l->job, err)
+    return code == SHEAR_OK && l->catalog != NULL && catalog_gone
+               ? query_run_id(s, SQL_CATALOG_GONE, l->job, err)
                : code;
 }
 
-int store_leave(store *s, const store_leaving *l, bool catalogue_gone, shear_error *err) {
+int store_leave(store *s, const store_leaving *l, bool catalog_gone, shear_error *err) {
     const int code = operation_begin(s, err);
-    return code == SHEAR_OK ? operation_end(s, leave(s, l, catalogue_gone, err), err) : code;
+    return code == SHEAR_OK ? operation_end(s, leave(s, l, catalog_gone, err), err) : code;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "identity.h"
+#include "store/identity.h"
 
-#include "query.h"
+#include "store/query.h"
 
 int identity_find(store *s, const char *field, const char *settings_digest, const char *content,
                   identity_match *match, shear_error *err) {

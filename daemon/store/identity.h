@@ -3,7 +3,7 @@
 #ifndef SHEARD_STORE_IDENTITY_H
 #define SHEARD_STORE_IDENTITY_H
 
-#include "database.h"
+#include "store/database.h"
 
 typedef struct identity_match {
     int64_t job; /* the first one counted with this identity; 0: none */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "job.h"
+#include "store/job.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #ifndef SHEARD_STORE_JOB_H
 #define SHEARD_STORE_JOB_H
 
-#include "query.h"
+#include "store/query.h"
 
 /* What an operation must know of a job before it may change it. */
 typedef struct job_brief {

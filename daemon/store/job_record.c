@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A job as its readers see it, and its attempts. */
-#include "query.h"
+#include "store/query.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ static void read_texts(query *q, store_job *job) {
     job->message = query_get_text(q);
     job->advice = query_get_text(q);
     job->result = query_get_text(q);
-    job->catalogue = query_get_text(q);
+    job->catalog = query_get_text(q);
     job->groups = query_get_text(q);
     job->dropped = query_get_text(q);
     job->resting = query_get_text(q);
@@ -51,7 +51,7 @@ static void read_texts(query *q, store_job *job) {
 void store_job_deinit(store_job *job) {
     char *const texts[] = {job->field,   job->source,  job->settings,     job->settings_digest,
                            job->key,     job->content, job->code,         job->message,
-                           job->advice,  job->result,  job->catalogue,    job->groups,
+                           job->advice,  job->result,  job->catalog,      job->groups,
                            job->dropped, job->resting, job->resting_print};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         free(texts[i]);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a running job learns on its way: its input's identity, and its sums so far. */
-#include "identity.h"
-#include "job.h"
-#include "operation.h"
-#include "sums_text.h"
-#include "terms.h"
+#include "store/identity.h"
+#include "store/job.h"
+#include "store/operation.h"
+#include "store/sums_text.h"
+#include "store/terms.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "store.h"
+#include "store/store.h"
 
 static const char *name_in(const char *const *names, int n, int value) {
     return value >= 0 && value < n ? names[value] : "unknown";

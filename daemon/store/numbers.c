@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers that triggers keep (schema.c), and how jobs leave. */
-#include "operation.h"
-#include "query.h"
+#include "store/operation.h"
+#include "store/query.h"
 
 int store_count(store *s, store_counts *counts, shear_error *err) {
     bool row = false;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "operation.h"
+#include "store/operation.h"
 
-#include "query.h"
+#include "store/query.h"
 
 static int run(store *s, enum sql which, shear_error *err) {
     query q = query_on(s, which);

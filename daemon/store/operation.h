@@ -4,7 +4,7 @@
 #ifndef SHEARD_STORE_OPERATION_H
 #define SHEARD_STORE_OPERATION_H
 
-#include "database.h"
+#include "store/database.h"
 
 int operation_begin(store *s, shear_error *err);
 /* After a successful begin, always: keep what was done where `code` is SHEAR_OK, else undo it.

@@ -4,7 +4,7 @@
 #ifndef SHEARD_STORE_PAGE_H
 #define SHEARD_STORE_PAGE_H
 
-#include "store.h"
+#include "store/store.h"
 
 static inline size_t page_limit(size_t limit) {
     return limit < STORE_PAGE_MAX ? limit : STORE_PAGE_MAX;

@@ -11,7 +11,7 @@
 #ifndef SHEARD_STORE_QUERY_H
 #define SHEARD_STORE_QUERY_H
 
-#include "database.h"
+#include "store/database.h"
 
 typedef struct query {
     store *s;

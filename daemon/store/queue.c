@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which job runs next, and how a running one stops without a result. */
-#include "job.h"
-#include "operation.h"
-#include "query.h"
+#include "store/job.h"
+#include "store/operation.h"
+#include "store/query.h"
 
 #include <stdio.h>
 #include <stdlib.h>

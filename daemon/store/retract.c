@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How what was counted is taken back: exactly, for the sums are integers. */
-#include "identity.h"
-#include "operation.h"
-#include "query.h"
-#include "sums_text.h"
+#include "store/identity.h"
+#include "store/operation.h"
+#include "store/query.h"
+#include "store/sums_text.h"
 
 #include "shear/sums.h"
 
@@ -151,7 +151,7 @@ int store_retract(store *s, int64_t id, shear_error *err) {
     return code == SHEAR_OK ? operation_end(s, retract(s, id, err), err) : code;
 }
 
-/* ---- catalogues that are to go ---- */
+/* ---- catalogs that are to go ---- */
 
 int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear_error *err) {
     bool row = false;
@@ -168,8 +168,8 @@ int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear
     return code;
 }
 
-int store_catalogue_gone(store *s, int64_t id, shear_error *err) {
+int store_catalog_gone(store *s, int64_t id, shear_error *err) {
     const int code = operation_begin(s, err);
-    return code == SHEAR_OK ? operation_end(s, query_run_id(s, SQL_CATALOGUE_GONE, id, err), err)
+    return code == SHEAR_OK ? operation_end(s, query_run_id(s, SQL_CATALOG_GONE, id, err), err)
                             : code;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "schema.h"
+#include "store/schema.h"
 
 #include <stdio.h>
 
@@ -249,7 +249,7 @@ static const char *const version_4[] = {
     " 'CHECK (state BETWEEN 0 AND 6)') WHERE type = 'table' AND name = 'jobs'",
     "PRAGMA writable_schema = RESET", "INSERT INTO counts VALUES (6, 0)",
 
-    /* Made by chance, kept for ever: what lies beside the database (catalogues) is marked with it.
+    /* Made by chance, kept for ever: what lies beside the database (catalogs) is marked with it.
      */
     "CREATE TABLE identity(id INTEGER PRIMARY KEY CHECK (id = 1), text TEXT NOT NULL) STRICT",
     "INSERT INTO identity VALUES (1, lower(hex(randomblob(16))))",
@@ -265,7 +265,7 @@ static const char *const version_4[] = {
     " WHERE jobs.id = old.id AND instr(old.path, old.mark) > 0",
 
     "ALTER TABLE totals ADD COLUMN retracted INTEGER NOT NULL DEFAULT 0",
-    /* A retracted job's catalogue, until its file is gone. */
+    /* A retracted job's catalog, until its file is gone. */
     "CREATE INDEX jobs_leftover ON jobs(id) WHERE state = 6 AND catalogue IS NOT NULL",
     "DROP TRIGGER job_finished",
     "CREATE TRIGGER job_finished AFTER UPDATE OF state ON jobs"

@@ -3,7 +3,7 @@
 #ifndef SHEARD_STORE_SCHEMA_H
 #define SHEARD_STORE_SCHEMA_H
 
-#include "database.h"
+#include "store/database.h"
 
 enum {
     SCHEMA_APPLICATION = 0x53485244, /* "SHRD" */

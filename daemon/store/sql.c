@@ -2,7 +2,7 @@
 /* INDEXED BY makes the plan part of the statement: without that index it does not compile, so no
  * change of the schema can turn one of them into a scan unnoticed. Literal states are there because
  * a partial index is used only where the statement repeats its condition. */
-#include "sql.h"
+#include "store/sql.h"
 
 #define FIELD_RECORD                                                                               \
     "SELECT f.name, f.settings, t.text, f.sums, f.jobs, f.n_stamps, f.n_used,"                     \
@@ -100,7 +100,7 @@ const char *const sql_texts[SQL_N] = {
     [SQL_JOB_RETRACT] = "UPDATE jobs SET state = 6, outcome = 0 WHERE id = ?1",
     [SQL_LEFTOVER] = "SELECT id, catalogue FROM jobs INDEXED BY jobs_leftover"
                      " WHERE state = 6 AND catalogue IS NOT NULL AND id > ?1 ORDER BY id LIMIT 1",
-    [SQL_CATALOGUE_GONE] = "UPDATE jobs SET catalogue = NULL WHERE id = ?1 AND state = 6",
+    [SQL_CATALOG_GONE] = "UPDATE jobs SET catalogue = NULL WHERE id = ?1 AND state = 6",
 
     [SQL_COUNTED_FIND] =
         "SELECT c.job, c.n_stamps, c.n_used FROM fields f CROSS JOIN contributions c"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "database.h"
-#include "lock.h"
+#include "store/database.h"
+#include "store/lock.h"
 
 #include <errno.h>
 #include <string.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening and closing. */
-#include "store.h"
+#include "store/store.h"
 
-#include "job.h"
-#include "lock.h"
-#include "operation.h"
-#include "query.h"
-#include "schema.h"
+#include "store/job.h"
+#include "store/lock.h"
+#include "store/operation.h"
+#include "store/query.h"
+#include "store/schema.h"
 
 #include <stdio.h>
 #include <stdlib.h>

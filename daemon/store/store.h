@@ -67,7 +67,7 @@ enum {
     STORE_SETTINGS_MAX = 65536,
     STORE_RESULT_MAX = 262144,
     STORE_ACCOUNT_MAX = 131072, /* of a contribution */
-    STORE_PATH_MAX = 4096,      /* catalogue */
+    STORE_PATH_MAX = 4096,      /* catalog */
     STORE_CODE_MAX = 64,
     STORE_MESSAGE_MAX = 1024,
     STORE_ADVICE_MAX = 1024,
@@ -237,7 +237,7 @@ typedef struct store_job {
     char *message;
     char *advice;
     char *result; /* of a done job, as given to store_finish */
-    char *catalogue;
+    char *catalog;
     char *dropped; /* as given to store_submit */
     char *resting; /* as given to store_rested, both */
     char *resting_print;
@@ -308,9 +308,9 @@ int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums
 int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, shear_error *err);
 
 typedef struct store_work {
-    const char *sums;   /* the job's exact sums; NULL only for an early duplicate (store_learn) */
-    const char *result; /* text of the caller's; may be NULL */
-    const char *catalogue; /* path; may be NULL */
+    const char *sums;    /* the job's exact sums; NULL only for an early duplicate (store_learn) */
+    const char *result;  /* text of the caller's; may be NULL */
+    const char *catalog; /* path; may be NULL */
     int64_t elapsed_us;
     int64_t now_ms;
     const char *account; /* of the file, kept with the contribution when the job is gone; a text of
@@ -378,18 +378,18 @@ typedef struct store_leaving {
     int64_t job;          /* the contribution's */
     bool kept;            /* not retired: it becomes RETRACTED */
     char *field;          /* its name */
-    char *catalogue;      /* of a job that is kept */
+    char *catalog;        /* of a job that is kept */
 } store_leaving;
 void store_leaving_deinit(store_leaving *leaving);
 int store_next_leaving(store *s, store_leaving *next, shear_error *err);
-/* `catalogue_gone`: the job's file is not there any more; else store_next_leftover tells of it. */
-int store_leave(store *s, const store_leaving *leaving, bool catalogue_gone, shear_error *err);
+/* `catalog_gone`: the job's file is not there any more; else store_next_leftover tells of it. */
+int store_leave(store *s, const store_leaving *leaving, bool catalog_gone, shear_error *err);
 
-/* A retracted job tells its catalogue until store_catalogue_gone: the file must go after the change
+/* A retracted job tells its catalog until store_catalog_gone: the file must go after the change
  * is on disk, and may be left where the service dies between. The first such job after `after`, in
  * *id (0: there is none) and *path (the caller's). */
 int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear_error *err);
-int store_catalogue_gone(store *s, int64_t id, shear_error *err);
+int store_catalog_gone(store *s, int64_t id, shear_error *err);
 
 /* Queue a failed or cancelled job again, its attempts counted from 0. STORE_WRONG_STATE for others,
  * STORE_QUEUE_FULL as in store_submit. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How a job comes in, and how it comes in again. */
-#include "job.h"
-#include "operation.h"
+#include "store/job.h"
+#include "store/operation.h"
 
 #include <inttypes.h>
 #include <string.h>

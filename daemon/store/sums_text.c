@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sums_text.h"
+#include "store/sums_text.h"
 
-#include "query.h"
+#include "store/query.h"
 
 #include <stdio.h>
 #include <stdlib.h>

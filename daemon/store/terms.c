@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "terms.h"
+#include "store/terms.h"
 
-#include "identity.h"
-#include "query.h"
+#include "store/identity.h"
+#include "store/query.h"
 
 #include <inttypes.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #ifndef SHEARD_STORE_TERMS_H
 #define SHEARD_STORE_TERMS_H
 
-#include "store.h"
+#include "store/store.h"
 
 /* SHEAR_E_INTERNAL where the bytes are no terms. */
 int terms_check(const unsigned char *bytes, size_t size, shear_error *err);

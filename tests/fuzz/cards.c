@@ -51,7 +51,7 @@ void fuzz_set_value(uint8_t *card, const char *value) {
 static uint8_t *any_card(uint8_t *data, size_t size, uint64_t *state) {
     for (int tries = 0; size >= FUZZ_CARD && tries < 1000; tries++) {
         uint8_t *card = data + fuzz_below(state, size / FUZZ_CARD) * FUZZ_CARD;
-        if (fuzz_is_card(card)) {
+        if (fuzz_is_card(card) != 0) {
             return card;
         }
     }

@@ -335,7 +335,7 @@ int main(int argc, char **argv) {
     const int all = n_places * n_ways();
     int *list = calloc((size_t)all + 1, sizeof *list);
     const int n = choose(argc, argv, list, all);
-    if (!failed && n == 0) {
+    if (failed == 0 && n == 0) {
         fprintf(stderr, "usage: one_card --all | --sample N [SEED] | --one MUTANT\n");
         failed = 2;
     }

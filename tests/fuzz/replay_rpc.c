@@ -10,7 +10,7 @@ enum { LARGEST = 1 << 20 };
 
 static int replay(const char *path, uint8_t *bytes) {
     FILE *file = fopen(path, "rb");
-    if (!file) {
+    if (file == NULL) {
         perror(path);
         return 1;
     }
@@ -25,8 +25,8 @@ static int replay(const char *path, uint8_t *bytes) {
 
 int main(int argc, char **argv) {
     uint8_t *bytes = malloc(LARGEST);
-    int failed = !bytes || argc < 2;
-    for (int i = 1; i < argc && !failed; i++) {
+    int failed = bytes == NULL || argc < 2;
+    for (int i = 1; i < argc && failed == 0; i++) {
         failed = replay(argv[i], bytes);
     }
     free(bytes);

@@ -54,7 +54,7 @@ static void write_own(int i, const char *path) {
     fixture_write(path, &s);
 }
 
-/* A catalogue of many types, some of them scaled, with columns that nobody asks for. */
+/* A catalog of many types, some of them scaled, with columns that nobody asks for. */
 static void append_catalog(const char *path) {
     char *names[] = {"ID", "X", "NOTE", "FLAGS", "WEIGHT", "LIST", "RA"};
     char *forms[] = {"K", "I", "7A", "B", "E", "1PJ", "D"};

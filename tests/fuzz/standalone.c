@@ -104,7 +104,7 @@ static int run_mutants(const bytes seeds[FUZZ_SEEDS], int from, int to) {
     unsigned char *copy = malloc(1 << 20);
     const int descriptors = open_descriptors();
     int failed = copy == NULL;
-    for (int i = from; i < to && !failed; i++) {
+    for (int i = from; i < to && failed == 0; i++) {
         const bytes *seed = &seeds[i % FUZZ_SEEDS];
         current = i;
         state = (uint64_t)i;
@@ -156,7 +156,7 @@ static int run_seeds(const char *option, int argc, char **argv) {
         seeds[i] = fuzz_seed(i);
         fixture_save(path, seeds[i].data, seeds[i].size);
         good = good && is_good(path);
-        if (corpus && argc > 0) {
+        if (corpus != 0 && argc > 0) {
             char out[600];
             snprintf(out, sizeof out, "%s/seed-%d.fits", argv[0], i);
             fixture_save(out, seeds[i].data, seeds[i].size);
@@ -164,9 +164,10 @@ static int run_seeds(const char *option, int argc, char **argv) {
     }
     const int first = argc > 0 ? (int)strtol(argv[0], NULL, 10) : 300;
     const int last = argc > 1 ? (int)strtol(argv[1], NULL, 10) : first + 1;
-    const int rc = !good    ? 1
-                   : corpus ? 0
-                            : run_mutants(seeds, argc > 1 ? first : 0, argc > 1 ? last : first);
+    const int rc = !good ? 1
+                   : corpus != 0
+                       ? 0
+                       : run_mutants(seeds, argc > 1 ? first : 0, argc > 1 ? last : first);
     for (int i = 0; i < FUZZ_SEEDS; i++) {
         free(seeds[i].data);
     }

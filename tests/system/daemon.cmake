@@ -21,7 +21,7 @@ set(names # one a line: whoever adds one does not get into another's way
   access
   basic
   budget
-  catalogues
+  catalogs
   clock
   crash
   disk

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stamps with cosmic rays, hot pixels and sentinels: left out by default, named by validate, with
-the pixel's place in the catalogue; and the result is that of the file without them."""
+the pixel's place in the catalog; and the result is that of the file without them."""
 import struct
 import unittest
 
@@ -11,7 +11,7 @@ NX = 48
 
 
 def rows_of(path):
-    """FLAGS, ART_X, ART_Y of a catalogue: its last three columns."""
+    """FLAGS, ART_X, ART_Y of a catalog: its last three columns."""
     with open(path, "rb") as f:
         (table,) = [content for name, content in hdus(f.read()) if name == "SHEAR"]
     cards = [table[k:k + 80].decode("latin-1") for k in range(0, len(table), 80)]

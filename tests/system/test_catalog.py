@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shearctl measure --catalog: where the catalogues go, what is never overwritten, and outputs that
+"""shearctl measure --catalog: where the catalogs go, what is never overwritten, and outputs that
 cannot be written."""
 import os
 import unittest

@@ -36,7 +36,7 @@ class ClockTest(DaemonTest):
         os.close(file)
 
     def waiting(self, d, name="a.fits"):
-        """A job that waits: there is nowhere to write its catalogue."""
+        """A job that waits: there is nowhere to write its catalog."""
         shutil.rmtree(d.path("catalogues"), ignore_errors=True)
         number = d.submit(d.path("data", name), force=True)["id"]
         return d.wait_state(number, "waiting")

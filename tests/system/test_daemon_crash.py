@@ -192,11 +192,11 @@ class Checkpoint(DaemonTest):
         return daemon.held(daemon.submit(path, settings={**SLOW, **more})["id"]), path
 
     def kept(self, daemon):
-        """Temporary files of catalogues."""
+        """Temporary files of catalogs."""
         return [n for n in os.listdir(daemon.path("catalogues")) if n.endswith(".part")]
 
-    def test_resume_with_catalogue(self):
-        """The rows of before the kill are on disk: the catalogue is that of an uninterrupted run,
+    def test_resume_with_catalog(self):
+        """The rows of before the kill are on disk: the catalog is that of an uninterrupted run,
         to the last byte."""
         daemon = self.daemon({"daemon.workers": 1, "catalogues.enabled": "true"})
         job, path = self.large(daemon)
@@ -207,11 +207,11 @@ class Checkpoint(DaemonTest):
         self.assertGreaterEqual(done, saved[0] * BLOCK, "it began anew")
         self.assertIn(f"goes on at block {saved[0]}", daemon.log_text())
         self.assertEqual(self.kept(daemon), [f".{job}.shear.fits.part"])
-        catalogue = daemon.wait_state(job, "done")["catalogue"]
+        catalog = daemon.wait_state(job, "done")["catalogue"]
         expected = os.path.join(self.directory, "expected.fits")
         row = measured([path], *SLOW_OPTIONS, "--catalog", expected)
         self.assertRow(daemon, "large", row, 1)
-        self.assertEqual(content_of(catalogue), content_of(expected))
+        self.assertEqual(content_of(catalog), content_of(expected))
         self.assertEqual(self.kept(daemon), [])
 
     def test_without_its_rows_it_begins_anew(self):

@@ -93,8 +93,8 @@ class Full(DaemonTest):
         for name in names:
             self.assertRow(self.d, name[:-5], self.expected, 1)
 
-    def test_catalogues(self):
-        """No room for a catalogue: the job waits, says why, and is done when there is room."""
+    def test_catalogs(self):
+        """No room for a catalog: the job waits, says why, and is done when there is room."""
         where = self.disk + "/catalogues"
         daemon = self.daemon({"catalogues.enabled": "true", "catalogues.directory": where,
                               "retry.attempts": 2}, name="other")

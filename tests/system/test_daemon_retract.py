@@ -46,7 +46,7 @@ class Retract(DaemonTest):
         job = self.daemon_.submit(path, field="f", **params)["id"]
         return self.daemon_.wait_state(job, "done")
 
-    def catalogues(self):
+    def catalogs(self):
         return sorted(n for n in os.listdir(self.daemon_.path("catalogues")) if n[0] != ".")
 
     def test_as_if_never(self):
@@ -73,10 +73,10 @@ class Retract(DaemonTest):
             self.assertEqual(again["outcome"], "counted")
             self.assertEqual(numbers(row()), measured(paths, *options))
         names = {os.path.basename(j["catalogue"]) for j in daemon.jobs() if j["catalogue"]}
-        until(lambda: set(self.catalogues()) == names, "catalogues of retracted jobs are gone")
+        until(lambda: set(self.catalogs()) == names, "catalogs of retracted jobs are gone")
         daemon.kill()
         daemon.start()
-        self.assertEqual(set(self.catalogues()), names)
+        self.assertEqual(set(self.catalogs()), names)
 
     def test_last_one(self):
         """A field without contributions is gone; who watches it is told."""
@@ -153,13 +153,13 @@ class Retract(DaemonTest):
                          {"field": "f", "rows": 1, "contributions": 3, "jobs": 3})
         with self.assertRefused("no_such_field"):
             daemon.call("field", field="f")
-        until(lambda: not self.catalogues(), "the catalogues are gone")
+        until(lambda: not self.catalogs(), "the catalogs are gone")
         self.assertEqual(self.count(paths[0])["outcome"], "counted")
 
     def counted_many(self, many):
-        """The field has that many more of the one contribution that it has: of jobs 2, 3, ..., each with a catalogue."""
+        """The field has that many more of the one contribution that it has: of jobs 2, 3, ..., each with a catalog."""
         daemon = self.daemon_
-        catalogue = self.count(self.file("a.fits", 1, 2))["catalogue"]
+        catalog = self.count(self.file("a.fits", 1, 2))["catalogue"]
         daemon.stop()
         with sqlite3.connect(os.path.join(daemon.state, "sheard.db")) as base:
             def names(table):
@@ -171,13 +171,13 @@ class Retract(DaemonTest):
                 base.execute("with recursive n(i) as (select 2 union all select i + 1 from n where i <= ?)"
                              f" insert into {table} ({', '.join(columns)}) select {values} from {table}, n where {table}.id = 1",
                              (many,))
-            repeat("jobs", id="i", catalogue=f"'{os.path.dirname(catalogue)}/' || i || '.shear.fits'")
+            repeat("jobs", id="i", catalogue=f"'{os.path.dirname(catalog)}/' || i || '.shear.fits'")
             repeat("contributions", id="i", job="i", content="content || i")
             base.execute("update fields set (jobs, n_stamps, n_used) = (select count(*), sum(n_stamps), sum(n_used) from contributions)")
             base.execute("update totals set counted = counted + ?", (many,))
         base.close()
         for i in range(2, many + 2):
-            with open(os.path.join(os.path.dirname(catalogue), f"{i}.shear.fits"), "wb"):
+            with open(os.path.join(os.path.dirname(catalog), f"{i}.shear.fits"), "wb"):
                 pass
         daemon.start()
 
@@ -185,7 +185,7 @@ class Retract(DaemonTest):
         status = self.daemon_.call("status")
         self.assertEqual(status["totals"]["retracted"], jobs)
         self.assertEqual((status["states"]["done"], status["states"]["retracted"]), (0, jobs))
-        self.assertEqual(self.catalogues(), [])
+        self.assertEqual(self.catalogs(), [])
         with self.assertRefused("no_such_field"):
             self.daemon_.call("field", field="f")
 
@@ -203,7 +203,7 @@ class Retract(DaemonTest):
             self.assertEqual(client.answer(asked[1]), {"field": "g", "rows": 1, "contributions": 1, "jobs": 1})
             with self.assertRefused("no_such_field"):
                 client.answer(asked[2])
-        self.assertEqual(self.catalogues(), [])
+        self.assertEqual(self.catalogs(), [])
 
     @turns
     def test_forget_many(self):
@@ -234,7 +234,7 @@ class Retract(DaemonTest):
         self.assertEqual(again["outcome"], "counted")
         until(lambda: daemon.call("status")["totals"]["retracted"] > FORGOTTEN, "all have left")
         self.assertRow(daemon, "f", measured([os.path.join(daemon.data, "a.fits")]), 1)
-        self.assertEqual(self.catalogues(), [os.path.basename(again["catalogue"])])
+        self.assertEqual(self.catalogs(), [os.path.basename(again["catalogue"])])
         daemon.call("forget", field="f")
         self.assertAllForgotten(FORGOTTEN + 2)
 
@@ -248,16 +248,16 @@ class Retract(DaemonTest):
             self.count(self.file(f"{i}.fits", i + 1, 2))
         other = self.count(self.file("other.fits", 9, 2), settings={"beta-ratio": 1.6})
         until(lambda: len(daemon.jobs()) == 3, "the others are retired")
-        self.assertEqual(len(self.catalogues()), 7)
+        self.assertEqual(len(self.catalogs()), 7)
         return other
 
     def test_forget_retired(self):
-        """Catalogues of jobs that are not known any more go, too."""
+        """Catalogs of jobs that are not known any more go, too."""
         daemon = self.daemon_
         other = self.retired()
         digest = next(r["digest"] for r in daemon.call("field", field="f")["rows"] if r["digest"] != other["digest"])
         self.assertEqual(daemon.call("forget", field="f", digest=digest), {"field": "f", "rows": 1, "contributions": 6, "jobs": 2})
-        self.assertEqual(self.catalogues(), [os.path.basename(other["catalogue"])])
+        self.assertEqual(self.catalogs(), [os.path.basename(other["catalogue"])])
 
     def test_forget_in_another_s(self):
         """The directory has been left to another database: what is called as theirs were is that one's."""
@@ -266,7 +266,7 @@ class Retract(DaemonTest):
         with open(daemon.path("catalogues", ".sheard-database"), "w", encoding="ascii") as f:
             f.write("another's")
         self.assertEqual(daemon.call("forget", field="f"), {"field": "f", "rows": 2, "contributions": 7, "jobs": 3})
-        self.assertEqual(len(self.catalogues()), 7)
+        self.assertEqual(len(self.catalogs()), 7)
 
     def test_culprit(self):
         """One bad file: the field says why it has no result, whose file it is, and recovers."""

@@ -85,7 +85,7 @@ class Separate(Sources):
         job = self.d.call("submit", **swapped, field="g", wait=True)["job"]
         self.assertEqual((job["state"], job["outcome"]), ("done", "counted"))
 
-    def test_catalogue(self):
+    def test_catalog(self):
         _, parts = self.cut(self.d)
         rows = [("FLAGS", "J", [i % 3 for i in range(12)]), ("WEIGHT", "D", [1.5] * 12)]
         table = os.path.join(self.d.data, "stars.fits")
@@ -106,7 +106,7 @@ class Separate(Sources):
         job = json.loads(run.stdout)["job"]
         self.assertEqual(numbers(job["result"]), numbers(measured_parts(parts)))
 
-    def test_another_catalogue_for_a_field_file(self):
+    def test_another_catalog_for_a_field_file(self):
         whole, _ = self.cut(self.d)
         table = os.path.join(self.d.data, "cut.fits")
         with open(table, "wb") as f:

@@ -425,7 +425,7 @@ class Parts(ToolTest):
         self.assertEqual(parts["field"], "GALAXY")  # of the galaxies' file
         self.assertEqual(self.measure_one(*options, "--jackknife", 2)["jackknife"], 2)
 
-    def test_catalogue(self):
+    def test_catalog(self):
         whole, options = self.cut(Field(n=20))
         os.mkdir(self.path("out"))
         self.measure_one(*options, "--catalog", self.path("out"))
@@ -437,7 +437,7 @@ class Parts(ToolTest):
             self.assertFails(shearctl("measure", *options, "--catalog", path, "--force"), USAGE,
                              "one of the input files")
 
-    def test_another_catalogue_for_a_field_file(self):
+    def test_another_catalog_for_a_field_file(self):
         field = Field(n=6, sigma=0.2)
         field.columns = [("WEIGHT", "D", [1.0] * 6)]
         whole = field.write(self.path("whole.fits"))

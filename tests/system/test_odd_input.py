@@ -29,7 +29,7 @@ class DefaultName(ToolTest):
             self.assertCode(verdict, INPUT)
             self.assertIn("the field's name", verdict.out)
 
-    def test_catalogue_without_a_name(self):
+    def test_catalog_without_a_name(self):
         path = Field(n=4, nx=24, ny=24, name=None).write(self.path("Übung.fits"))
         out = self.path("out.fits")
         self.assertCode(shearctl("measure", "--field", "mine", "--catalog", out, path), DONE)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""shearctl plot: pictures of field files and catalogues, where they go, and what it says when it cannot."""
+"""shearctl plot: pictures of field files and catalogs, where they go, and what it says when it cannot."""
 import os
 import stat
 import struct
@@ -78,14 +78,14 @@ class Plot(ToolTest):
         self.plotted(self.field())
         self.assertEqual(stat.S_IMODE(os.stat(self.path("out.png")).st_mode), 0o640)
 
-    def test_catalogue(self):
+    def test_catalog(self):
         catalog = self.path("a.shear.fits")
         self.assertCode(shearctl("measure", self.field(n=40), "--catalog", catalog), DONE)
         width, height, raw = self.plotted(catalog)
         self.assertEqual((width, height), (1280, 840))
         self.assertGreater(len(set(raw[i:i + 3] for i in range(1, 200000, 3))), 20)
-        self.assertFails(shearctl("plot", catalog, "--stamp", "1"), USAGE, "catalogue")
-        self.assertFails(shearctl("plot", catalog, "--beta", "3"), USAGE, "catalogue")
+        self.assertFails(shearctl("plot", catalog, "--stamp", "1"), USAGE, "catalog")
+        self.assertFails(shearctl("plot", catalog, "--beta", "3"), USAGE, "catalog")
 
     def test_stamps_that_are_left_out_can_be_looked_at(self):
         field = Field(n=3)
@@ -111,7 +111,7 @@ class Plot(ToolTest):
     def test_bad_input(self):
         with open(self.path("text.fits"), "w", encoding="ascii") as file:
             file.write("no FITS at all")
-        self.assertFails(shearctl("plot", self.path("text.fits")), INPUT, "neither a field file", "catalogue")
+        self.assertFails(shearctl("plot", self.path("text.fits")), INPUT, "neither a field file", "catalog")
         self.assertFails(shearctl("plot", self.path("missing.fits")), INPUT, "missing.fits")
         self.assertFails(shearctl("plot", self.directory), INPUT, "directory")
         os.mkfifo(self.path("fifo"))

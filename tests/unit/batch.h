@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* tests/unit/batch.h: many random stamp pairs with catalogue columns, a PSF each. */
+/* tests/unit/batch.h: many random stamp pairs with catalog columns, a PSF each. */
 #ifndef TEST_BATCH_H
 #define TEST_BATCH_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* catalog_fixture.h: what result catalogues are made of in tests. */
+/* catalog_fixture.h: what result catalogs are made of in tests. */
 #ifndef TEST_CATALOG_FIXTURE_H
 #define TEST_CATALOG_FIXTURE_H
 

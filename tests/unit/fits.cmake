@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Field files and result catalogues. The fixtures write odd files with CFITSIO itself.
+# Field files and result catalogs. The fixtures write odd files with CFITSIO itself.
 add_library(fits_fixtures STATIC fits_fixture.c catalog_fixture.c)
 target_include_directories(fits_fixtures PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(fits_fixtures PUBLIC shear_flags shear_static PkgConfig::CFITSIO PkgConfig::ZLIB

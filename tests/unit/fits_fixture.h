@@ -21,12 +21,12 @@ int fixture_count_files(void);
 enum fixture_kind { FIXTURE_GALAXY, FIXTURE_NOISE, FIXTURE_PSF };
 double fixture_pixel(int kind, int64_t i, int y, int x);
 
-/* What row i of a catalogue column is. */
+/* What row i of a catalog column is. */
 double fixture_column(unsigned bit, int64_t i);
 /* PSF_ID of row i where there are n_psf images. */
 int32_t fixture_psf_id(int64_t i, int64_t n_psf);
 
-/* 10 stamps of 12 x 10 in a cube of floats, one PSF of 9 x 7, OVERSAMP 2, no catalogue. */
+/* 10 stamps of 12 x 10 in a cube of floats, one PSF of 9 x 7, OVERSAMP 2, no catalog. */
 shear_field_spec fixture_spec(void);
 /* Write the file that the spec describes, through libshear's writer, in scrambled chunks. */
 void fixture_write(const char *path, const shear_field_spec *spec);

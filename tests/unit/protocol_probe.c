@@ -36,10 +36,10 @@ static void print_member(const msg_member *m) {
            m->name, types[m->type], m->flags & MSG_REQUIRED ? "true" : "false",
            m->flags & MSG_NULLABLE ? "true" : "false", m->flags & MSG_PLAIN ? "true" : "false",
            m->flags & MSG_ABSOLUTE ? "true" : "false", m->min, m->max, m->item_max, m->fallback);
-    if (m->names) {
+    if (m->names != NULL) {
         print_names(m->names);
     }
-    if (m->table) {
+    if (m->table != NULL) {
         printf(",\"members\":");
         print_table(m->table);
     }
@@ -57,17 +57,18 @@ static void print_table(const msg_table *table) {
 
 static void print_codes(void) {
     printf("{\"codes\":[");
-    for (int i = 1; i < SHEAR_N_RPC_CODES; i++) {
-        const shear_rpc_code_info *c = shear_rpc_code_get(i);
+    for (int i = 1; i < SHEARD_N_RPC_CODES; i++) {
+        const sheard_rpc_code_info *c = sheard_rpc_code_get(i);
         printf("%s{\"name\":\"%s\",\"number\":%d,\"retry\":%s,\"class\":\"%s\"}", i > 1 ? "," : "",
-               c->name, c->number, c->retry ? "true" : "false", shear_job_class_name(c->job_class));
+               c->name, c->number, c->retry ? "true" : "false",
+               sheard_job_class_name(c->job_class));
     }
     printf("]");
 }
 
 static void print_methods(void) {
     printf(",\"methods\":[");
-    for (int i = 0; i < SHEAR_N_METHODS; i++) {
+    for (int i = 0; i < SHEARD_N_METHODS; i++) {
         printf("%s{\"name\":\"%s\",\"admin\":%s,\"params\":", i > 0 ? "," : "", rpc_methods[i].name,
                rpc_methods[i].admin ? "true" : "false");
         print_table(rpc_methods[i].params);
@@ -76,7 +77,7 @@ static void print_methods(void) {
         printf("}");
     }
     printf("],\"notifications\":[");
-    for (int i = 0; i < SHEAR_N_NOTICES; i++) {
+    for (int i = 0; i < SHEARD_N_NOTICES; i++) {
         printf("%s{\"name\":\"%s\",\"params\":", i > 0 ? "," : "", rpc_notices[i].name);
         print_table(rpc_notices[i].params);
         printf("}");
@@ -99,7 +100,7 @@ static void print_settings(void) {
                table[i].has_auto && strcmp(shear_setting_auto(&table[i]), "auto") == 0 ? "true"
                                                                                        : "false",
                table[i].min, table[i].max);
-        if (table[i].choices) {
+        if (table[i].choices != NULL) {
             print_names(table[i].choices);
         }
         printf("}");
@@ -111,70 +112,70 @@ static int tables(void) {
     print_codes();
     print_methods();
     print_settings();
-    const shear_rpc_limits *l = &shear_rpc_request_limits;
+    const sheard_rpc_limits *l = &sheard_rpc_request_limits;
     printf(",\"limits\":{\"line\":%zu,\"depth\":%d,\"values\":%zu,\"text\":%zu,\"id\":%d,"
            "\"job_file\":%d,\"reply_line\":%zu}}\n",
-           l->line, l->depth, l->values, l->text, SHEAR_RPC_ID_MAX, SHEAR_MSG_JOB_FILE_MAX,
-           shear_rpc_reply_limits.line);
+           l->line, l->depth, l->values, l->text, SHEARD_RPC_ID_MAX, SHEARD_MSG_JOB_FILE_MAX,
+           sheard_rpc_reply_limits.line);
     return 0;
 }
 
 /* ---- check ---- */
 
-static int check_request(const char *text, int method, shear_rpc_error *error) {
-    shear_request request;
-    const int rc = shear_request_parse(&request, text, strlen(text), NULL, error);
-    const bool other = rc == SHEAR_RPC_OK && request.method != method;
-    shear_request_deinit(&request);
-    return other ? shear_rpc_fail(error, SHEAR_RPC_UNKNOWN_METHOD, NULL, "another method") : rc;
+static int check_request(const char *text, int method, sheard_rpc_error *error) {
+    sheard_request request;
+    const int rc = sheard_request_parse(&request, text, strlen(text), NULL, error);
+    const bool other = rc == SHEARD_RPC_OK && request.method != method;
+    sheard_request_deinit(&request);
+    return other ? sheard_rpc_fail(error, SHEARD_RPC_UNKNOWN_METHOD, NULL, "another method") : rc;
 }
 
-static int check_message(const char *text, int kind, int method, shear_rpc_error *error) {
-    shear_message message;
-    int rc = shear_message_parse(&message, text, strlen(text), error);
-    if (rc == SHEAR_RPC_OK && message.kind != kind) {
-        rc = shear_rpc_fail(error, SHEAR_RPC_BAD_REPLY, NULL, "another kind of message");
+static int check_message(const char *text, int kind, int method, sheard_rpc_error *error) {
+    sheard_message message;
+    int rc = sheard_message_parse(&message, text, strlen(text), error);
+    if (rc == SHEARD_RPC_OK && message.kind != kind) {
+        rc = sheard_rpc_fail(error, SHEARD_RPC_BAD_REPLY, NULL, "another kind of message");
     }
-    if (rc == SHEAR_RPC_OK && kind == SHEAR_MESSAGE_REPLY) {
-        shear_reply reply;
-        rc = shear_message_reply(&message, method, &reply, error);
-        shear_reply_deinit(&reply, method);
+    if (rc == SHEARD_RPC_OK && kind == SHEARD_MESSAGE_REPLY) {
+        sheard_reply reply;
+        rc = sheard_message_reply(&message, method, &reply, error);
+        sheard_reply_deinit(&reply, method);
     }
-    const bool unknown = (kind == SHEAR_MESSAGE_NOTICE && message.notice < 0) ||
-                         (kind == SHEAR_MESSAGE_ERROR && message.error.code == SHEAR_RPC_UNKNOWN);
-    if (rc == SHEAR_RPC_OK && unknown) {
-        rc = shear_rpc_fail(error, SHEAR_RPC_UNKNOWN, NULL, "an unknown notification or code");
+    const bool unknown = (kind == SHEARD_MESSAGE_NOTICE && message.notice < 0) ||
+                         (kind == SHEARD_MESSAGE_ERROR && message.error.code == SHEARD_RPC_UNKNOWN);
+    if (rc == SHEARD_RPC_OK && unknown) {
+        rc = sheard_rpc_fail(error, SHEARD_RPC_UNKNOWN, NULL, "an unknown notification or code");
     }
-    shear_message_deinit(&message);
+    sheard_message_deinit(&message);
     return rc;
 }
 
-static int check_job_file(const char *text, shear_rpc_error *error) {
-    shear_msg_submit submit;
-    const int rc = shear_job_file_parse(&submit, text, strlen(text), NULL, error);
-    shear_submit_deinit(&submit);
+static int check_job_file(const char *text, sheard_rpc_error *error) {
+    sheard_msg_submit submit;
+    const int rc = sheard_job_file_parse(&submit, text, strlen(text), NULL, error);
+    sheard_submit_deinit(&submit);
     return rc;
 }
 
-static int check_side_file(const char *text, shear_rpc_error *error) {
-    shear_msg_side side;
-    const int rc = shear_side_parse(&side, text, strlen(text), error);
-    shear_side_deinit(&side);
+static int check_side_file(const char *text, sheard_rpc_error *error) {
+    sheard_msg_side side;
+    const int rc = sheard_side_parse(&side, text, strlen(text), error);
+    sheard_side_deinit(&side);
     return rc;
 }
 
-static int check(const char *kind, int method, const char *text, shear_rpc_error *error) {
+static int check(const char *kind, int method, const char *text, sheard_rpc_error *error) {
     if (strcmp(kind, "request") == 0) {
         return check_request(text, method, error);
     }
     if (strcmp(kind, "reply") == 0) {
-        return check_message(text, SHEAR_MESSAGE_REPLY, method, error);
+        return check_message(text, SHEARD_MESSAGE_REPLY, method, error);
     }
     if (strcmp(kind, "error") == 0) {
-        return check_message(text, SHEAR_MESSAGE_ERROR, method, error);
+        return check_message(text, SHEARD_MESSAGE_ERROR, method, error);
     }
     if (strcmp(kind, "notification") == 0) {
-        return check_message(text, SHEAR_MESSAGE_NOTICE, method, error);
+        return check_message(text, SHEARD_MESSAGE_NOTICE, method, error);
     }
     return strcmp(kind, "job-file") == 0 ? check_job_file(text, error)
                                          : check_side_file(text, error);
@@ -186,17 +187,18 @@ static int check_lines(void) {
     while (getline(&line, &size, stdin) > 0) {
         line[strcspn(line, "\n")] = '\0';
         char *text = strchr(line, '\t');
-        if (!text) {
+        if (text == NULL) {
             free(line);
             return 2;
         }
         *text++ = '\0';
         char *method = strchr(line, ' ');
-        if (method) {
+        if (method != NULL) {
             *method++ = '\0';
         }
-        shear_rpc_error error = {0};
-        if (check(line, method ? shear_method_find(method) : -1, text, &error) == SHEAR_RPC_OK) {
+        sheard_rpc_error error = {0};
+        if (check(line, method != NULL ? sheard_method_find(method) : -1, text, &error) ==
+            SHEARD_RPC_OK) {
             printf("ok\n");
         } else {
             printf("%s: %s\n", error.name, error.message);

@@ -103,7 +103,7 @@ static void fill_list(void *message, const msg_member *m, uint64_t *seed) {
 
 static int some_name(const char *const *names, uint64_t *seed) {
     int n = 0;
-    while (names[n]) {
+    while (names[n] != NULL) {
         n++;
     }
     return (int)(next_random(seed) % (unsigned)n);
@@ -186,19 +186,19 @@ static void drop_path(const char **path) {
     *path = NULL;
 }
 
-static void one_source(shear_msg_source *s, uint64_t *seed) {
-    shear_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf, &s->catalog};
-    const bool separate = !s->path || coin(seed);
+static void one_source(sheard_msg_source *s, uint64_t *seed) {
+    sheard_msg_image *images[] = {&s->galaxy, &s->noise, &s->psf, &s->catalog};
+    const bool separate = s->path == NULL || coin(seed);
     for (int i = 0; i < 4; i++) {
         drop_path(&images[i]->path);
         drop_path(&images[i]->extname);
         images[i]->hdu = -1;
         if (separate && (i < 3 || coin(seed))) {
-            images[i]->path = some_text(SHEAR_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
+            images[i]->path = some_text(SHEARD_MSG_PATH_MAX, MSG_ABSOLUTE, seed);
             if (coin(seed)) {
-                images[i]->extname = some_text(SHEAR_MSG_EXTNAME_MAX, MSG_PLAIN, seed);
+                images[i]->extname = some_text(SHEARD_MSG_EXTNAME_MAX, MSG_PLAIN, seed);
             } else {
-                images[i]->hdu = integer_within(-1, SHEAR_MSG_HDU_MAX, seed);
+                images[i]->hdu = integer_within(-1, SHEARD_MSG_HDU_MAX, seed);
             }
         }
     }
@@ -207,14 +207,14 @@ static void one_source(shear_msg_source *s, uint64_t *seed) {
     }
 }
 
-void fill_params(shear_params *params, int method, uint64_t *seed) {
+void fill_params(sheard_params *params, int method, uint64_t *seed) {
     memset(params, 0, sizeof *params);
     fill(params, rpc_methods[method].params, seed);
-    if (method == SHEAR_METHOD_SUBMIT) {
+    if (method == SHEARD_METHOD_SUBMIT) {
         one_source(&params->submit.source, seed);
-    } else if (method == SHEAR_METHOD_HELLO && params->hello.oldest > params->hello.newest) {
+    } else if (method == SHEARD_METHOD_HELLO && params->hello.oldest > params->hello.newest) {
         params->hello.newest = params->hello.oldest;
-    } else if (method == SHEAR_METHOD_SUBSCRIBE && params->subscribe.n_jobs == 0 &&
+    } else if (method == SHEARD_METHOD_SUBSCRIBE && params->subscribe.n_jobs == 0 &&
                params->subscribe.n_fields == 0) {
         params->subscribe.all = true;
     }
@@ -223,7 +223,7 @@ void fill_params(shear_params *params, int method, uint64_t *seed) {
 /* ---- Comparing ---- */
 
 static void same_text(const char *name, const char *a, const char *b) {
-    if (!a != !b || (a && strcmp(a, b) != 0)) {
+    if ((a == NULL) != (b == NULL) || (a != NULL && strcmp(a, b) != 0)) {
         fail_msg("%s: \"%s\" is not \"%s\"", name, a ? a : "(NULL)", b ? b : "(NULL)");
     }
 }

@@ -19,7 +19,7 @@ static void answer(fixture *f, server_handle handle) {
     assert_non_null(text);
     memset(text, 'x', f->reply_bytes);
     text[f->reply_bytes] = '\0';
-    const shear_reply reply = {.metrics = {.content_type = "text/plain", .text = text}};
+    const sheard_reply reply = {.metrics = {.content_type = "text/plain", .text = text}};
     server_reply(f->s, handle, &reply);
     free(text);
 }
@@ -32,29 +32,29 @@ static void on_request(void *context, const server_request *request) {
         f->handles[f->n] = request->handle;
         f->methods[f->n++] = request->request->method;
     }
-    const shear_msg_subscribe *what = &request->request->params.subscribe;
-    shear_reply reply = {0};
-    shear_rpc_error error;
-    int rc = SHEAR_RPC_OK;
+    const sheard_msg_subscribe *what = &request->request->params.subscribe;
+    sheard_reply reply = {0};
+    sheard_rpc_error error;
+    int rc = SHEARD_RPC_OK;
     switch (request->request->method) {
-    case SHEAR_METHOD_METRICS:
+    case SHEARD_METHOD_METRICS:
         if (!f->hold) {
             answer(f, request->handle);
         }
         break;
-    case SHEAR_METHOD_SUBSCRIBE:
+    case SHEARD_METHOD_SUBSCRIBE:
         rc = server_subscribe(f->s, request->handle.connection, what, &reply.subscribe, &error);
         break;
-    case SHEAR_METHOD_UNSUBSCRIBE:
+    case SHEARD_METHOD_UNSUBSCRIBE:
         rc = server_unsubscribe(f->s, request->handle.connection, what, &reply.unsubscribe, &error);
         break;
     default:
         break;
     }
-    if (rc != SHEAR_RPC_OK) {
+    if (rc != SHEARD_RPC_OK) {
         server_reply_error(f->s, request->handle, &error);
-    } else if (request->request->method == SHEAR_METHOD_SUBSCRIBE ||
-               request->request->method == SHEAR_METHOD_UNSUBSCRIBE) {
+    } else if (request->request->method == SHEARD_METHOD_SUBSCRIBE ||
+               request->request->method == SHEARD_METHOD_UNSUBSCRIBE) {
         server_reply(f->s, request->handle, &reply);
     }
 }
@@ -123,7 +123,7 @@ int fx_setup(void **state) {
 
 int fx_teardown(void **state) {
     fixture *f = *state;
-    if (f->s) {
+    if (f->s != NULL) {
         fx_close(f, 0);
     }
     fx_deinit(f);
@@ -187,17 +187,17 @@ bool cl_has_line(client *c) {
     return c->n > 0 && memchr(c->text, '\n', c->n) != NULL;
 }
 
-shear_message cl_next(fixture *f, client *c) {
-    shear_message message;
-    shear_rpc_error error;
+sheard_message cl_next(fixture *f, client *c) {
+    sheard_message message;
+    sheard_rpc_error error;
     FX_UNTIL(f, cl_has_line(c) || c->ended);
     const char *end = c->n > 0 ? memchr(c->text, '\n', c->n) : NULL;
-    if (!end) {
+    if (end == NULL) {
         fail_msg("the server closed the connection");
         abort();
     }
     const size_t n = (size_t)(end - c->text);
-    if (shear_message_parse(&message, c->text, n, &error) != SHEAR_RPC_OK) {
+    if (sheard_message_parse(&message, c->text, n, &error) != SHEARD_RPC_OK) {
         fail_msg("%s: %.*s", error.message, (int)n, c->text);
     }
     c->n -= n + 1;
@@ -206,32 +206,32 @@ shear_message cl_next(fixture *f, client *c) {
 }
 
 int64_t cl_error(fixture *f, client *c, int code) {
-    shear_message m = cl_next(f, c);
-    const int64_t id = m.id.type == SHEAR_ID_INTEGER ? m.id.integer : -1;
-    assert_int_equal(m.kind, SHEAR_MESSAGE_ERROR);
-    assert_string_equal(m.error.name, shear_rpc_code_get(code)->name);
-    shear_message_deinit(&m);
+    sheard_message m = cl_next(f, c);
+    const int64_t id = m.id.type == SHEARD_ID_INTEGER ? m.id.integer : -1;
+    assert_int_equal(m.kind, SHEARD_MESSAGE_ERROR);
+    assert_string_equal(m.error.name, sheard_rpc_code_get(code)->name);
+    sheard_message_deinit(&m);
     return id;
 }
 
 int64_t cl_reply(fixture *f, client *c) {
-    shear_message m = cl_next(f, c);
-    if (m.kind != SHEAR_MESSAGE_REPLY) {
+    sheard_message m = cl_next(f, c);
+    if (m.kind != SHEARD_MESSAGE_REPLY) {
         fail_msg("not a reply: %s", m.error.message);
     }
     const int64_t id = m.id.integer;
-    shear_message_deinit(&m);
+    sheard_message_deinit(&m);
     return id;
 }
 
 int64_t cl_notice(fixture *f, client *c, int notice) {
-    shear_message m = cl_next(f, c);
-    assert_int_equal(m.kind, SHEAR_MESSAGE_NOTICE);
+    sheard_message m = cl_next(f, c);
+    assert_int_equal(m.kind, SHEARD_MESSAGE_NOTICE);
     assert_int_equal(m.notice, notice);
-    const int64_t number = notice == SHEAR_NOTICE_LOST           ? m.params.lost.count
-                           : notice == SHEAR_NOTICE_JOB_PROGRESS ? m.params.job_progress.id
-                                                                 : 0;
-    shear_message_deinit(&m);
+    const int64_t number = notice == SHEARD_NOTICE_LOST           ? m.params.lost.count
+                           : notice == SHEARD_NOTICE_JOB_PROGRESS ? m.params.job_progress.id
+                                                                  : 0;
+    sheard_message_deinit(&m);
     return number;
 }
 
@@ -244,6 +244,6 @@ const char *request_text(int64_t id, const char *method, const char *params) {
     static char text[4096];
     snprintf(text, sizeof text,
              "{\"jsonrpc\":\"2.0\",\"id\":%" PRId64 ",\"method\":\"%s\",\"params\":%s}\n", id,
-             method, params ? params : "{}");
+             method, params != NULL ? params : "{}");
     return text;
 }

@@ -70,7 +70,7 @@ size_t cl_push(client *c, const char *text, size_t n);
 /* Read what is there. True: there is a line. */
 bool cl_has_line(client *c);
 /* The next line, with turns until it is there; a message that the caller deinits. */
-shear_message cl_next(fixture *f, client *c);
+sheard_message cl_next(fixture *f, client *c);
 /* The next line is the error `code`. Its id, or -1 where that is null. */
 int64_t cl_error(fixture *f, client *c, int code);
 /* The next line is a reply: its id. */

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static char text[SHEAR_ADVICE_SIZE];
+static char text[SHEARD_ADVICE_SIZE];
 
 static const shear_plan_info plan = {
     .interpolation = SHEAR_INTERP_NONE, .r_psf_px = 1.6, .noise_band = SHEAR_NOISE_BAND_HIGH};
@@ -43,7 +43,7 @@ static const char *level_advice(double level, double err, double share) {
     r.noise_level_err = err;
     r.noise_share = share;
     r.noise_effect = (level - 1.0) * share;
-    return shear_advice_noise_level(&r, &plan, text, sizeof text);
+    return sheard_advice_noise_level(&r, &plan, text, sizeof text);
 }
 
 static void a_noise_level_that_matters(void **state) {
@@ -71,19 +71,19 @@ static void a_noise_level_that_cannot_be_checked(void **state) {
     shear_result r = sound();
     shear_plan_info narrow = plan;
     narrow.r_psf_px = 0.6;
-    assert_null(shear_advice_noise_unchecked(&r, &narrow, text, sizeof text));
+    assert_null(sheard_advice_noise_unchecked(&r, &narrow, text, sizeof text));
     r.noise_level = NAN;
     r.noise_share = 11.0;
-    assert_non_null(shear_advice_noise_unchecked(&r, &narrow, text, sizeof text));
+    assert_non_null(sheard_advice_noise_unchecked(&r, &narrow, text, sizeof text));
     assert_non_null(strstr(text, "R_PSF is only 0.6 px"));
     assert_non_null(strstr(text, "9.9 % too small")); /* 0.11 / 1.11 */
     r.noise_share = 0.4;
-    assert_null(shear_advice_noise_unchecked(&r, &narrow, text, sizeof text));
+    assert_null(sheard_advice_noise_unchecked(&r, &narrow, text, sizeof text));
     r.noise_share = 11.0;
-    assert_null(shear_advice_noise_unchecked(&r, &plan, text, sizeof text)); /* asked for */
+    assert_null(sheard_advice_noise_unchecked(&r, &plan, text, sizeof text)); /* asked for */
     narrow = plan;
     narrow.interpolation = SHEAR_INTERP_LOG_BICUBIC;
-    assert_non_null(shear_advice_noise_unchecked(&r, &narrow, text, sizeof text));
+    assert_non_null(sheard_advice_noise_unchecked(&r, &narrow, text, sizeof text));
     assert_non_null(strstr(text, "interpolated"));
 }
 
@@ -96,7 +96,7 @@ static void noise_stamps_without_noise(void **state) {
                                   .beta_px = 3.0,
                                   .geometry = {.nx = 48, .ny = 48}};
     shear_result r = sound();
-    shear_cause cause;
+    sheard_cause cause;
     r.noise_level = r.noise_level_err = r.noise_shape = r.noise_shape_err = NAN;
     r.noise_share = 0.0;
     r.sum_weight = 1000.0;
@@ -104,28 +104,28 @@ static void noise_stamps_without_noise(void **state) {
     r.border_rough = 9.0;
     r.border_rough_err = 0.1;
     r.high_galaxy = NAN;
-    assert_true(fabs(shear_advice_noise_left(&r, &wide) + 12.07 / 60.0) < 1e-4);
+    assert_true(fabs(sheard_advice_noise_left(&r, &wide) + 12.07 / 60.0) < 1e-4);
     r.high_galaxy = 9.0;
-    assert_true(fabs(shear_advice_noise_left(&r, &wide) + 12.07 / 60.0) < 1e-4);
-    assert_non_null(shear_advice_no_noise(&r, &wide, text, sizeof text));
+    assert_true(fabs(sheard_advice_noise_left(&r, &wide) + 12.07 / 60.0) < 1e-4);
+    assert_non_null(sheard_advice_no_noise(&r, &wide, text, sizeof text));
     assert_non_null(strstr(text, "25 % too large")); /* 60/(60 - 12) */
-    assert_null(shear_advice_rough_border(&r, &wide, text, sizeof text));
-    assert_true(shear_cause_of(&r, &wide, &cause));
+    assert_null(sheard_advice_rough_border(&r, &wide, text, sizeof text));
+    assert_true(sheard_cause_of(&r, &wide, &cause));
     r.high_galaxy = 0.01; /* what is rough on the borders is not noise */
-    assert_null(shear_advice_no_noise(&r, &wide, text, sizeof text));
-    assert_false(shear_cause_of(&r, &wide, &cause));
+    assert_null(sheard_advice_no_noise(&r, &wide, text, sizeof text));
+    assert_false(sheard_cause_of(&r, &wide, &cause));
     r.high_galaxy = NAN;
     r.border_excess = 2.0; /* wings */
-    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+    assert_true(sheard_advice_noise_left(&r, &wide) == 0.0);
     r.border_excess = 0.0;
     r.border_noise_var = 9.0; /* the correction was switched off */
-    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+    assert_true(sheard_advice_noise_left(&r, &wide) == 0.0);
     r.border_noise_var = 0.0;
     r.noise_share = -0.1; /* there is noise, and it is taken off */
-    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+    assert_true(sheard_advice_noise_left(&r, &wide) == 0.0);
     r.noise_share = 0.0;
     r.noise_level = 3.0; /* likewise */
-    assert_true(shear_advice_noise_left(&r, &wide) == 0.0);
+    assert_true(sheard_advice_noise_left(&r, &wide) == 0.0);
 }
 
 static const char *shape_advice(double shape, double err, double share) {
@@ -135,11 +135,11 @@ static const char *shape_advice(double shape, double err, double share) {
     r.noise_share = share;
     r.noise_level = 1.5;
     r.noise_effect = 0.5 * share;
-    const char *line = shear_advice_noise_shape(&r, &plan, text, sizeof text);
-    char other[SHEAR_ADVICE_SIZE];
+    const char *line = sheard_advice_noise_shape(&r, &plan, text, sizeof text);
+    char other[SHEARD_ADVICE_SIZE];
     /* Then the level is no cure, and is not told as one. */
     assert_true((line == NULL) ==
-                (shear_advice_noise_level(&r, &plan, other, sizeof other) != NULL));
+                (sheard_advice_noise_level(&r, &plan, other, sizeof other) != NULL));
     return line;
 }
 
@@ -159,7 +159,7 @@ static const char *influence(double share, double n_eff, int64_t n_used, const c
     r.top_share = share;
     r.n_eff = n_eff;
     r.n_used = n_used;
-    return shear_advice_influence(&r, file, text, sizeof text);
+    return sheard_advice_influence(&r, file, text, sizeof text);
 }
 
 static void one_stamp_decides(void **state) {
@@ -178,7 +178,7 @@ static void one_stamp_decides(void **state) {
     shear_result counted = sound(); /* a bright stamp counts no more than others */
     counted.top_share = 0.9;
     counted.estimator = SHEAR_ESTIMATOR_PDF_SYM;
-    assert_null(shear_advice_influence(&counted, NULL, text, sizeof text));
+    assert_null(sheard_advice_influence(&counted, NULL, text, sizeof text));
 }
 
 static void a_long_name_is_cut(void **state) {
@@ -193,14 +193,14 @@ static void a_long_name_is_cut(void **state) {
 static void one_stamp_decides_the_level(void **state) {
     (void)state;
     shear_result r = sound();
-    assert_null(shear_advice_noise_scatter(&r, &plan, text, sizeof text));
+    assert_null(sheard_advice_noise_scatter(&r, &plan, text, sizeof text));
     r.noise_level = 700.0;
     r.noise_level_err = 690.0;
     r.noise_share = 1e-4;
-    assert_non_null(shear_advice_noise_scatter(&r, &plan, text, sizeof text));
+    assert_non_null(sheard_advice_noise_scatter(&r, &plan, text, sizeof text));
     assert_non_null(strstr(text, "stamp 7"));
     r.noise_share = 1e-6;
-    assert_null(shear_advice_noise_scatter(&r, &plan, text, sizeof text));
+    assert_null(sheard_advice_noise_scatter(&r, &plan, text, sizeof text));
 }
 
 static const char *errors(double ratio1, double ratio2, int groups) {
@@ -208,7 +208,7 @@ static const char *errors(double ratio1, double ratio2, int groups) {
     r.g1_err = ratio1 * r.delta_g1_err;
     r.g2_err = ratio2 * r.delta_g2_err;
     r.jackknife = groups;
-    return shear_advice_errors(&r, &plan, text, sizeof text);
+    return sheard_advice_errors(&r, &plan, text, sizeof text);
 }
 
 static void errors_that_disagree(void **state) {
@@ -227,19 +227,19 @@ static void errors_that_disagree(void **state) {
 
 static void all_of_a_sound_result(void **state) {
     (void)state;
-    shear_advice_list list;
+    sheard_advice_list list;
     shear_result r = sound();
-    shear_advice_all(&list, &r, &plan, NULL);
+    sheard_advice_all(&list, &r, &plan, NULL);
     assert_int_equal(list.n, 0);
     r.top_share = 0.5;
     r.noise_effect = 0.05;
     r.noise_level = 1.05;
-    shear_advice_all(&list, &r, &plan, "x.fits");
+    sheard_advice_all(&list, &r, &plan, "x.fits");
     assert_int_equal(list.n, 2);
     assert_non_null(strstr(list.lines[0], "stamp 7 of x.fits"));
     assert_non_null(strstr(list.lines[1], "5.0 +- 0.1 % stronger"));
     r.valid = false;
-    shear_advice_all(&list, &r, &plan, NULL);
+    sheard_advice_all(&list, &r, &plan, NULL);
     assert_int_equal(list.n, 0);
 }
 
@@ -256,11 +256,11 @@ static void noise_is_no_gradient(void **state) {
     r.border_step2 = 3.0 * 2.0 * (1.0 / 32 + 1.0 / 16);
     r.border_step2_err = 0.001;
     r.noise_level = 4.0;
-    assert_null(shear_advice_gradient(&r, &small, text, sizeof text));
+    assert_null(sheard_advice_gradient(&r, &small, text, sizeof text));
     r.noise_level = 1.0;
-    assert_non_null(strstr(shear_advice_gradient(&r, &small, text, sizeof text), "gradients lie"));
+    assert_non_null(strstr(sheard_advice_gradient(&r, &small, text, sizeof text), "gradients lie"));
     r.noise_level = NAN;
-    assert_non_null(shear_advice_gradient(&r, &small, text, sizeof text));
+    assert_non_null(sheard_advice_gradient(&r, &small, text, sizeof text));
 }
 
 /* Of stamps that are the same the steps differ by rounding, and there is no flux beside it. */
@@ -274,25 +274,25 @@ static void rounding_is_no_gradient(void **state) {
     r.border_noise_var = 1.0;
     r.border_step2_err = 1e-18;
     r.border_step2 = 1e-16;
-    assert_null(shear_advice_gradient(&r, &small, text, sizeof text));
+    assert_null(sheard_advice_gradient(&r, &small, text, sizeof text));
     r.border_step2 = 1e-3;
-    assert_non_null(shear_advice_gradient(&r, &small, text, sizeof text));
+    assert_non_null(sheard_advice_gradient(&r, &small, text, sizeof text));
 }
 
 /* Files of which no path is known are counted, each once, and only where they are doubtful. */
 static void other_psfs_need_no_path(void **state) {
     (void)state;
-    enum { FILES = 3 * SHEAR_ADVICES };
+    enum { FILES = 3 * SHEARD_ADVICES };
     shear_plan_info bad = plan;
-    shear_report_file files[FILES + 1] = {{.path = NULL}};
+    sheard_report_file files[FILES + 1] = {{.path = NULL}};
     char expected[64];
     bad.psf.unusable = 1;
     bad.psf.looked_at = 2;
     for (int i = 0; i < FILES; i++) {
         files[i].plan = i % 3 == 2 ? &plan : &bad;
     }
-    snprintf(expected, sizeof expected, "%d of %d files", 2 * SHEAR_ADVICES, FILES + 1);
-    const char *line = shear_advice_other_psfs(files, FILES + 1, "first", text, sizeof text);
+    snprintf(expected, sizeof expected, "%d of %d files", 2 * SHEARD_ADVICES, FILES + 1);
+    const char *line = sheard_advice_other_psfs(files, FILES + 1, "first", text, sizeof text);
     assert_non_null(line);
     assert_non_null(strstr(line, expected));
     assert_non_null(strstr(line, "1 of 2 PSFs"));
@@ -311,8 +311,8 @@ static void few_stamps_tell_no_gradient_and_no_shape(void **state) {
         r.border_step_x = 1.0;
         r.border_step_x_err = 0.01;
         r.noise_shape = -0.1;
-        assert_int_equal(shear_advice_gradient(&r, &small, text, sizeof text) != NULL, n == 10);
-        assert_int_equal(shear_advice_noise_shape(&r, &small, text, sizeof text) != NULL, n == 10);
+        assert_int_equal(sheard_advice_gradient(&r, &small, text, sizeof text) != NULL, n == 10);
+        assert_int_equal(sheard_advice_noise_shape(&r, &small, text, sizeof text) != NULL, n == 10);
     }
 }
 
@@ -322,19 +322,19 @@ static void reasons_have_names(void **state) {
                                         "too_narrow",  "no_symmetry",    "not_finite"};
     (void)state;
     for (int why = SHEAR_HAS_SHEAR; why <= SHEAR_NOT_FINITE; why++) {
-        const char *name = shear_no_shear_name(why);
+        const char *name = sheard_no_shear_name(why);
         if (names[why] == NULL) {
             assert_null(name);
-            assert_null(shear_no_shear_words(why));
+            assert_null(sheard_no_shear_words(why));
         } else {
             assert_string_equal(name, names[why]);
-            assert_non_null(shear_no_shear_words(why));
+            assert_non_null(sheard_no_shear_words(why));
         }
-        assert_int_equal(shear_no_shear_of(name), why);
+        assert_int_equal(sheard_no_shear_of(name), why);
     }
-    assert_int_equal(shear_no_shear_of("other"), SHEAR_HAS_SHEAR);
-    assert_null(shear_no_shear_name(SHEAR_NOT_FINITE + 1));
-    assert_null(shear_no_shear_name(-1));
+    assert_int_equal(sheard_no_shear_of("other"), SHEAR_HAS_SHEAR);
+    assert_null(sheard_no_shear_name(SHEAR_NOT_FINITE + 1));
+    assert_null(sheard_no_shear_name(-1));
 }
 
 static void reasons_in_words(void **state) {
@@ -344,26 +344,26 @@ static void reasons_in_words(void **state) {
     r.signal = -41.0;
     r.sum_d = -3.0;
     r.why = SHEAR_SWAPPED;
-    assert_non_null(strstr(shear_no_shear_text(&r, text, sizeof text), "swapped? (the sum"));
+    assert_non_null(strstr(sheard_no_shear_text(&r, text, sizeof text), "swapped? (the sum"));
     assert_non_null(strstr(text, "-41 sigma"));
-    assert_non_null(strstr(shear_no_shear_advice(&r, text, sizeof text), "exchange"));
+    assert_non_null(strstr(sheard_no_shear_advice(&r, text, sizeof text), "exchange"));
     r.why = SHEAR_TOO_NARROW;
-    assert_non_null(strstr(shear_no_shear_text(&r, text, sizeof text), "OVERSAMP"));
+    assert_non_null(strstr(sheard_no_shear_text(&r, text, sizeof text), "OVERSAMP"));
     /* One stamp has most of the squares: that is it, whatever it looks like. */
     r.n_eff = 1.1;
     r.top_share = 0.95;
-    assert_non_null(strstr(shear_no_shear_text(&r, text, sizeof text), "stamp 7 outweighs"));
-    assert_non_null(strstr(shear_no_shear_advice(&r, text, sizeof text), "--stamp 7"));
-    assert_non_null(strstr(shear_no_shear_brief(&r), "one stamp"));
+    assert_non_null(strstr(sheard_no_shear_text(&r, text, sizeof text), "stamp 7 outweighs"));
+    assert_non_null(strstr(sheard_no_shear_advice(&r, text, sizeof text), "--stamp 7"));
+    assert_non_null(strstr(sheard_no_shear_brief(&r), "one stamp"));
     r.why = SHEAR_NO_WEIGHT;
-    assert_string_equal(shear_no_shear_text(&r, text, sizeof text), "all weights are 0");
+    assert_string_equal(sheard_no_shear_text(&r, text, sizeof text), "all weights are 0");
     r.why = SHEAR_NO_STAMPS;
     r.n_used = 1;
-    assert_non_null(strstr(shear_no_shear_text(&r, text, sizeof text), "1 of 1000 stamps are"));
+    assert_non_null(strstr(sheard_no_shear_text(&r, text, sizeof text), "1 of 1000 stamps are"));
     assert_non_null(strstr(text, "no error"));
     r.why = SHEAR_NO_SYMMETRY;
     r.n_used = 15;
-    assert_non_null(strstr(shear_no_shear_text(&r, text, sizeof text), "15 usable stamps"));
+    assert_non_null(strstr(sheard_no_shear_text(&r, text, sizeof text), "15 usable stamps"));
 }
 
 static void many_artefacts(void **state) {
@@ -374,13 +374,13 @@ static void many_artefacts(void **state) {
         bit++;
     }
     r.flagged[bit] = 20; /* of 1000 */
-    assert_null(shear_advice_many_artefacts(&r, &plan, text, sizeof text));
+    assert_null(sheard_advice_many_artefacts(&r, &plan, text, sizeof text));
     r.flagged[bit] = 26;
-    assert_non_null(shear_advice_many_artefacts(&r, &plan, text, sizeof text));
+    assert_non_null(sheard_advice_many_artefacts(&r, &plan, text, sizeof text));
     assert_non_null(strstr(text, "2.6 % of the stamps"));
     r.n_stamps = 20;
     r.flagged[bit] = 3;
-    assert_null(shear_advice_many_artefacts(&r, &plan, text, sizeof text));
+    assert_null(sheard_advice_many_artefacts(&r, &plan, text, sizeof text));
 }
 
 int main(void) {

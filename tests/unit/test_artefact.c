@@ -273,7 +273,7 @@ static void test_cosmic_rays(void **state) {
         assert_clean(&t, s);
         for (int j = -1; j <= 1; j++) {
             s->galaxy[(y + j * step[1]) * 48 + x + j * step[0]] +=
-                step[0] || step[1] ? streak : 15.0;
+                step[0] != 0 || step[1] != 0 ? streak : 15.0;
         }
         const shear_row row = look(&t, s);
         assert_int_equal(row.flags, SHEAR_FLAG_ARTEFACT);
@@ -401,7 +401,7 @@ static void test_bad_value(void **state) {
             s->settings.bad_value = values[k];
             s->settings.artefacts = SHEAR_ARTEFACTS_KEEP;
             tool t = tool_new(s);
-            const double value = narrow ? (double)(float)values[k] : values[k];
+            const double value = narrow != 0 ? (double)(float)values[k] : values[k];
             prepare(s, 300.0, 2.0);
             assert_clean(&t, s);
             s->galaxy[24 * 24 - 1] = value;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Result catalogues: what is written is read back, and the header says how it came about. */
+/* Result catalogs: what is written is read back, and the header says how it came about. */
 #include "catalog_fixture.h"
 #include "fits_fixture.h"
 
@@ -139,7 +139,7 @@ static void ids_are_kept(void **state) {
         int status = 0;
         int any = 0;
         fitsfile *f = open_table(path);
-        fits_read_col(f, is_unsigned ? TULONGLONG : TLONGLONG, 1, 1, 1, 3, NULL, found, &any,
+        fits_read_col(f, is_unsigned != 0 ? TULONGLONG : TLONGLONG, 1, 1, 1, 3, NULL, found, &any,
                       &status);
         fits_close_file(f, &status);
         assert_int_equal(status, 0);
@@ -280,7 +280,7 @@ static void outputs_that_cannot_be(void **state) {
     shear_catalog_abort(NULL);
 }
 
-static void incomplete_catalogues_do_not_appear(void **state) {
+static void incomplete_catalogs_do_not_appear(void **state) {
     (void)state;
     const shear_field_info info = catalog_info(N, 0);
     const shear_result result = catalog_result(N);
@@ -314,7 +314,7 @@ static void expect_unreadable(const char *path, int code, const char *word) {
     }
 }
 
-static void catalogues_that_cannot_be_read(void **state) {
+static void catalogs_that_cannot_be_read(void **state) {
     (void)state;
     static const struct {
         const char *key, *value, *word;
@@ -349,8 +349,8 @@ int main(void) {
         cmocka_unit_test(keywords_are_unique),
         cmocka_unit_test(equal_results_make_equal_files),
         cmocka_unit_test(outputs_that_cannot_be),
-        cmocka_unit_test(incomplete_catalogues_do_not_appear),
-        cmocka_unit_test(catalogues_that_cannot_be_read),
+        cmocka_unit_test(incomplete_catalogs_do_not_appear),
+        cmocka_unit_test(catalogs_that_cannot_be_read),
     };
     return cmocka_run_group_tests(tests, catalog_setup, catalog_teardown);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Catalogues that are gone on with after their process has died: the file is the one that an
+/* Catalogs that are gone on with after their process has died: the file is the one that an
  * uninterrupted process makes, to the last byte; and what cannot be gone on with is refused. */
 #include "catalog_fixture.h"
 #include "fits_fixture.h"

@@ -10,12 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char text[SHEAR_ADVICE_SIZE];
+static char text[SHEARD_ADVICE_SIZE];
 
 static const char *filter_advice(double removed, double error, int filter) {
     shear_result r = {.filter_removed = removed, .filter_removed_err = error};
     shear_plan_info plan = {.filter = filter, .core_px = 20.0};
-    return shear_advice_filter(&r, &plan, text, sizeof text);
+    return sheard_advice_filter(&r, &plan, text, sizeof text);
 }
 
 static void filter_warns_above_one_percent_and_three_errors(void **state) {
@@ -29,9 +29,9 @@ static void filter_warns_above_one_percent_and_three_errors(void **state) {
     assert_null(filter_advice(NAN, NAN, SHEAR_FILTER_EDGE));
     const shear_result r = {.filter_removed = 0.03, .filter_removed_err = 0.001};
     shear_plan_info plan = {.filter = SHEAR_FILTER_PAPER, .core_px = 20.0};
-    assert_non_null(shear_advice_filter(&r, &plan, text, sizeof text));
+    assert_non_null(sheard_advice_filter(&r, &plan, text, sizeof text));
     plan.core_found = true; /* it is known what that core does to the shear */
-    assert_null(shear_advice_filter(&r, &plan, text, sizeof text));
+    assert_null(sheard_advice_filter(&r, &plan, text, sizeof text));
 }
 
 /* 10 x 10 px and a mean flux of 100: 2 % of the flux is 0.02 a pixel. */
@@ -42,7 +42,7 @@ static shear_plan_info small_plan(int filter) {
 static const char *bright_advice(double excess, double error, int filter) {
     shear_result r = {.border_excess = excess, .border_excess_err = error, .mean_flux = 100.0};
     shear_plan_info plan = small_plan(filter);
-    return shear_advice_bright_border(&r, &plan, text, sizeof text);
+    return sheard_advice_bright_border(&r, &plan, text, sizeof text);
 }
 
 static void bright_border_warns(void **state) {
@@ -63,7 +63,7 @@ static const char *rough_advice(double rough, double error, double noise, int fi
                       .border_noise_var = noise,
                       .mean_flux = 100.0};
     shear_plan_info plan = small_plan(filter);
-    return shear_advice_rough_border(&r, &plan, text, sizeof text);
+    return sheard_advice_rough_border(&r, &plan, text, sizeof text);
 }
 
 static void rough_border_warns(void **state) {
@@ -92,34 +92,34 @@ static void steps_of_stronger_noise_are_no_gradients(void **state) {
                       .border_noise_var = 1.0,
                       .noise_level = 2.5,
                       .mean_flux = 100.0};
-    assert_null(shear_advice_gradient(&r, &plan, text, sizeof text));
+    assert_null(sheard_advice_gradient(&r, &plan, text, sizeof text));
     r.border_step2 += 0.25;
-    assert_non_null(shear_advice_gradient(&r, &plan, text, sizeof text));
+    assert_non_null(sheard_advice_gradient(&r, &plan, text, sizeof text));
     assert_non_null(strstr(text, "differ by 0.5 a pixel"));
     r.border_step2 = 0.75;
     r.noise_level = NAN;
-    assert_non_null(shear_advice_gradient(&r, &plan, text, sizeof text));
+    assert_non_null(sheard_advice_gradient(&r, &plan, text, sizeof text));
     r.valid = true; /* another spectrum makes other steps */
     r.noise_shape = -0.5;
     r.noise_shape_err = 0.01;
     r.noise_share = 1.0;
-    assert_null(shear_advice_gradient(&r, &plan, text, sizeof text));
+    assert_null(sheard_advice_gradient(&r, &plan, text, sizeof text));
 }
 
 /* Nothing where nothing is known; a line a flaw, with counts where there are several PSFs, and room
  * for all at once. */
 static void psf_warns(void **state) {
     (void)state;
-    shear_advice_list list = {.n = 0};
+    sheard_advice_list list = {.n = 0};
     shear_plan_info plan = {.beta_px = 3.0};
-    shear_advice_psf(&list, &plan);
+    sheard_advice_psf(&list, &plan);
     assert_int_equal(list.n, 0);
     plan.psf = (shear_psf_summary){
         .looked_at = 1,
         .flawed = {[SHEAR_PSF_CUT] = 1},
         .worst = {
             .r_psf_px = 1.5, .border = 1e-3, .rim_px = 7.0, .border_slope = 4.0, .cut = 0.02}};
-    shear_advice_psf(&list, &plan);
+    sheard_advice_psf(&list, &plan);
     assert_int_equal(list.n, 1);
     assert_string_equal(
         list.lines[0],
@@ -133,7 +133,7 @@ static void psf_warns(void **state) {
         plan.psf.flawed[i] = 200 + i;
     }
     shear_result r = {.n_used = 2};
-    shear_advice_all(&list, &r, &plan, NULL);
+    sheard_advice_all(&list, &r, &plan, NULL);
     assert_true(list.n >= 6);
     assert_non_null(strstr(list.lines[list.n - 6], "3 of 256 PSFs looked at are unusable"));
     for (int i = 0; i < SHEAR_N_PSF_FLAWS; i++) {
@@ -141,7 +141,7 @@ static void psf_warns(void **state) {
         const char *line = list.lines[list.n - 5 + (size_t)i];
         snprintf(count, sizeof count, "%d of 256 PSFs looked at (the worst): ", 200 + i);
         assert_true(strncmp(line, count, strlen(count)) == 0);
-        assert_true(strlen(line) < SHEAR_ADVICE_SIZE - 1);
+        assert_true(strlen(line) < SHEARD_ADVICE_SIZE - 1);
     }
 }
 

@@ -151,15 +151,16 @@ static void cleaning(void **state) {
 
 /* ---- follow ---- */
 
-static struct follow_entry entry(int64_t id, int state, int64_t done, int64_t total, double rate) {
-    return (struct follow_entry){id, state, {.done = done, .total = total, .rate = rate}};
+static follow_entry entry(int64_t id, int state, int64_t done, int64_t total, double rate) {
+    return (follow_entry){id, state, {.done = done, .total = total, .rate = rate}};
 }
 
 static void sums_of_jobs(void **state) {
     (void)state;
-    struct follow_entry e[] = {
-        entry(1, SHEAR_JOB_DONE, 90, 100, (double)NAN), entry(2, SHEAR_JOB_RUNNING, 100, 300, 50.0),
-        entry(3, SHEAR_JOB_RUNNING, 0, -1, (double)NAN), entry(4, SHEAR_JOB_QUEUED, 0, -1, 70.0)};
+    follow_entry e[] = {entry(1, SHEARD_JOB_DONE, 90, 100, (double)NAN),
+                        entry(2, SHEARD_JOB_RUNNING, 100, 300, 50.0),
+                        entry(3, SHEARD_JOB_RUNNING, 0, -1, (double)NAN),
+                        entry(4, SHEARD_JOB_QUEUED, 0, -1, 70.0)};
     struct follow_sum sum = follow_sum(e, 4);
     assert_int_equal(sum.finished, 1);
     assert_int_equal(sum.done, 200);  /* a finished job is done as a whole */
@@ -172,26 +173,26 @@ static void sums_of_jobs(void **state) {
 
 static void news_of_jobs(void **state) {
     (void)state;
-    struct follow_entry e[] = {entry(1, SHEAR_JOB_QUEUED, 0, -1, (double)NAN),
-                               entry(2, SHEAR_JOB_QUEUED, 0, -1, (double)NAN)};
-    const shear_msg_progress half = {.done = 5, .total = 10, .rate = 1.0};
+    follow_entry e[] = {entry(1, SHEARD_JOB_QUEUED, 0, -1, (double)NAN),
+                        entry(2, SHEARD_JOB_QUEUED, 0, -1, (double)NAN)};
+    const sheard_msg_progress half = {.done = 5, .total = 10, .rate = 1.0};
     follow_note_progress(e, 2, 2, &half);
     follow_note_progress(e, 2, 77, &half); /* not ours */
-    assert_int_equal(e[1].state, SHEAR_JOB_RUNNING);
+    assert_int_equal(e[1].state, SHEARD_JOB_RUNNING);
     assert_int_equal(e[1].progress.done, 5);
-    const shear_msg_job done = {
-        .id = 2, .state = SHEAR_JOB_DONE, .progress = {.done = 10, .total = 10, .rate = 1.0}};
+    const sheard_msg_job done = {
+        .id = 2, .state = SHEARD_JOB_DONE, .progress = {.done = 10, .total = 10, .rate = 1.0}};
     follow_note_job(e, 2, &done);
     follow_note_progress(e, 2, 2, &half); /* late news */
-    assert_int_equal(e[1].state, SHEAR_JOB_DONE);
+    assert_int_equal(e[1].state, SHEARD_JOB_DONE);
     assert_int_equal(e[1].progress.done, 10);
-    assert_int_equal(e[0].state, SHEAR_JOB_QUEUED);
+    assert_int_equal(e[0].state, SHEARD_JOB_QUEUED);
 }
 
 static void exit_codes(void **state) {
     (void)state;
     const struct {
-        struct follow_tally tally; /* done, failed, cancelled, unfinished */
+        follow_tally tally; /* done, failed, cancelled, unfinished */
         int code;
     } cases[] = {{{3, 0, 0, 0}, EXIT_CODE_DONE},      {{0, 2, 0, 0}, EXIT_CODE_JOB_FAILED},
                  {{1, 1, 0, 0}, EXIT_CODE_PARTLY},    {{1, 0, 1, 0}, EXIT_CODE_PARTLY},
@@ -212,7 +213,7 @@ static char directory[] = "client-XXXXXX";
 
 static int make_directory(void **state) {
     (void)state;
-    return mkdtemp(directory) && chdir(directory) == 0 ? 0 : -1;
+    return mkdtemp(directory) != NULL && chdir(directory) == 0 ? 0 : -1;
 }
 
 static int remove_directory(void **state) {
@@ -263,7 +264,7 @@ static void hdus(void **state) {
         assert_int_equal(input_path_hdu(cases[i].name, &part, &length, &err), SHEAR_OK);
         assert_int_equal(part.hdu, cases[i].hdu);
         assert_int_equal(part.extname != NULL, cases[i].extname != NULL);
-        if (part.extname) {
+        if (part.extname != NULL) {
             assert_string_equal(part.extname, cases[i].extname);
         }
         assert_int_equal(length, cases[i].length);
@@ -292,7 +293,7 @@ static void value_is(const char *section, const char *key, const char *expected)
         "socket_group =\n\n[access]\n# f:7\ndata_roots = /a,\n    /b c,\n"
         "    /d\nadmin_users = root\n[x]\nsocket = no\nlast = end";
     char *value = conf_text_value(text, section, key);
-    if (expected) {
+    if (expected != NULL) {
         assert_non_null(value);
         assert_string_equal(value, expected);
     } else {
@@ -377,9 +378,9 @@ static void summaries(void **state) {
         "\"flags\":{\"galaxy_not_finite\":2},\"truth\":{\"g1\":1,\"g2\":2.5},\"jackknife\":9,"
         "\"files\":[{},{}],\"warnings\":[\"a\",7,\"b\"],\"new\":{\"x\":[]},"
         "\"resolved\":{\"interpolation\":\"none\",\"filter\":\"edge\",\"beta_px\":2.5}}";
-    shear_report_summary s;
+    sheard_report_summary s;
     shear_error err = {0};
-    assert_int_equal(shear_report_summary_parse(&s, text, &err), SHEAR_OK);
+    assert_int_equal(sheard_report_summary_parse(&s, text, &err), SHEAR_OK);
     assert_float_equal(s.g1, 0.25, 0.0);
     assert_true(isnan(s.g2) && isnan(s.cov12) && isnan(s.pull_g1) && isnan(s.core_px));
     assert_int_equal(s.n_used, 5);
@@ -390,29 +391,29 @@ static void summaries(void **state) {
     assert_int_equal(s.n_warnings, 2);
     assert_string_equal(s.warnings[1], "b");
     assert_string_equal(s.filter, "edge");
-    shear_report_summary_deinit(&s);
-    shear_report_summary_deinit(&s); /* again: fine */
+    sheard_report_summary_deinit(&s);
+    sheard_report_summary_deinit(&s); /* again: fine */
     const char *bad[] = {"", "[]", "{", "null", "{\"a\":1}x"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        assert_int_equal(shear_report_summary_parse(&s, bad[i], &err), SHEAR_E_FORMAT);
+        assert_int_equal(sheard_report_summary_parse(&s, bad[i], &err), SHEAR_E_FORMAT);
     }
-    assert_int_equal(shear_report_summary_parse(&s, "{}", &err), SHEAR_OK);
+    assert_int_equal(sheard_report_summary_parse(&s, "{}", &err), SHEAR_OK);
     assert_true(isnan(s.g1));
-    shear_report_summary_deinit(&s);
+    sheard_report_summary_deinit(&s);
 }
 
 static void findings(void **state) {
     (void)state;
-    const shear_finding f = {"a\"b", SHEAR_FINDING_WARN, "x\n\xFF", ""};
+    const sheard_finding f = {"a\"b", SHEARD_FINDING_WARN, "x\n\xFF", ""};
     char *text = NULL;
     shear_error err = {0};
-    assert_int_equal(shear_finding_json(&text, &f, &err), SHEAR_OK);
+    assert_int_equal(sheard_finding_json(&text, &f, &err), SHEAR_OK);
     assert_null(strchr(text, '\n'));
     assert_non_null(strstr(text, "a\\\"b"));
     assert_non_null(strstr(text, "\"warn\""));
     free(text);
-    assert_string_equal(shear_finding_level_name(SHEAR_FINDING_OK), "ok");
-    assert_string_equal(shear_finding_level_name(SHEAR_FINDING_FAIL), "fail");
+    assert_string_equal(sheard_finding_level_name(SHEARD_FINDING_OK), "ok");
+    assert_string_equal(sheard_finding_level_name(SHEARD_FINDING_FAIL), "fail");
 }
 
 int main(void) {

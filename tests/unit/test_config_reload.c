@@ -62,7 +62,7 @@ static void a_spool_that_is_everything(void **state) {
     sheard_config config;
     make(&config, ALL("spool.directory=/"));
     assert_int_equal(sheard_config_check(&config, &problems), SHEAR_E_SETTING);
-    assert_int_equal(problems.n_errors, 2); /* state and catalogues both are within */
+    assert_int_equal(problems.n_errors, 2); /* state and catalogs both are within */
     sheard_config_free(&config);
 }
 

@@ -17,7 +17,7 @@ static const char *bad(void) {
     return fixture_path("bad.fits");
 }
 
-/* A good cube; the same as a mosaic; with a catalogue. */
+/* A good cube; the same as a mosaic; with a catalog. */
 static void cube(void) {
     fixture_write_good(bad());
 }

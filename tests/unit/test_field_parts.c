@@ -298,9 +298,9 @@ static void packed_parts(void **state) {
     free((char *)(uintptr_t)whole);
 }
 
-/* A field file's own catalogue holds for its galaxies unless another is given: flags are not
+/* A field file's own catalog holds for its galaxies unless another is given: flags are not
  * dropped because the noise is elsewhere. */
-static void catalogue_of_the_galaxies(void **state) {
+static void catalog_of_the_galaxies(void **state) {
     (void)state;
     char paths[SHEAR_N_PARTS][256];
     const char *whole = strdup(fixture_path("round.fits"));
@@ -517,7 +517,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_layout_every_cut),
         cmocka_unit_test(packed_parts),
-        cmocka_unit_test(catalogue_of_the_galaxies),
+        cmocka_unit_test(catalog_of_the_galaxies),
         cmocka_unit_test(identity),
         cmocka_unit_test(texts),
         cmocka_unit_test(wrong_hdus),

@@ -207,7 +207,7 @@ static void compressed_nan(void **state) {
                                .bitpix = -32,
                                .naxis = 3,
                                .axes = {8, 8, 3},
-                               .compression = lossy ? RICE_1 : GZIP_1,
+                               .compression = lossy != 0 ? RICE_1 : GZIP_1,
                                .lossy = lossy != 0,
                                .tile = {8, 8, 1}};
         fixture_append(f, &image, pixels);
@@ -332,7 +332,7 @@ static void columns_of_other_types(void **state) {
     shear_field_close(field);
 }
 
-/* A field of 4 stamps whose catalogue has one column. */
+/* A field of 4 stamps whose catalog has one column. */
 static void write_column(const char *path, const char *name, const char *form, const char *zero,
                          int type, const void *values) {
     const fixture_image image = {.bitpix = -32, .axes = {8, 8}};

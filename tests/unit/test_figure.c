@@ -21,7 +21,7 @@ static char directory[64];
 static int make_directory(void **state) {
     (void)state;
     snprintf(directory, sizeof directory, "%s", "/tmp/test_figure_XXXXXX");
-    return mkdtemp(directory) ? 0 : -1;
+    return mkdtemp(directory) != NULL ? 0 : -1;
 }
 
 static int remove_directory(void **state) {
@@ -39,7 +39,7 @@ static const char *in_directory(const char *name) {
 static int entries(void) {
     int n = 0;
     DIR *d = opendir(directory);
-    while (d && readdir(d)) {
+    while (d != NULL && readdir(d) != NULL) {
         n++;
     }
     closedir(d);
@@ -275,7 +275,7 @@ static void test_negatives_are_marked_if_asked(void **state) {
         image.mark_negative = marked;
         shear_image_begin(f, &image);
         const uint32_t lowest = packed(shear_map_colour(SHEAR_MAP_UNIFORM, 0.0));
-        const uint32_t negative = marked ? packed(shear_map_negative()) : lowest;
+        const uint32_t negative = marked != 0 ? packed(shear_map_negative()) : lowest;
         assert_int_equal(pixel_of(f, &image, 0, 0), negative);
         assert_int_equal(pixel_of(f, &image, 1, 0), lowest);
         assert_int_equal(pixel_of(f, &image, 3, 0), negative);
@@ -443,10 +443,10 @@ static void test_ellipse_follows_the_covariance(void **state) {
     const double along = 2.0 * sqrt((1.0 + 0.8) / 2.0);
     const double across = 2.0 * sqrt((1.0 - 0.8) / 2.0);
     for (int i = 0; i < 2; i++) {
-        const double t = i ? across : along;
-        const double sign = i ? -1.0 : 1.0;
+        const double t = i != 0 ? across : along;
+        const double sign = i != 0 ? -1.0 : 1.0;
         for (int outside = 0; outside < 2; outside++) {
-            const double at = t * (outside ? 1.12 : 0.88);
+            const double at = t * (outside != 0 ? 1.12 : 0.88);
             const int dark =
                 darkness(f, r.x + r.w * (0.5 + at / 8.0), r.y + r.h * (0.5 - sign * at / 8.0));
             assert_true(outside ? dark == 0 : dark > 500);

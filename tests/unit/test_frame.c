@@ -14,13 +14,13 @@ enum { LIMIT = 12, LOG_SIZE = 4096 };
 static void note(char *diary, int event, const char *line, size_t length) {
     const size_t used = strlen(diary);
     switch (event) {
-    case SHEAR_FRAME_LINE:
+    case SHEARD_FRAME_LINE:
         snprintf(diary + used, LOG_SIZE - used, "L<%.*s>", (int)length, line);
         break;
-    case SHEAR_FRAME_TOO_LONG:
+    case SHEARD_FRAME_TOO_LONG:
         snprintf(diary + used, LOG_SIZE - used, "T");
         break;
-    case SHEAR_FRAME_NUL:
+    case SHEARD_FRAME_NUL:
         snprintf(diary + used, LOG_SIZE - used, "N");
         break;
     default:
@@ -30,7 +30,7 @@ static void note(char *diary, int event, const char *line, size_t length) {
 }
 
 /* Each piece in memory of exactly its size, so that a sanitizer sees a byte read too far. */
-static void feed(shear_frame *f, const char *bytes, size_t n, char *diary) {
+static void feed(sheard_frame *f, const char *bytes, size_t n, char *diary) {
     char *piece = malloc(n > 0 ? n : 1);
     assert_non_null(piece);
     memcpy(piece, bytes, n);
@@ -39,9 +39,9 @@ static void feed(shear_frame *f, const char *bytes, size_t n, char *diary) {
     for (;;) {
         const char *line = NULL;
         size_t length = 0;
-        const int event = shear_frame_next(f, &at, &left, &line, &length);
+        const int event = sheard_frame_next(f, &at, &left, &line, &length);
         assert_true(f->size <= f->limit && f->used <= f->size);
-        if (event == SHEAR_FRAME_MORE) {
+        if (event == SHEARD_FRAME_MORE) {
             break;
         }
         note(diary, event, line, length);
@@ -72,11 +72,11 @@ static const char expected[] = "L<one>L<two>L<123456789012>TL<12345678901>TNNNTT
 enum { STREAM_SIZE = sizeof stream - 1 };
 
 static void whole(char *diary) {
-    shear_frame f;
-    shear_frame_init(&f, LIMIT);
+    sheard_frame f;
+    sheard_frame_init(&f, LIMIT);
     feed(&f, stream, STREAM_SIZE, diary);
-    assert_int_equal(shear_frame_pending(&f), 3);
-    shear_frame_deinit(&f);
+    assert_int_equal(sheard_frame_pending(&f), 3);
+    sheard_frame_deinit(&f);
 }
 
 static void test_events(void **state) {
@@ -91,14 +91,14 @@ static void test_every_cut(void **state) {
     for (size_t cut = 0; cut <= STREAM_SIZE; cut++) {
         for (size_t again = cut; again <= STREAM_SIZE; again++) {
             char diary[LOG_SIZE] = "";
-            shear_frame f;
-            shear_frame_init(&f, LIMIT);
+            sheard_frame f;
+            sheard_frame_init(&f, LIMIT);
             feed(&f, stream, cut, diary);
             feed(&f, stream + cut, again - cut, diary);
             feed(&f, stream + again, STREAM_SIZE - again, diary);
             assert_string_equal(diary, expected);
-            assert_int_equal(shear_frame_pending(&f), 3);
-            shear_frame_deinit(&f);
+            assert_int_equal(sheard_frame_pending(&f), 3);
+            sheard_frame_deinit(&f);
         }
     }
 }
@@ -107,47 +107,47 @@ static void test_pieces_of_one_size(void **state) {
     (void)state;
     for (size_t size = 1; size <= STREAM_SIZE; size++) {
         char diary[LOG_SIZE] = "";
-        shear_frame f;
-        shear_frame_init(&f, LIMIT);
+        sheard_frame f;
+        sheard_frame_init(&f, LIMIT);
         for (size_t at = 0; at < STREAM_SIZE; at += size) {
             feed(&f, stream + at, size < STREAM_SIZE - at ? size : STREAM_SIZE - at, diary);
         }
         assert_string_equal(diary, expected);
-        shear_frame_deinit(&f);
+        sheard_frame_deinit(&f);
     }
 }
 
 /* A caller that stops after a line (too many requests in flight) goes on later where it was. */
 static void test_one_event_at_a_time(void **state) {
     (void)state;
-    shear_frame f;
-    shear_frame_init(&f, LIMIT);
+    sheard_frame f;
+    sheard_frame_init(&f, LIMIT);
     const char *at = "a\nb\nc";
     size_t left = 5;
     const char *line = NULL;
     size_t length = 0;
-    assert_int_equal(shear_frame_next(&f, &at, &left, &line, &length), SHEAR_FRAME_LINE);
+    assert_int_equal(sheard_frame_next(&f, &at, &left, &line, &length), SHEARD_FRAME_LINE);
     assert_int_equal(left, 3);
     assert_memory_equal(line, "a", length);
-    assert_int_equal(shear_frame_next(&f, &at, &left, &line, &length), SHEAR_FRAME_LINE);
+    assert_int_equal(sheard_frame_next(&f, &at, &left, &line, &length), SHEARD_FRAME_LINE);
     assert_memory_equal(line, "b", length);
-    assert_int_equal(shear_frame_next(&f, &at, &left, &line, &length), SHEAR_FRAME_MORE);
+    assert_int_equal(sheard_frame_next(&f, &at, &left, &line, &length), SHEARD_FRAME_MORE);
     assert_null(line);
     at = "d\n";
     left = 2;
-    assert_int_equal(shear_frame_next(&f, &at, &left, &line, &length), SHEAR_FRAME_LINE);
+    assert_int_equal(sheard_frame_next(&f, &at, &left, &line, &length), SHEARD_FRAME_LINE);
     assert_int_equal(length, 2);
     assert_memory_equal(line, "cd", 2);
-    assert_int_equal(shear_frame_pending(&f), 0);
-    shear_frame_deinit(&f);
+    assert_int_equal(sheard_frame_pending(&f), 0);
+    sheard_frame_deinit(&f);
 }
 
 /* Lines that come whole are not copied; a long one that came in pieces is not kept. */
 static void test_memory(void **state) {
     (void)state;
     enum { LONG = 100000 };
-    shear_frame f;
-    shear_frame_init(&f, LONG);
+    sheard_frame f;
+    sheard_frame_init(&f, LONG);
     char diary[LOG_SIZE] = "";
     feed(&f, "whole\n", 6, diary);
     assert_null(f.kept);
@@ -157,7 +157,7 @@ static void test_memory(void **state) {
     for (int i = 0; i < 10; i++) {
         feed(&f, bytes, LONG / 10, diary);
     }
-    assert_int_equal(shear_frame_pending(&f), LONG);
+    assert_int_equal(sheard_frame_pending(&f), LONG);
     assert_true(f.size == LONG);
     feed(&f, "\nnext\n", 6, diary);
     assert_null(f.kept);
@@ -169,25 +169,25 @@ static void test_memory(void **state) {
     feed(&f, "\nafter\n", 7, diary);
     assert_string_equal(diary, "L<after>");
     free(bytes);
-    shear_frame_deinit(&f);
-    shear_frame_deinit(&f);
+    sheard_frame_deinit(&f);
+    sheard_frame_deinit(&f);
 }
 
 static void test_no_memory(void **state) {
     (void)state;
     char diary[LOG_SIZE] = "";
-    shear_frame f;
-    shear_frame_init(&f, LIMIT);
+    sheard_frame f;
+    sheard_frame_init(&f, LIMIT);
     const char *at = "abc";
     size_t left = 3;
     const char *line = NULL;
     size_t length = 0;
     scarce_after(1, false);
-    assert_int_equal(shear_frame_next(&f, &at, &left, &line, &length), SHEAR_FRAME_NOMEM);
+    assert_int_equal(sheard_frame_next(&f, &at, &left, &line, &length), SHEARD_FRAME_NOMEM);
     assert_true(scarce_end());
     feed(&f, "def\nnext\n", 9, diary); /* the rest of that line is skipped */
     assert_string_equal(diary, "L<next>");
-    shear_frame_deinit(&f);
+    sheard_frame_deinit(&f);
 }
 
 int main(void) {

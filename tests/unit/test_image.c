@@ -166,7 +166,7 @@ static void test_strips_and_parts(void **state) {
     draw(a, NX * NY, 4);
     for (int method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         for (int holes = 0; holes < 2; holes++) {
-            a[20] = holes ? 0.0 : 0.5;
+            a[20] = holes != 0 ? 0.0 : 0.5;
             double *expected = oracle_interpolate(a, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0);
             image_grid grid;
             image im;

@@ -19,9 +19,9 @@ static void assert_about(double measured, double known) {
 /* A Gaussian's information is 1 / sigma^2, of one component and of both. */
 static void test_gaussian(void **state) {
     (void)state;
-    static struct shape_counts counts;
+    static shape_counts counts;
     uint64_t seed = 1;
-    counts = (struct shape_counts){0};
+    counts = (shape_counts){0};
     for (int i = 0; i < 200000; i++) {
         shape_counts_add(&counts, 1.0, 0.2 * gaussian(&seed), 0.2 * gaussian(&seed));
     }
@@ -33,10 +33,10 @@ static void test_gaussian(void **state) {
  * their mixture. */
 static void test_classes(void **state) {
     (void)state;
-    static struct shape_counts known;
-    static struct shape_counts mixed;
+    static shape_counts known;
+    static shape_counts mixed;
     uint64_t seed = 2;
-    known = mixed = (struct shape_counts){0};
+    known = mixed = (shape_counts){0};
     for (int i = 0; i < 400000; i++) {
         const double sigma = i % 2 ? 0.15 : 0.3;
         const double e1 = sigma * gaussian(&seed);
@@ -53,9 +53,9 @@ static void test_classes(void **state) {
  */
 static void test_plane(void **state) {
     (void)state;
-    static struct shape_counts counts;
+    static shape_counts counts;
     uint64_t seed = 3;
-    counts = (struct shape_counts){0};
+    counts = (shape_counts){0};
     for (int i = 0; i < 400000;) {
         const double x = 2.0 * uniform(&seed) - 1.0;
         const double y = 2.0 * uniform(&seed) - 1.0;

@@ -132,7 +132,7 @@ static void pair_turn(const pair *p, bool mirror, pair *out) {
 static void check_turned(const pair *p, double tolerance) {
     const shear_row a = pair_measure(p);
     for (int mirror = 0; mirror < 2; mirror++) {
-        const double sign = mirror ? 1.0 : -1.0;
+        const double sign = mirror != 0 ? 1.0 : -1.0;
         pair turned;
         pair_turn(p, mirror, &turned);
         const shear_row b = pair_measure(&turned);

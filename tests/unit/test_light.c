@@ -18,10 +18,10 @@ static void assert_near(double measured, double known, double tolerance) {
 }
 
 static struct light *new_light(int kind, double size, double e1, double e2, int reach) {
-    const struct light_psf psf = {kind, size, {e1, e2}};
+    const light_psf psf = {kind, size, {e1, e2}};
     struct light *light = NULL;
     shear_error err = {0};
-    if (light_new(&light, &psf, SIDE, reach, 1.0, &err)) {
+    if (light_new(&light, &psf, SIDE, reach, 1.0, &err) != 0) {
         fail_msg("%s", err.message);
     }
     return light;
@@ -84,8 +84,8 @@ static void test_struts_hold_all_light(void **state) {
 
 /* ---- galaxies ---- */
 
-static struct light_galaxy round_galaxy(double bulge, double disk_px, double bulge_px) {
-    return (struct light_galaxy){
+static light_galaxy round_galaxy(double bulge, double disk_px, double bulge_px) {
+    return (light_galaxy){
         .bulge = bulge, .disk_px = disk_px, .bulge_px = bulge_px, .map = {{1.0, 0.0}, {0.0, 1.0}}};
 }
 
@@ -104,8 +104,8 @@ static void test_half_light(void **state) {
     (void)state;
     static double image[N];
     struct light *light = new_light(LIGHT_MOFFAT, 0.5, 0.0, 0.0, 8);
-    const struct light_galaxy disk = round_galaxy(0.0, 5.0 / 1.67834, 1.0);
-    const struct light_galaxy bulge = round_galaxy(1.0, 1.0, 5.0 / 0.54771);
+    const light_galaxy disk = round_galaxy(0.0, 5.0 / 1.67834, 1.0);
+    const light_galaxy bulge = round_galaxy(1.0, 1.0, 5.0 / 0.54771);
     light_draw(light, &disk, 0.0, 0.0, image);
     assert_near(light_within(image, 5.0), 0.5, 0.01);
     assert_near(sum_of(image), 1.0, 1e-3);
@@ -141,7 +141,7 @@ static void test_map_and_place(void **state) {
     (void)state;
     static double image[N];
     struct light *light = new_light(LIGHT_STRUTS, 0.7, 0.0, 0.0, 8);
-    struct light_galaxy g = round_galaxy(0.0, 2.0, 1.0);
+    light_galaxy g = round_galaxy(0.0, 2.0, 1.0);
     light_draw(light, &g, 0.0, 0.0, image);
     const struct moments before = moments_of(image);
     const double a = 0.2;
@@ -162,7 +162,7 @@ static void test_map_and_place(void **state) {
 
 /* ---- population ---- */
 
-static void ellipticity(const struct light_galaxy *g, double e[2]) {
+static void ellipticity(const light_galaxy *g, double e[2]) {
     const double xx = g->map[0][0] * g->map[0][0] + g->map[0][1] * g->map[0][1];
     const double yy = g->map[1][0] * g->map[1][0] + g->map[1][1] * g->map[1][1];
     const double xy = g->map[0][0] * g->map[1][0] + g->map[0][1] * g->map[1][1];
@@ -172,13 +172,13 @@ static void ellipticity(const struct light_galaxy *g, double e[2]) {
 
 static void test_fours_are_round_together(void **state) {
     (void)state;
-    const struct population p = {.seed = 3, .copies = 4};
+    const population p = {.seed = 3, .copies = 4};
     for (int galaxy = 0; galaxy < 20; galaxy++) {
         double sum[2] = {0.0};
         double size = 0.0;
         for (int i = 0; i < 4; i++) {
             double e[2];
-            const struct light_galaxy g = population_galaxy(&p, 4 * galaxy + i);
+            const light_galaxy g = population_galaxy(&p, 4 * galaxy + i);
             ellipticity(&g, e);
             sum[0] += e[0];
             sum[1] += e[1];

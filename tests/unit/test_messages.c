@@ -11,7 +11,7 @@
 
 enum { ROUNDS = 40 };
 
-static const shear_rpc_id id_7 = {.type = SHEAR_ID_INTEGER, .integer = 7};
+static const sheard_rpc_id id_7 = {.type = SHEARD_ID_INTEGER, .integer = 7};
 
 /* A line without its \n must hold none, and read as itself. */
 static void assert_one_line(const char *line, size_t n) {
@@ -22,26 +22,26 @@ static void assert_one_line(const char *line, size_t n) {
 static void test_requests(void **state) {
     (void)state;
     uint64_t seed = 1;
-    for (int i = 0; i < ROUNDS * SHEAR_N_METHODS; i++) {
-        const int method = i % SHEAR_N_METHODS;
-        shear_params params;
+    for (int i = 0; i < ROUNDS * SHEARD_N_METHODS; i++) {
+        const int method = i % SHEARD_N_METHODS;
+        sheard_params params;
         fill_params(&params, method, &seed);
         char *line = NULL;
         size_t n = 0;
-        shear_rpc_error error = {0};
-        const int rc = shear_request_line(&line, &n, &id_7, method, &params, &error);
-        if (rc != SHEAR_RPC_OK) {
-            fail_msg("%s: %s", shear_method_name(method), error.message);
+        sheard_rpc_error error = {0};
+        const int rc = sheard_request_line(&line, &n, &id_7, method, &params, &error);
+        if (rc != SHEARD_RPC_OK) {
+            fail_msg("%s: %s", sheard_method_name(method), error.message);
         }
         assert_one_line(line, n);
-        shear_request back;
-        assert_int_equal(shear_request_parse(&back, line, n - 1, NULL, &error), SHEAR_RPC_OK);
+        sheard_request back;
+        assert_int_equal(sheard_request_parse(&back, line, n - 1, NULL, &error), SHEARD_RPC_OK);
         assert_int_equal(back.method, method);
-        assert_true(shear_rpc_id_equal(&back.id, &id_7));
+        assert_true(sheard_rpc_id_equal(&back.id, &id_7));
         assert_same(&params, &back.params, rpc_methods[method].params);
         free(line);
-        shear_request_deinit(&back);
-        shear_request_deinit(&back);
+        sheard_request_deinit(&back);
+        sheard_request_deinit(&back);
         msg_deinit(&params, rpc_methods[method].params);
     }
 }
@@ -49,35 +49,35 @@ static void test_requests(void **state) {
 /* What is at its default is not said, and comes back. */
 static void test_defaults(void **state) {
     (void)state;
-    static const char *const lines[SHEAR_N_METHODS] = {
-        [SHEAR_METHOD_HELLO] = "{}",    [SHEAR_METHOD_JOBS] = "{}",
-        [SHEAR_METHOD_FIELDS] = "{}",   [SHEAR_METHOD_STATUS] = "{}",
-        [SHEAR_METHOD_PROBE] = "{}",    [SHEAR_METHOD_METRICS] = "{}",
-        [SHEAR_METHOD_RELOAD] = "{}",   [SHEAR_METHOD_DRAIN] = "{}",
-        [SHEAR_METHOD_SHUTDOWN] = "{}", [SHEAR_METHOD_UNSUBSCRIBE] = "{}",
+    static const char *const lines[SHEARD_N_METHODS] = {
+        [SHEARD_METHOD_HELLO] = "{}",    [SHEARD_METHOD_JOBS] = "{}",
+        [SHEARD_METHOD_FIELDS] = "{}",   [SHEARD_METHOD_STATUS] = "{}",
+        [SHEARD_METHOD_PROBE] = "{}",    [SHEARD_METHOD_METRICS] = "{}",
+        [SHEARD_METHOD_RELOAD] = "{}",   [SHEARD_METHOD_DRAIN] = "{}",
+        [SHEARD_METHOD_SHUTDOWN] = "{}", [SHEARD_METHOD_UNSUBSCRIBE] = "{}",
     };
-    for (int method = 0; method < SHEAR_N_METHODS; method++) {
-        shear_params params;
-        shear_params_init(&params, method);
+    for (int method = 0; method < SHEARD_N_METHODS; method++) {
+        sheard_params params;
+        sheard_params_init(&params, method);
         char *line = NULL;
         size_t n = 0;
-        shear_rpc_error error;
-        const int rc = shear_request_line(&line, &n, &id_7, method, &params, &error);
-        assert_int_equal(rc == SHEAR_RPC_OK, lines[method] != NULL);
-        if (rc != SHEAR_RPC_OK) {
-            assert_int_equal(rc, SHEAR_RPC_MISSING_PARAMETER);
+        sheard_rpc_error error;
+        const int rc = sheard_request_line(&line, &n, &id_7, method, &params, &error);
+        assert_int_equal(rc == SHEARD_RPC_OK, lines[method] != NULL);
+        if (rc != SHEARD_RPC_OK) {
+            assert_int_equal(rc, SHEARD_RPC_MISSING_PARAMETER);
             assert_null(line);
             continue;
         }
         char expected[200];
         snprintf(expected, sizeof expected,
                  "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"%s\",\"params\":%s}\n",
-                 shear_method_name(method), lines[method]);
+                 sheard_method_name(method), lines[method]);
         assert_string_equal(line, expected);
         free(line);
     }
-    shear_params jobs;
-    shear_params_init(&jobs, SHEAR_METHOD_JOBS);
+    sheard_params jobs;
+    sheard_params_init(&jobs, SHEARD_METHOD_JOBS);
     assert_int_equal(jobs.jobs.limit, 50);
     assert_int_equal(jobs.jobs.owner, -1);
 }
@@ -85,33 +85,33 @@ static void test_defaults(void **state) {
 static void test_replies(void **state) {
     (void)state;
     uint64_t seed = 2;
-    for (int i = 0; i < ROUNDS * SHEAR_N_METHODS; i++) {
-        const int method = i % SHEAR_N_METHODS;
+    for (int i = 0; i < ROUNDS * SHEARD_N_METHODS; i++) {
+        const int method = i % SHEARD_N_METHODS;
         const msg_table *table = rpc_methods[method].reply;
-        shear_reply reply;
+        sheard_reply reply;
         fill(&reply, table, &seed);
         char *line = NULL;
         size_t n = 0;
-        shear_rpc_error error = {0};
-        const int rc = shear_reply_line(&line, &n, &id_7, method, &reply, &error);
-        if (rc != SHEAR_RPC_OK) {
-            fail_msg("%s: %s", shear_method_name(method), error.message);
+        sheard_rpc_error error = {0};
+        const int rc = sheard_reply_line(&line, &n, &id_7, method, &reply, &error);
+        if (rc != SHEARD_RPC_OK) {
+            fail_msg("%s: %s", sheard_method_name(method), error.message);
         }
         assert_one_line(line, n);
-        shear_message message;
-        assert_int_equal(shear_message_parse(&message, line, n - 1, &error), SHEAR_RPC_OK);
-        assert_int_equal(message.kind, SHEAR_MESSAGE_REPLY);
-        assert_true(shear_rpc_id_equal(&message.id, &id_7));
-        shear_reply back;
-        assert_int_equal(shear_message_reply(&message, method, &back, &error), SHEAR_RPC_OK);
+        sheard_message message;
+        assert_int_equal(sheard_message_parse(&message, line, n - 1, &error), SHEARD_RPC_OK);
+        assert_int_equal(message.kind, SHEARD_MESSAGE_REPLY);
+        assert_true(sheard_rpc_id_equal(&message.id, &id_7));
+        sheard_reply back;
+        assert_int_equal(sheard_message_reply(&message, method, &back, &error), SHEARD_RPC_OK);
         assert_same(&reply, &back, table);
         char *text = NULL;
-        assert_int_equal(shear_message_text(&message, &text, &error), SHEAR_RPC_OK);
+        assert_int_equal(sheard_message_text(&message, &text, &error), SHEARD_RPC_OK);
         assert_non_null(strstr(line, text));
         free(text);
         free(line);
-        shear_message_deinit(&message);
-        shear_reply_deinit(&back, method);
+        sheard_message_deinit(&message);
+        sheard_reply_deinit(&back, method);
         msg_deinit(&reply, table);
     }
 }
@@ -119,22 +119,22 @@ static void test_replies(void **state) {
 static void test_notices(void **state) {
     (void)state;
     uint64_t seed = 3;
-    for (int i = 0; i < ROUNDS * SHEAR_N_NOTICES; i++) {
-        const int notice = i % SHEAR_N_NOTICES;
-        shear_notice_params params;
+    for (int i = 0; i < ROUNDS * SHEARD_N_NOTICES; i++) {
+        const int notice = i % SHEARD_N_NOTICES;
+        sheard_notice_params params;
         fill(&params, rpc_notices[notice].params, &seed);
         char *line = NULL;
         size_t n = 0;
-        shear_rpc_error error;
-        assert_int_equal(shear_notice_line(&line, &n, notice, &params, &error), SHEAR_RPC_OK);
+        sheard_rpc_error error;
+        assert_int_equal(sheard_notice_line(&line, &n, notice, &params, &error), SHEARD_RPC_OK);
         assert_one_line(line, n);
-        shear_message message;
-        assert_int_equal(shear_message_parse(&message, line, n - 1, &error), SHEAR_RPC_OK);
-        assert_int_equal(message.kind, SHEAR_MESSAGE_NOTICE);
+        sheard_message message;
+        assert_int_equal(sheard_message_parse(&message, line, n - 1, &error), SHEARD_RPC_OK);
+        assert_int_equal(message.kind, SHEARD_MESSAGE_NOTICE);
         assert_int_equal(message.notice, notice);
         assert_same(&params, &message.params, rpc_notices[notice].params);
         free(line);
-        shear_message_deinit(&message);
+        sheard_message_deinit(&message);
         msg_deinit(&params, rpc_notices[notice].params);
     }
 }
@@ -143,47 +143,48 @@ static void test_sources_and_sides(void **state) {
     (void)state;
     uint64_t seed = 4;
     for (int i = 0; i < ROUNDS; i++) {
-        shear_rpc_error error;
+        sheard_rpc_error error;
         char *text = NULL;
-        shear_params params;
-        fill_params(&params, SHEAR_METHOD_SUBMIT, &seed);
-        assert_int_equal(shear_source_text(&text, &params.submit.source, &error), SHEAR_RPC_OK);
-        shear_msg_source source;
-        assert_int_equal(shear_source_parse(&source, text, &error), SHEAR_RPC_OK);
+        sheard_params params;
+        fill_params(&params, SHEARD_METHOD_SUBMIT, &seed);
+        assert_int_equal(sheard_source_text(&text, &params.submit.source, &error), SHEARD_RPC_OK);
+        sheard_msg_source source;
+        assert_int_equal(sheard_source_parse(&source, text, &error), SHEARD_RPC_OK);
         assert_same(&params.submit.source, &source, &msg_source);
         free(text);
-        shear_source_deinit(&source);
-        shear_submit_deinit(&params.submit);
+        sheard_source_deinit(&source);
+        sheard_submit_deinit(&params.submit);
 
-        shear_msg_side side;
+        sheard_msg_side side;
         fill(&side, &msg_side, &seed);
-        assert_int_equal(shear_side_text(&text, &side, &error), SHEAR_RPC_OK);
+        assert_int_equal(sheard_side_text(&text, &side, &error), SHEARD_RPC_OK);
         assert_int_equal(text[strlen(text) - 1], '\n');
-        shear_msg_side back;
-        assert_int_equal(shear_side_parse(&back, text, strlen(text), &error), SHEAR_RPC_OK);
+        sheard_msg_side back;
+        assert_int_equal(sheard_side_parse(&back, text, strlen(text), &error), SHEARD_RPC_OK);
         assert_same(&side, &back, &msg_side);
         free(text);
-        shear_side_deinit(&side);
-        shear_side_deinit(&back);
+        sheard_side_deinit(&side);
+        sheard_side_deinit(&back);
     }
 }
 
 /* The very text of one of each kind, so that both sides cannot be wrong alike. */
 static void test_wire(void **state) {
     (void)state;
-    shear_rpc_error error;
+    sheard_rpc_error error;
     char *line = NULL;
     size_t n = 0;
-    shear_params params;
-    shear_params_init(&params, SHEAR_METHOD_SUBMIT);
-    params.submit.source.galaxy = (shear_msg_image){"/data/g.fits", 1, NULL};
-    params.submit.source.noise = (shear_msg_image){"/data/n.fits", -1, "SKY"};
-    params.submit.source.psf = (shear_msg_image){"/data/p.fits", 0, NULL};
+    sheard_params params;
+    sheard_params_init(&params, SHEARD_METHOD_SUBMIT);
+    params.submit.source.galaxy = (sheard_msg_image){"/data/g.fits", 1, NULL};
+    params.submit.source.noise = (sheard_msg_image){"/data/n.fits", -1, "SKY"};
+    params.submit.source.psf = (sheard_msg_image){"/data/p.fits", 0, NULL};
     params.submit.settings = "beta=1.5\nnoise-correction=false\nzeros=floor\n";
     params.submit.priority = -3;
     params.submit.key = "k";
     params.submit.wait = true;
-    assert_int_equal(shear_request_line(&line, &n, &id_7, SHEAR_METHOD_SUBMIT, &params, &error), 0);
+    assert_int_equal(sheard_request_line(&line, &n, &id_7, SHEARD_METHOD_SUBMIT, &params, &error),
+                     0);
     assert_string_equal(
         line, "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"submit\",\"params\":{"
               "\"galaxy\":{\"path\":\"/data/g.fits\",\"hdu\":1},"
@@ -193,17 +194,18 @@ static void test_wire(void **state) {
               "\"priority\":-3,\"key\":\"k\",\"wait\":true}}\n");
     free(line);
     const int64_t running[] = {3};
-    const shear_msg_field_row row = {.report = "{\"g1\":0.01,\"g2\":null}",
-                                     .digest = "d",
-                                     .jobs = 2,
-                                     .unfinished = 1,
-                                     .partial = true,
-                                     .running = running,
-                                     .n_running = 1,
-                                     .updated_ms = 1};
-    shear_reply reply = {.field = {.field = "A", .rows = &row, .n_rows = 1}};
-    const shear_rpc_id text_id = {.type = SHEAR_ID_TEXT, .text = "x\"y"};
-    assert_int_equal(shear_reply_line(&line, &n, &text_id, SHEAR_METHOD_FIELD, &reply, &error), 0);
+    const sheard_msg_field_row row = {.report = "{\"g1\":0.01,\"g2\":null}",
+                                      .digest = "d",
+                                      .jobs = 2,
+                                      .unfinished = 1,
+                                      .partial = true,
+                                      .running = running,
+                                      .n_running = 1,
+                                      .updated_ms = 1};
+    sheard_reply reply = {.field = {.field = "A", .rows = &row, .n_rows = 1}};
+    const sheard_rpc_id text_id = {.type = SHEARD_ID_TEXT, .text = "x\"y"};
+    assert_int_equal(sheard_reply_line(&line, &n, &text_id, SHEARD_METHOD_FIELD, &reply, &error),
+                     0);
     assert_string_equal(
         line, "{\"jsonrpc\":\"2.0\",\"id\":\"x\\\"y\",\"result\":{\"field\":\"A\",\"mixed\":false,"
               "\"rows\":[{\"g1\":0.01,\"g2\":null,\"digest\":\"d\",\"jobs\":2,\"unfinished\":1,"
@@ -211,8 +213,8 @@ static void test_wire(void **state) {
               "\"contributions\":[],\"more\":false,\"files_left_out\":0,\"reason\":null,"
               "\"culprit\":null}]}}\n");
     free(line);
-    const shear_notice_params lost = {.lost = {.count = 12}};
-    assert_int_equal(shear_notice_line(&line, &n, SHEAR_NOTICE_LOST, &lost, &error), 0);
+    const sheard_notice_params lost = {.lost = {.count = 12}};
+    assert_int_equal(sheard_notice_line(&line, &n, SHEARD_NOTICE_LOST, &lost, &error), 0);
     assert_string_equal(line,
                         "{\"jsonrpc\":\"2.0\",\"method\":\"lost\",\"params\":{\"count\":12}}\n");
     free(line);
@@ -221,20 +223,20 @@ static void test_wire(void **state) {
 /* Item by item, the bytes are the same: also where the id and the texts look like the list. */
 static void test_lists_by_items(void **state) {
     (void)state;
-    static const int methods[] = {SHEAR_METHOD_JOBS, SHEAR_METHOD_WAIT, SHEAR_METHOD_FIELDS,
-                                  SHEAR_METHOD_FIELD};
-    const shear_rpc_id tricky = {.type = SHEAR_ID_TEXT,
-                                 .text = "\"jobs\":[],\"fields\":[],\"rows\":[]"};
+    static const int methods[] = {SHEARD_METHOD_JOBS, SHEARD_METHOD_WAIT, SHEARD_METHOD_FIELDS,
+                                  SHEARD_METHOD_FIELD};
+    const sheard_rpc_id tricky = {.type = SHEARD_ID_TEXT,
+                                  .text = "\"jobs\":[],\"fields\":[],\"rows\":[]"};
     uint64_t seed = 11;
-    shear_rpc_error error;
+    sheard_rpc_error error;
     for (int round = 0; round < 200; round++) {
         const int method = methods[round % 4];
         const msg_table *table = rpc_methods[method].reply;
-        shear_reply reply;
+        sheard_reply reply;
         char *whole;
         size_t n_whole;
         fill(&reply, table, &seed);
-        assert_int_equal(shear_reply_line(&whole, &n_whole, &tricky, method, &reply, &error), 0);
+        assert_int_equal(sheard_reply_line(&whole, &n_whole, &tricky, method, &reply, &error), 0);
         const msg_member *list = table->members;
         while (list->type != MSG_OBJECTS) {
             list++;
@@ -248,9 +250,10 @@ static void test_lists_by_items(void **state) {
             size_t length;
             const char *item = (const char *)msg_pointer(&reply, list->offset);
             assert_int_equal(
-                shear_reply_item(&text, &length, method, item + i * list->table->size, &error), 0);
+                sheard_reply_item(&text, &length, method, item + i * list->table->size, &error), 0);
             assert_int_equal(strlen(text), length);
-            used += (size_t)snprintf(items + used, sizeof items - used, "%s%s", i ? "," : "", text);
+            used += (size_t)snprintf(items + used, sizeof items - used, "%s%s", i != 0 ? "," : "",
+                                     text);
             assert_true(used < sizeof items);
             free(text);
         }
@@ -258,7 +261,8 @@ static void test_lists_by_items(void **state) {
         char *line;
         size_t n_line;
         assert_int_equal(
-            shear_reply_list_line(&line, &n_line, &tricky, method, &reply, items, used, &error), 0);
+            sheard_reply_list_line(&line, &n_line, &tricky, method, &reply, items, used, &error),
+            0);
         assert_string_equal(line, whole);
         assert_int_equal(n_line, n_whole);
         *count = n;
@@ -268,8 +272,8 @@ static void test_lists_by_items(void **state) {
     }
     char *text;
     size_t n;
-    assert_int_equal(shear_reply_item(&text, &n, SHEAR_METHOD_HELLO, &seed, &error),
-                     SHEAR_RPC_INTERNAL);
+    assert_int_equal(sheard_reply_item(&text, &n, SHEARD_METHOD_HELLO, &seed, &error),
+                     SHEARD_RPC_INTERNAL);
 }
 
 /* Numbers keep their bits; what is not finite is null; texts that are not UTF-8 are said with
@@ -281,17 +285,17 @@ static void test_values(void **state) {
                              5e-324,  1e22,     123456789012345678.0,
                              NAN,     INFINITY, -INFINITY};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
-        const shear_msg_summary summary = {.field = "A\xFF", .digest = "d", .g1 = values[i]};
-        const shear_reply reply = {.fields = {.fields = &summary, .n_fields = 1}};
+        const sheard_msg_summary summary = {.field = "A\xFF", .digest = "d", .g1 = values[i]};
+        const sheard_reply reply = {.fields = {.fields = &summary, .n_fields = 1}};
         char *line = NULL;
         size_t n = 0;
-        shear_rpc_error error;
-        shear_message message;
-        shear_reply back;
-        assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_FIELDS, &reply, &error),
+        sheard_rpc_error error;
+        sheard_message message;
+        sheard_reply back;
+        assert_int_equal(sheard_reply_line(&line, &n, &id_7, SHEARD_METHOD_FIELDS, &reply, &error),
                          0);
-        assert_int_equal(shear_message_parse(&message, line, n - 1, &error), 0);
-        assert_int_equal(shear_message_reply(&message, SHEAR_METHOD_FIELDS, &back, &error), 0);
+        assert_int_equal(sheard_message_parse(&message, line, n - 1, &error), 0);
+        assert_int_equal(sheard_message_reply(&message, SHEARD_METHOD_FIELDS, &back, &error), 0);
         const double got = back.fields.fields[0].g1;
         if (isfinite(values[i])) {
             assert_memory_equal(&got, &values[i], sizeof got);
@@ -301,17 +305,17 @@ static void test_values(void **state) {
         }
         assert_string_equal(back.fields.fields[0].field, "A\xEF\xBF\xBD");
         free(line);
-        shear_message_deinit(&message);
-        shear_reply_deinit(&back, SHEAR_METHOD_FIELDS);
+        sheard_message_deinit(&message);
+        sheard_reply_deinit(&back, SHEARD_METHOD_FIELDS);
     }
-    shear_params params;
-    shear_params_init(&params, SHEAR_METHOD_SUBMIT);
+    sheard_params params;
+    sheard_params_init(&params, SHEARD_METHOD_SUBMIT);
     params.submit.source.path = "/data/\xFF.fits";
     char *line = NULL;
     size_t n = 0;
-    shear_rpc_error error;
-    assert_int_equal(shear_request_line(&line, &n, &id_7, SHEAR_METHOD_SUBMIT, &params, &error),
-                     SHEAR_RPC_BAD_PARAMETER);
+    sheard_rpc_error error;
+    assert_int_equal(sheard_request_line(&line, &n, &id_7, SHEARD_METHOD_SUBMIT, &params, &error),
+                     SHEARD_RPC_BAD_PARAMETER);
     assert_string_equal(error.parameter, "path");
     assert_null(line);
 }
@@ -321,20 +325,20 @@ static void test_bad_raw(void **state) {
     (void)state;
     static const char *const bad[] = {"", "{", "[1]", "{\"a\":1,\"a\":2}", "{} {}", "\xFF"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        const shear_reply reply = {.cancel = {.id = 1, .result = bad[i]}};
+        const sheard_reply reply = {.cancel = {.id = 1, .result = bad[i]}};
         char *line = NULL;
         size_t n = 0;
-        shear_rpc_error error;
-        assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_CANCEL, &reply, &error),
-                         SHEAR_RPC_INTERNAL);
+        sheard_rpc_error error;
+        assert_int_equal(sheard_reply_line(&line, &n, &id_7, SHEARD_METHOD_CANCEL, &reply, &error),
+                         SHEARD_RPC_INTERNAL);
         assert_null(line);
     }
-    const shear_reply reply = {.cancel = {.id = 1, .settings = "beta=hello\n"}};
+    const sheard_reply reply = {.cancel = {.id = 1, .settings = "beta=hello\n"}};
     char *line = NULL;
     size_t n = 0;
-    shear_rpc_error error;
-    assert_int_equal(shear_reply_line(&line, &n, &id_7, SHEAR_METHOD_CANCEL, &reply, &error),
-                     SHEAR_RPC_INTERNAL);
+    sheard_rpc_error error;
+    assert_int_equal(sheard_reply_line(&line, &n, &id_7, SHEARD_METHOD_CANCEL, &reply, &error),
+                     SHEARD_RPC_INTERNAL);
 }
 
 /* ---- Settings ---- */
@@ -342,13 +346,13 @@ static void test_bad_raw(void **state) {
 static void given_text(const char *json, char *out, size_t size) {
     char text[2000];
     snprintf(text, sizeof text, "{\"path\": \"/a\", \"settings\": %s}", json);
-    shear_msg_submit submit;
-    shear_rpc_error error = {0};
-    if (shear_job_file_parse(&submit, text, strlen(text), NULL, &error) != SHEAR_RPC_OK) {
+    sheard_msg_submit submit;
+    sheard_rpc_error error = {0};
+    if (sheard_job_file_parse(&submit, text, strlen(text), NULL, &error) != SHEARD_RPC_OK) {
         fail_msg("%s: %s", json, error.message);
     }
-    snprintf(out, size, "%s", submit.settings ? submit.settings : "(none)");
-    shear_submit_deinit(&submit);
+    snprintf(out, size, "%s", submit.settings != NULL ? submit.settings : "(none)");
+    sheard_submit_deinit(&submit);
 }
 
 static void test_settings_have_one_text(void **state) {
@@ -372,7 +376,7 @@ static void test_settings_have_one_text(void **state) {
         {"{\"preset\": \"zhang2010\", \"beta-ratio\": 3}", "preset=zhang2010\nbeta-ratio=3\n"},
     };
     for (size_t i = 0; i < sizeof same / sizeof same[0]; i++) {
-        char text[SHEAR_MSG_SETTINGS_SIZE];
+        char text[SHEARD_MSG_SETTINGS_SIZE];
         given_text(same[i][0], text, sizeof text);
         assert_string_equal(text, same[i][1]);
     }
@@ -392,11 +396,11 @@ static void test_whole_settings(void **state) {
     shear_settings s;
     shear_settings t;
     shear_error err;
-    char text[SHEAR_MSG_SETTINGS_SIZE];
-    char again[SHEAR_MSG_SETTINGS_SIZE];
+    char text[SHEARD_MSG_SETTINGS_SIZE];
+    char again[SHEARD_MSG_SETTINGS_SIZE];
     shear_settings_init(&s);
-    assert_int_equal(shear_settings_apply(&s, "pedestal=0.25\ncore=7\nbeta=1.7", &err), SHEAR_OK);
-    assert_int_equal(shear_settings_write(&s, text, sizeof text, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_apply(&s, "pedestal=0.25\ncore=7\nbeta=1.7", &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&s, text, sizeof text, &err), SHEAR_OK);
     assert_string_equal(
         text,
         "preset=default\ninterpolation=auto\noversample=auto\nbeta=1.7\nbeta-ratio=2\n"
@@ -405,24 +409,24 @@ static void test_whole_settings(void **state) {
         "psf-threshold=1e-08\npower-tolerance=0.001\nnoise-correction=true\n"
         "noise-level=field\nshot-noise=none\nestimator=mean\nartefacts=flag\nbad-value=none\n");
     shear_settings_init(&t);
-    assert_int_equal(shear_settings_apply(&t, text, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_write(&t, again, sizeof again, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_apply(&t, text, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&t, again, sizeof again, &err), SHEAR_OK);
     assert_string_equal(text, again);
     t.pedestal = -0.0;
     s.pedestal = 0.0;
     char a[16];
     char b[16];
-    assert_int_equal(shear_settings_digest(&s, add_bytes, a, sizeof a, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_digest(&t, add_bytes, b, sizeof b, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_digest(&s, add_bytes, a, sizeof a, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_digest(&t, add_bytes, b, sizeof b, &err), SHEAR_OK);
     assert_string_equal(a, b);
     t.beta_ratio = 1.6;
-    assert_int_equal(shear_settings_digest(&t, add_bytes, b, sizeof b, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_digest(&t, add_bytes, b, sizeof b, &err), SHEAR_OK);
     assert_string_not_equal(a, b);
     const size_t exact = strlen(text) + 1;
-    assert_int_equal(shear_settings_apply(&s, text, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_write(&s, again, exact, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_write(&s, again, exact - 1, &err), SHEAR_E_SETTING);
-    assert_int_equal(shear_settings_write(&s, again, 0, &err), SHEAR_E_SETTING);
+    assert_int_equal(sheard_settings_apply(&s, text, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&s, again, exact, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&s, again, exact - 1, &err), SHEAR_E_SETTING);
+    assert_int_equal(sheard_settings_write(&s, again, 0, &err), SHEAR_E_SETTING);
 }
 
 /* Settings as 0.1 wrote them: they say nothing of what came later, and their `auto` is not today's.
@@ -436,25 +440,25 @@ static void test_settings_of_0_1(void **state) {
     shear_settings paper;
     shear_settings s;
     shear_error err = {0};
-    char a[SHEAR_MSG_SETTINGS_SIZE];
-    char b[SHEAR_MSG_SETTINGS_SIZE];
+    char a[SHEARD_MSG_SETTINGS_SIZE];
+    char b[SHEARD_MSG_SETTINGS_SIZE];
     shear_settings_init(&paper);
     assert_int_equal(shear_settings_set(&paper, "preset", "zhang2010", &err), SHEAR_OK);
-    assert_int_equal(shear_settings_write(&paper, a, sizeof a, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_read(&s, old, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_write(&s, b, sizeof b, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&paper, a, sizeof a, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_read(&s, old, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&s, b, sizeof b, &err), SHEAR_OK);
     assert_string_equal(a, b);
-    assert_int_equal(shear_settings_read(
+    assert_int_equal(sheard_settings_read(
                          &s, "interpolation=spline\nbeta-ratio=1.7\nfilter=auto\ncore=7\n", &err),
                      SHEAR_OK);
     assert_true(s.interpolation == SHEAR_INTERP_SPLINE && s.beta_ratio == 1.7 && s.core_px == 7.0);
     assert_true(s.noise_level == SHEAR_NOISE_LEVEL_NONE && s.filter == SHEAR_FILTER_R_GAL);
     shear_settings_init(&paper); /* today's read back as they are */
-    assert_int_equal(shear_settings_write(&paper, a, sizeof a, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_read(&s, a, &err), SHEAR_OK);
-    assert_int_equal(shear_settings_write(&s, b, sizeof b, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&paper, a, sizeof a, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_read(&s, a, &err), SHEAR_OK);
+    assert_int_equal(sheard_settings_write(&s, b, sizeof b, &err), SHEAR_OK);
     assert_string_equal(a, b);
-    assert_int_equal(shear_settings_read(&s, "beta=x\n", &err), SHEAR_E_SETTING);
+    assert_int_equal(sheard_settings_read(&s, "beta=x\n", &err), SHEAR_E_SETTING);
 }
 
 static void test_bad_settings_text(void **state) {
@@ -465,7 +469,7 @@ static void test_bad_settings_text(void **state) {
         shear_settings s;
         shear_error err = {0};
         shear_settings_init(&s);
-        assert_int_equal(shear_settings_apply(&s, bad[i], &err), SHEAR_E_SETTING);
+        assert_int_equal(sheard_settings_apply(&s, bad[i], &err), SHEAR_E_SETTING);
         assert_int_not_equal(err.message[0], '\0');
     }
     char longest[400];
@@ -474,26 +478,26 @@ static void test_bad_settings_text(void **state) {
     shear_settings s;
     shear_error err;
     shear_settings_init(&s);
-    assert_int_equal(shear_settings_apply(&s, longest, &err), SHEAR_E_SETTING);
+    assert_int_equal(sheard_settings_apply(&s, longest, &err), SHEAR_E_SETTING);
 }
 
 /* Every setting of the table: its bounds, what is beyond, every choice, every wrong type. */
 static void assert_setting(const char *name, const char *value, bool good) {
     char text[300];
     snprintf(text, sizeof text, "{\"path\":\"/a\",\"settings\":{\"%s\":%s}}", name, value);
-    shear_msg_submit submit;
-    shear_rpc_error error = {0};
-    const int rc = shear_job_file_parse(&submit, text, strlen(text), NULL, &error);
-    if (good != (rc == SHEAR_RPC_OK)) {
+    sheard_msg_submit submit;
+    sheard_rpc_error error = {0};
+    const int rc = sheard_job_file_parse(&submit, text, strlen(text), NULL, &error);
+    if (good != (rc == SHEARD_RPC_OK)) {
         fail_msg("%s: %s", text, error.message);
     }
     if (!good) {
-        assert_int_equal(rc, SHEAR_RPC_BAD_SETTING);
+        assert_int_equal(rc, SHEARD_RPC_BAD_SETTING);
         snprintf(text, sizeof text, "settings.%s", name);
         assert_string_equal(error.parameter, text);
         assert_null(submit.source.path);
     }
-    shear_submit_deinit(&submit);
+    sheard_submit_deinit(&submit);
 }
 
 static void assert_number_setting(const shear_setting_def *def) {
@@ -572,20 +576,20 @@ static void test_times(void **state) {
     };
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         int64_t ms = 1;
-        assert_true(shear_time_parse(&ms, known[i].text));
+        assert_true(sheard_time_parse(&ms, known[i].text));
         assert_int_equal(ms, known[i].ms);
-        char text[SHEAR_TIME_SIZE];
+        char text[SHEARD_TIME_SIZE];
         int64_t again = 1;
-        assert_true(shear_time_parse(&again, shear_time_format(ms, text)));
+        assert_true(sheard_time_parse(&again, sheard_time_format(ms, text)));
         assert_int_equal(again, ms);
         assert_int_equal(strlen(text), strlen("2026-11-22T00:19:03.123Z"));
     }
-    char text[SHEAR_TIME_SIZE];
-    assert_string_equal(shear_time_format(INT64_C(1795306743123), text),
+    char text[SHEARD_TIME_SIZE];
+    assert_string_equal(sheard_time_format(INT64_C(1795306743123), text),
                         "2026-11-22T00:19:03.123Z");
-    assert_string_equal(shear_time_format(-1, text), "1969-12-31T23:59:59.999Z");
-    assert_string_equal(shear_time_format(INT64_MAX, text), "9999-12-31T23:59:59.999Z");
-    assert_string_equal(shear_time_format(INT64_MIN, text), "0000-01-01T00:00:00.000Z");
+    assert_string_equal(sheard_time_format(-1, text), "1969-12-31T23:59:59.999Z");
+    assert_string_equal(sheard_time_format(INT64_MAX, text), "9999-12-31T23:59:59.999Z");
+    assert_string_equal(sheard_time_format(INT64_MIN, text), "0000-01-01T00:00:00.000Z");
 }
 
 static void test_bad_times(void **state) {
@@ -612,7 +616,7 @@ static void test_bad_times(void **state) {
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         int64_t ms = 0;
-        if (shear_time_parse(&ms, bad[i])) {
+        if (sheard_time_parse(&ms, bad[i])) {
             fail_msg("\"%s\" was taken as a time", bad[i]);
         }
     }
@@ -624,28 +628,28 @@ static void test_job_file(void **state) {
     (void)state;
     static const char text[] = "{\n  \"path\": \"/data/a.fits\",\n\t\"field\": \"A\",\r\n"
                                "  \"settings\": {\n    \"beta\": 1.6\n  }\n}\n\n";
-    shear_msg_submit submit;
-    shear_rpc_error error;
-    assert_int_equal(shear_job_file_parse(&submit, text, strlen(text), NULL, &error), 0);
+    sheard_msg_submit submit;
+    sheard_rpc_error error;
+    assert_int_equal(sheard_job_file_parse(&submit, text, strlen(text), NULL, &error), 0);
     assert_string_equal(submit.source.path, "/data/a.fits");
     assert_string_equal(submit.field, "A");
     assert_string_equal(submit.settings, "beta=1.6\n");
-    shear_submit_deinit(&submit);
+    sheard_submit_deinit(&submit);
     static const struct {
         const char *text;
         int code;
     } bad[] = {
-        {"", SHEAR_RPC_PARSE_ERROR},
-        {"[]", SHEAR_RPC_BAD_PARAMETER},
-        {"{}", SHEAR_RPC_MISSING_PARAMETER},
-        {"{\"path\":\"/a\"} x", SHEAR_RPC_PARSE_ERROR},
-        {"{\"path\":\"/a\",\"method\":\"submit\"}", SHEAR_RPC_UNKNOWN_PARAMETER},
-        {"{\"path\":\"/a\",\"path\":\"/b\"}", SHEAR_RPC_DUPLICATE_KEY},
-        {"{\"path\":\"a\"}", SHEAR_RPC_BAD_PARAMETER},
+        {"", SHEARD_RPC_PARSE_ERROR},
+        {"[]", SHEARD_RPC_BAD_PARAMETER},
+        {"{}", SHEARD_RPC_MISSING_PARAMETER},
+        {"{\"path\":\"/a\"} x", SHEARD_RPC_PARSE_ERROR},
+        {"{\"path\":\"/a\",\"method\":\"submit\"}", SHEARD_RPC_UNKNOWN_PARAMETER},
+        {"{\"path\":\"/a\",\"path\":\"/b\"}", SHEARD_RPC_DUPLICATE_KEY},
+        {"{\"path\":\"a\"}", SHEARD_RPC_BAD_PARAMETER},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_int_equal(
-            shear_job_file_parse(&submit, bad[i].text, strlen(bad[i].text), NULL, &error),
+            sheard_job_file_parse(&submit, bad[i].text, strlen(bad[i].text), NULL, &error),
             bad[i].code);
         assert_int_equal(error.code, bad[i].code);
     }
@@ -653,16 +657,18 @@ static void test_job_file(void **state) {
 
 static void test_job_file_size(void **state) {
     (void)state;
-    char *text = malloc(SHEAR_MSG_JOB_FILE_MAX + 1);
+    char *text = malloc(SHEARD_MSG_JOB_FILE_MAX + 1);
     assert_non_null(text);
-    memset(text, ' ', SHEAR_MSG_JOB_FILE_MAX + 1);
+    memset(text, ' ', SHEARD_MSG_JOB_FILE_MAX + 1);
     memcpy(text, "{\"path\":\"/a\"}", 13);
-    shear_msg_submit submit;
-    shear_rpc_error error;
-    assert_int_equal(shear_job_file_parse(&submit, text, SHEAR_MSG_JOB_FILE_MAX, NULL, &error), 0);
-    shear_submit_deinit(&submit);
-    assert_int_equal(shear_job_file_parse(&submit, text, SHEAR_MSG_JOB_FILE_MAX + 1, NULL, &error),
-                     SHEAR_RPC_LINE_TOO_LONG);
+    sheard_msg_submit submit;
+    sheard_rpc_error error;
+    assert_int_equal(sheard_job_file_parse(&submit, text, SHEARD_MSG_JOB_FILE_MAX, NULL, &error),
+                     0);
+    sheard_submit_deinit(&submit);
+    assert_int_equal(
+        sheard_job_file_parse(&submit, text, SHEARD_MSG_JOB_FILE_MAX + 1, NULL, &error),
+        SHEARD_RPC_LINE_TOO_LONG);
     free(text);
 }
 
@@ -672,31 +678,31 @@ static void test_settings_upon_defaults(void **state) {
     static const char text[] = "{\"path\":\"/a\",\"settings\":{\"width\":2}}";
     shear_settings defaults;
     shear_settings_init(&defaults);
-    shear_msg_submit submit;
-    shear_rpc_error error;
-    assert_int_equal(shear_job_file_parse(&submit, text, strlen(text), &defaults, &error), 0);
-    shear_submit_deinit(&submit);
+    sheard_msg_submit submit;
+    sheard_rpc_error error;
+    assert_int_equal(sheard_job_file_parse(&submit, text, strlen(text), &defaults, &error), 0);
+    sheard_submit_deinit(&submit);
     defaults.filter = SHEAR_FILTER_NONE;
-    assert_int_equal(shear_job_file_parse(&submit, text, strlen(text), &defaults, &error),
-                     SHEAR_RPC_BAD_SETTING);
+    assert_int_equal(sheard_job_file_parse(&submit, text, strlen(text), &defaults, &error),
+                     SHEARD_RPC_BAD_SETTING);
     assert_string_equal(error.parameter, "settings");
     assert_null(submit.source.path);
 }
 
 static void test_names(void **state) {
     (void)state;
-    assert_string_equal(shear_job_state_name(SHEAR_JOB_WAITING), "waiting");
-    assert_string_equal(shear_job_state_name(-1), "unknown");
-    assert_string_equal(shear_job_state_name(SHEAR_N_JOB_STATES), "unknown");
-    assert_string_equal(shear_job_class_name(SHEAR_CLASS_NONE), "");
-    assert_string_equal(shear_job_class_name(SHEAR_CLASS_BUG), "bug");
-    assert_string_equal(shear_job_outcome_name(SHEAR_OUTCOME_DUPLICATE), "duplicate");
-    assert_string_equal(shear_job_origin_name(SHEAR_ORIGIN_SOCKET), "socket");
-    assert_string_equal(shear_job_ending_name(SHEAR_ENDING_INTERRUPTED), "interrupted");
-    assert_string_equal(shear_server_state_name(SHEAR_SERVER_STOPPING), "stopping");
-    for (int s = -1; s <= SHEAR_N_JOB_STATES; s++) {
-        assert_int_equal(shear_job_state_is_final(s),
-                         s >= SHEAR_JOB_DONE && s < SHEAR_N_JOB_STATES);
+    assert_string_equal(sheard_job_state_name(SHEARD_JOB_WAITING), "waiting");
+    assert_string_equal(sheard_job_state_name(-1), "unknown");
+    assert_string_equal(sheard_job_state_name(SHEARD_N_JOB_STATES), "unknown");
+    assert_string_equal(sheard_job_class_name(SHEARD_CLASS_NONE), "");
+    assert_string_equal(sheard_job_class_name(SHEARD_CLASS_BUG), "bug");
+    assert_string_equal(sheard_job_outcome_name(SHEARD_OUTCOME_DUPLICATE), "duplicate");
+    assert_string_equal(sheard_job_origin_name(SHEARD_ORIGIN_SOCKET), "socket");
+    assert_string_equal(sheard_job_ending_name(SHEARD_ENDING_INTERRUPTED), "interrupted");
+    assert_string_equal(sheard_server_state_name(SHEARD_SERVER_STOPPING), "stopping");
+    for (int s = -1; s <= SHEARD_N_JOB_STATES; s++) {
+        assert_int_equal(sheard_job_state_is_final(s),
+                         s >= SHEARD_JOB_DONE && s < SHEARD_N_JOB_STATES);
     }
 }
 

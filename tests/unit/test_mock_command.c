@@ -22,13 +22,13 @@ static void paragraph(const char *name, char *out, size_t size) {
     const char *at = cmd_mock.usage;
     do {
         at = strstr(at + 1, head);
-        if (!at) {
+        if (at == NULL) {
             fail_msg("--%s is not in the help text", name);
             return;
         }
     } while (at[strlen(head)] != ' ');
     const char *end = strstr(at + 1, "\n  --");
-    size_t length = end ? (size_t)(end - at) : strlen(at);
+    size_t length = end != NULL ? (size_t)(end - at) : strlen(at);
     snprintf(out, size, "%.*s", (int)length, at);
 }
 
@@ -43,10 +43,10 @@ static void test_help_has_the_table(void **state) {
         paragraph(table[i].name, text, sizeof text);
         shear_mock_format(&s, &table[i], value, sizeof value);
         snprintf(expected, sizeof expected, "(default %s)", value);
-        if (!said_in_words(table[i].name) && !strstr(text, expected)) {
+        if (!said_in_words(table[i].name) && strstr(text, expected) == NULL) {
             fail_msg("--%s: no \"%s\"", table[i].name, expected);
         }
-        if (table[i].metavar) {
+        if (table[i].metavar != NULL) {
             snprintf(expected, sizeof expected, "--%s %s ", table[i].name, table[i].metavar);
             assert_non_null(strstr(text, expected));
         }

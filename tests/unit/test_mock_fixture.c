@@ -10,7 +10,7 @@
 shear_mock *mock_of(const shear_mock_spec *spec) {
     shear_error err = {0};
     shear_mock *m = NULL;
-    if (shear_mock_new(&m, spec, &err)) {
+    if (shear_mock_new(&m, spec, &err) != 0) {
         fail_msg("%s", err.message);
     }
     return m;
@@ -21,7 +21,7 @@ shear_mock *mock_with(const char *const *settings) {
     shear_error err = {0};
     shear_mock_spec_init(&spec);
     for (; settings[0]; settings += 2) {
-        if (shear_mock_set(&spec, settings[0], settings[1], &err)) {
+        if (shear_mock_set(&spec, settings[0], settings[1], &err) != 0) {
             fail_msg("%s", err.message);
         }
     }
@@ -41,7 +41,7 @@ void make_stamps(const shear_mock *m, int64_t first, int count, int threads, dou
     shear_error err = {0};
     *galaxy = doubles(n);
     *noise = doubles(n);
-    if (shear_mock_stamps(m, first, count, threads, *galaxy, *noise, &err)) {
+    if (shear_mock_stamps(m, first, count, threads, *galaxy, *noise, &err) != 0) {
         fail_msg("%s", err.message);
     }
 }

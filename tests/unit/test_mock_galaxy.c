@@ -81,12 +81,12 @@ static void test_radial_profile(void **state) {
     check_profile("5", "0.5", "10");               /* mostly bulge */
 }
 
-struct second_moments {
+typedef struct second_moments {
     double xx, yy, xy;
-};
+} second_moments;
 
-static struct second_moments second_moments_of(const shear_mock *m, int64_t galaxy) {
-    struct second_moments q = {0};
+static second_moments second_moments_of(const shear_mock *m, int64_t galaxy) {
+    second_moments q = {0};
     int most = shear_mock_get_info(m)->max_points;
     double *x = doubles((size_t)most);
     double *y = doubles((size_t)most);
@@ -105,7 +105,7 @@ static void test_edge_on_is_a_line(void **state) {
     (void)state;
     shear_mock *m = MOCK("inclination", "90,90");
     for (int i = 0; i < 5; i++) {
-        struct second_moments q = second_moments_of(m, i);
+        second_moments q = second_moments_of(m, i);
         assert_true(q.xx + q.yy > 1.0);
         assert_true(fabs(q.xx * q.yy - q.xy * q.xy) < 1e-12);
     }
@@ -121,8 +121,8 @@ static void test_inclination_and_position_angle(void **state) {
     shear_mock *tilt = MOCK("inclination", "0,60", "points", "200");
     double trace0[N], trace[N], plus[N], cross[N];
     for (int i = 0; i < N; i++) {
-        struct second_moments f = second_moments_of(face, i);
-        struct second_moments t = second_moments_of(tilt, i);
+        second_moments f = second_moments_of(face, i);
+        second_moments t = second_moments_of(tilt, i);
         trace0[i] = f.xx + f.yy;
         trace[i] = t.xx + t.yy;
         plus[i] = t.xx - t.yy;
@@ -183,7 +183,7 @@ static void test_random_walk_is_diffusive(void **state) {
     shear_mock *m = MOCK("galaxy", "irregular", "steps", "100", "step-size", "0.1", "r-gal", "20");
     double r2[N];
     for (int i = 0; i < N; i++) {
-        struct second_moments q = second_moments_of(m, i);
+        second_moments q = second_moments_of(m, i);
         r2[i] = q.xx + q.yy;
     }
     assert_close(mean_of(r2, N), 0.01 * 101.0 / 2.0, 4.0 * sqrt(variance_of(r2, N) / N));

@@ -17,12 +17,12 @@ struct place {
 
 static int set_up(void **state) {
     struct place *p = calloc(1, sizeof *p);
-    if (!p) {
+    if (p == NULL) {
         return -1;
     }
     const char *tmp = getenv("TMPDIR");
-    snprintf(p->dir, sizeof p->dir, "%.40s/mock-XXXXXX", tmp ? tmp : "/tmp");
-    if (!mkdtemp(p->dir)) {
+    snprintf(p->dir, sizeof p->dir, "%.40s/mock-XXXXXX", tmp != NULL ? tmp : "/tmp");
+    if (mkdtemp(p->dir) == NULL) {
         free(p);
         return -1;
     }
@@ -43,7 +43,7 @@ static int files_in(const char *dir) {
     int n = 0;
     DIR *d = opendir(dir);
     assert_non_null(d);
-    while (readdir(d)) {
+    while (readdir(d) != NULL) {
         n++;
     }
     closedir(d);
@@ -53,7 +53,7 @@ static int files_in(const char *dir) {
 static void write_good(const shear_mock *m, const char *path, int threads) {
     shear_mock_write_options o = {.threads = threads, .overwrite = true};
     shear_error err = {0};
-    if (shear_mock_write(m, path, &o, &err)) {
+    if (shear_mock_write(m, path, &o, &err) != 0) {
         fail_msg("%s", err.message);
     }
 }
@@ -97,7 +97,7 @@ static void check_file(const shear_mock *m, const char *path) {
     shear_error err = {0};
     shear_field *field = NULL;
     shear_block *block = NULL;
-    if (shear_field_open(&field, path, &err)) {
+    if (shear_field_open(&field, path, &err) != 0) {
         fail_msg("%s", err.message);
     }
     const shear_field_info *info = shear_field_get_info(field);
@@ -191,7 +191,7 @@ static void test_history(void **state) {
         char value[96], line[160];
         shear_mock_format(shear_mock_get_spec(m), &table[i], value, sizeof value);
         snprintf(line, sizeof line, "HISTORY mock %s = %s", table[i].name, value);
-        if (!strstr(bytes, line)) {
+        if (strstr(bytes, line) == NULL) {
             fail_msg("no card \"%s\"", line);
         }
     }

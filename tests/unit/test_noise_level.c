@@ -284,7 +284,7 @@ static void test_every_plane_is_looked_at(void **state) {
         pair p;
         draw(&p, side, "none");
         scene_draw(&s, &p);
-        if (quiet) {
+        if (quiet != 0) {
             memset(s.noise, 0, sizeof s.noise);
         }
         s.noise[3][7] = NAN;

@@ -187,7 +187,7 @@ static void test_plans_and_workspaces(void **state) {
         for (int own = 0; own < 2; own++) {
             shear_settings_init(&s.settings);
             shear_settings_set(&s.settings, "interpolation", pair_methods[m], NULL);
-            shear_settings_set(&s.settings, "filter", own ? "paper" : "edge", NULL);
+            shear_settings_set(&s.settings, "filter", own != 0 ? "paper" : "edge", NULL);
             shear_settings_set(&s.settings, "width", "0.5", NULL);
             s.own_psf = own != 0;
             exhaust(new_plan, &s, 8);

@@ -172,9 +172,9 @@ int main(void) {
         cmocka_unit_test(test_watchdog),
     };
     snprintf(dir, sizeof dir, "/tmp/sheard-test-XXXXXX");
-    if (!mkdtemp(dir)) {
+    if (mkdtemp(dir) == NULL) {
         return 1;
     }
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    return rmdir(dir) != 0 || failed;
+    return rmdir(dir) != 0 || failed != 0;
 }

@@ -32,9 +32,9 @@ static void test_oracle(void **state) {
                 shear_plan_info info;
                 double k_cut;
                 draw(&p, sides[k][0], sides[k][1], "plateau");
-                pair_set(&p, "noise-correction", corrected ? "yes" : "no");
-                pair_set(&p, "core", filtered ? "2.5" : "auto");
-                pair_set(&p, "width", filtered ? "0.8" : "auto");
+                pair_set(&p, "noise-correction", corrected != 0 ? "yes" : "no");
+                pair_set(&p, "core", filtered != 0 ? "2.5" : "auto");
+                pair_set(&p, "width", filtered != 0 ? "0.8" : "auto");
                 const shear_row measured = pair_measure_info(&p, &info);
                 const shear_row expected =
                     oracle_measure(&info, &p.settings, p.galaxy, p.noise, p.psf, &k_cut);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl plot's helpers: cuts, profiles, text; and catalogues of every kind that can be drawn. */
+/* shearctl plot's helpers: cuts, profiles, text; and catalogs of every kind that can be drawn. */
 #include "test.h"
 
 #include "plot.h"
@@ -17,9 +17,9 @@ static void test_cuts_know_their_edges(void **state) {
             array[j][i] = 10 * j + i;
         }
     }
-    const struct plot_lattice lattice = {
+    const plot_lattice lattice = {
         .nx = 7, .ny = 5, .x0 = 3.0, .y0 = 2.0, .step_x = 0.5, .step_y = 0.5};
-    struct plot_cut cut;
+    plot_cut cut;
     assert_int_equal(plot_cut_new(&cut, &array[0][0], &lattice, 1.0, NULL), SHEAR_OK);
     assert_int_equal(cut.nx, 5);
     assert_int_equal(cut.ny, 5);
@@ -44,7 +44,7 @@ static void test_radial_mean_of_a_radial_function(void **state) {
             array[j][i] = floor(hypot(i - 4, j - 4) + 0.5);
         }
     }
-    const struct plot_lattice lattice = {
+    const plot_lattice lattice = {
         .nx = 9, .ny = 9, .x0 = 4.0, .y0 = 4.0, .step_x = 2.0, .step_y = 2.0};
     double mean[8];
     assert_int_equal(plot_radial_mean(mean, 8, 2.0, &array[0][0], &lattice, NULL), SHEAR_OK);
@@ -86,7 +86,7 @@ static void test_minus_signs(void **state) {
 
 static void test_tables_drop_what_is_too_much(void **state) {
     (void)state;
-    struct plot_table t = {0};
+    plot_table t = {0};
     for (int i = 0; i < 2 * PLOT_TABLE_ROWS; i++) {
         plot_table_add(&t, "key", "%0200d", i);
     }
@@ -125,7 +125,7 @@ static void assert_drawn(const shear_catalog_table *t) {
     shear_figure_free(f);
 }
 
-static void test_catalogues_of_every_kind(void **state) {
+static void test_catalogs_of_every_kind(void **state) {
     (void)state;
     shear_row rows[N];
     shear_catalog_table t;
@@ -158,7 +158,7 @@ int main(void) {
         cmocka_unit_test(test_core_centre),
         cmocka_unit_test(test_minus_signs),
         cmocka_unit_test(test_tables_drop_what_is_too_much),
-        cmocka_unit_test(test_catalogues_of_every_kind),
+        cmocka_unit_test(test_catalogs_of_every_kind),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

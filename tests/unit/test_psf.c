@@ -83,13 +83,14 @@ static void test_two_peaks(void **state) {
     double second[48 * 24];
     for (int low = 0; low < 2; low++) {
         const gaussian a = {1.0, 4.0, 4.0, 0.0, 12.0, 12.0};
-        const gaussian b = {low ? 0.55 : 1.0, 4.0, 4.0, 0.0, 36.0, 12.0};
+        const gaussian b = {low != 0 ? 0.55 : 1.0, 4.0, 4.0, 0.0, 36.0, 12.0};
         gaussian_draw(&a, 48, 24, 1, psf);
         gaussian_draw(&b, 48, 24, 1, second);
         for (int i = 0; i < 48 * 24; i++) {
             psf[i] += second[i];
         }
-        assert_near(radius_of(psf, 48, 24, 1), low ? 2.0 : 2.0 * sqrt(2.0), 1e-3, 2.0, "two peaks");
+        assert_near(radius_of(psf, 48, 24, 1), low != 0 ? 2.0 : 2.0 * sqrt(2.0), 1e-3, 2.0,
+                    "two peaks");
     }
 }
 

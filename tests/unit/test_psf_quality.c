@@ -143,7 +143,7 @@ static void test_wrapped(void **state) {
             double *rolled = calloc((size_t)n * (size_t)n, sizeof *rolled);
             assert_non_null(rolled);
             for (int back = 0; back < 2; back++) {
-                const int shift = back ? (n + 1) / 2 : n / 2;
+                const int shift = back != 0 ? (n + 1) / 2 : n / 2;
                 roll(psf, rolled, n, n, shift, shift);
                 refused(rolled, n, n, "corners", "fftshift");
                 roll(psf, rolled, n, n, shift, 0);
@@ -200,13 +200,13 @@ static void test_pedestal(void **state) {
 static void test_cut(void **state) {
     (void)state;
     for (int p = 0; p < 2; p++) {
-        const profile f = p ? kolmogorov : moffat25;
+        const profile f = p != 0 ? kolmogorov : moffat25;
         double *whole = draw(f, 601, 601, 1.5, 0.0, 0.0);
         double all = 0.0;
         for (int i = 0; i < 601 * 601; i++) {
             all += whole[i];
         }
-        for (int n = p ? 19 : 11; n <= (p ? 23 : 19); n += 2) {
+        for (int n = p != 0 ? 19 : 11; n <= (p != 0 ? 23 : 19); n += 2) {
             double *psf = draw(f, n, n, 1.5, 0.0, 0.0);
             double sum = 0.0;
             for (int i = 0; i < n * n; i++) {

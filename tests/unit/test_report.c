@@ -40,22 +40,22 @@ static int make(char **text, shear_error *err) {
     shear_settings settings;
     shear_settings_init(&settings);
     settings.beta_px = 2.5;
-    shear_report_file files[2] = {
+    sheard_report_file files[2] = {
         {"a\xFF.fits", "00ff", "f", 5, 4, &plan, 0.5},
         {"\xC3\xA4\xED\xA0\x80\xF4\x90\x80\x80\xE2\x82", "00fe", "f", 5, 3, &plan, 0.25}};
-    shear_report report = {.field = "tab\tand\x01",
-                           .result = &result,
-                           .settings = &settings,
-                           .plan = &plan,
-                           .files = files,
-                           .n_files = 2,
-                           .has_truth = true,
-                           .true_g1 = 0.1,
-                           .true_g2 = 0.0,
-                           .warnings = warnings,
-                           .n_warnings = 2,
-                           .seconds = 0.75};
-    return shear_report_json(text, &report, err);
+    sheard_report report = {.field = "tab\tand\x01",
+                            .result = &result,
+                            .settings = &settings,
+                            .plan = &plan,
+                            .files = files,
+                            .n_files = 2,
+                            .has_truth = true,
+                            .true_g1 = 0.1,
+                            .true_g2 = 0.0,
+                            .warnings = warnings,
+                            .n_warnings = 2,
+                            .seconds = 0.75};
+    return sheard_report_json(text, &report, err);
 }
 
 /* The number after "key": in the text. */
@@ -130,8 +130,9 @@ static void an_unopened_file_has_nulls(void **state) {
     char *text = NULL;
     shear_settings settings;
     shear_settings_init(&settings);
-    shear_verdict v = {.path = "x", .verdict = "no such file", .advice = "", .settings = &settings};
-    assert_int_equal(shear_verdict_json(&text, &v, NULL), SHEAR_OK);
+    sheard_verdict v = {
+        .path = "x", .verdict = "no such file", .advice = "", .settings = &settings};
+    assert_int_equal(sheard_verdict_json(&text, &v, NULL), SHEAR_OK);
     assert_non_null(
         strstr(text, "{\"path\":\"x\",\"good\":false,\"verdict\":\"no such file\",\"advice\":\"\","
                      "\"field\":null,"));
@@ -162,15 +163,15 @@ static int make_verdict(char **text, shear_error *err) {
     shear_field_info field = {.name = "f", .pixscale = 0.2, .has_truth = true};
     shear_settings settings;
     shear_settings_init(&settings);
-    shear_verdict v = {.path = "x",
-                       .verdict = "",
-                       .advice = "",
-                       .field = &field,
-                       .plan = &plan,
-                       .settings = &settings};
+    sheard_verdict v = {.path = "x",
+                        .verdict = "",
+                        .advice = "",
+                        .field = &field,
+                        .plan = &plan,
+                        .settings = &settings};
     v.scanned = true;
-    v.flags[1] = (shear_fault){.count = 99, .first = {1, 2, 3, 4, 5, 6, 7, 8}};
-    return shear_verdict_json(text, &v, err);
+    v.flags[1] = (sheard_fault){.count = 99, .first = {1, 2, 3, 4, 5, 6, 7, 8}};
+    return sheard_verdict_json(text, &v, err);
 }
 
 static void fails_cleanly(int (*maker)(char **, shear_error *)) {
@@ -210,7 +211,7 @@ static void accounts_keep_all(void **state) {
     (void)state;
     shear_error err = {0};
     char *texts[2] = {NULL, NULL};
-    shear_account account;
+    sheard_account account;
     shear_plan_info plan = a_plan();
     plan.filter = SHEAR_FILTER_PAPER;
     plan.filter_per_stamp = true;
@@ -223,10 +224,10 @@ static void accounts_keep_all(void **state) {
         .unusable = 2,
         .flawed = {1, 2, 3, 4, 5},
         .worst = {1.0 / 7.0, 1e-3, 12.5, 1e-5, INFINITY, NAN, 1.0 / 3.0, 1.4, -0.01}};
-    const shear_report_file file = {"a\xFF \"b\".fits", "00ff", "f", 5, 4, &plan, 1.0 / 3.0};
-    assert_int_equal(shear_account_format(&texts[0], &file, &err), SHEAR_OK);
-    assert_int_equal(shear_account_parse(&account, texts[0], &err), SHEAR_OK);
-    assert_int_equal(shear_account_format(&texts[1], &account.file, &err), SHEAR_OK);
+    const sheard_report_file file = {"a\xFF \"b\".fits", "00ff", "f", 5, 4, &plan, 1.0 / 3.0};
+    assert_int_equal(sheard_account_format(&texts[0], &file, &err), SHEAR_OK);
+    assert_int_equal(sheard_account_parse(&account, texts[0], &err), SHEAR_OK);
+    assert_int_equal(sheard_account_format(&texts[1], &account.file, &err), SHEAR_OK);
     assert_string_equal(texts[0], texts[1]);
     assert_int_equal(account.plan.geometry.nx, 48);
     assert_int_equal(account.plan.geometry.ny, 50);
@@ -241,19 +242,19 @@ static void accounts_keep_all(void **state) {
     assert_memory_equal(account.plan.psf.flawed, plan.psf.flawed, sizeof plan.psf.flawed);
     assert_true(account.plan.psf.worst.noise == 1.0 / 3.0 &&
                 account.plan.psf.worst.r_psf_px == 1.0 / 7.0);
-    shear_account_deinit(&account);
+    sheard_account_deinit(&account);
     free(texts[0]);
     free(texts[1]);
     static const char *const bad[] = {"", "[]", "{", "1"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        assert_int_equal(shear_account_parse(&account, bad[i], &err), SHEAR_E_FORMAT);
+        assert_int_equal(sheard_account_parse(&account, bad[i], &err), SHEAR_E_FORMAT);
         assert_null(account.texts);
     }
-    assert_int_equal(shear_account_parse(&account, "{\"path\":\"x\",\"resolved\":null}", &err),
+    assert_int_equal(sheard_account_parse(&account, "{\"path\":\"x\",\"resolved\":null}", &err),
                      SHEAR_OK);
     assert_null(account.file.plan);
     assert_null(account.file.checksum);
-    shear_account_deinit(&account);
+    sheard_account_deinit(&account);
 }
 
 int main(void) {

@@ -19,10 +19,10 @@ typedef struct wrong {
     const char *said;      /* part of the message; NULL: anything */
 } wrong;
 
-static const char *id_text(const shear_rpc_id *id, char buf[160]) {
-    if (id->type == SHEAR_ID_INTEGER) {
+static const char *id_text(const sheard_rpc_id *id, char buf[160]) {
+    if (id->type == SHEARD_ID_INTEGER) {
         snprintf(buf, 160, "%lld", (long long)id->integer);
-    } else if (id->type == SHEAR_ID_TEXT) {
+    } else if (id->type == SHEARD_ID_TEXT) {
         snprintf(buf, 160, "\"%s\"", id->text);
     } else {
         snprintf(buf, 160, "null");
@@ -31,28 +31,28 @@ static const char *id_text(const shear_rpc_id *id, char buf[160]) {
 }
 
 static void assert_wrong(const wrong *w) {
-    shear_request request;
-    shear_rpc_error error = {0};
+    sheard_request request;
+    sheard_rpc_error error = {0};
     char id[160];
-    const int rc = shear_request_parse(&request, w->line, strlen(w->line), NULL, &error);
+    const int rc = sheard_request_parse(&request, w->line, strlen(w->line), NULL, &error);
     if (rc != w->code || error.code != rc) {
         fail_msg("%s: %s (%s), expected %s", w->line, error.name, error.message,
-                 shear_rpc_code_get(w->code)->name);
+                 sheard_rpc_code_get(w->code)->name);
     }
     if (strcmp(id_text(&request.id, id), w->id) != 0) {
         fail_msg("%s: id %s, expected %s", w->line, id, w->id);
     }
-    if (strcmp(error.parameter, w->parameter ? w->parameter : "") != 0) {
+    if (strcmp(error.parameter, w->parameter != NULL ? w->parameter : "") != 0) {
         fail_msg("%s: parameter \"%s\"", w->line, error.parameter);
     }
-    if (!strstr(error.message, w->said ? w->said : "")) {
+    if (strstr(error.message, w->said != NULL ? w->said : "") == NULL) {
         fail_msg("%s: %s", w->line, error.message);
     }
     assert_int_equal(request.method, -1);
     assert_int_not_equal(error.message[0], '\0');
     assert_int_not_equal(error.advice[0], '\0');
-    assert_string_equal(error.name, shear_rpc_code_get(rc)->name);
-    shear_request_deinit(&request);
+    assert_string_equal(error.name, sheard_rpc_code_get(rc)->name);
+    sheard_request_deinit(&request);
 }
 
 static void assert_all_wrong(const wrong *list, size_t n) {
@@ -65,26 +65,26 @@ static void assert_all_wrong(const wrong *list, size_t n) {
 static void test_wrong_text(void **state) {
     (void)state;
     static const wrong list[] = {
-        {"", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {"   ", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {"{", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":\"status\"", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":\"status\"}}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":\"status\"} {}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":\"sta\x01tus\"}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":\"\xFF\"}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":\"\xC0\x80\"}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":\"\\ud800\"}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":'status'}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":NaN}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":1e999}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {RPC "\"method\":99999999999999999999}", SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {"\xEF\xBB\xBF" CALL("status", "{}"), SHEAR_RPC_PARSE_ERROR, "null", NULL, NULL},
-        {"[]", SHEAR_RPC_BATCH_UNSUPPORTED, "null", NULL, NULL},
-        {"[" CALL("status", "{}") "]", SHEAR_RPC_BATCH_UNSUPPORTED, "null", NULL, NULL},
-        {"5", SHEAR_RPC_INVALID_REQUEST, "null", NULL, NULL},
-        {"\"status\"", SHEAR_RPC_INVALID_REQUEST, "null", NULL, NULL},
-        {"null", SHEAR_RPC_INVALID_REQUEST, "null", NULL, NULL},
+        {"", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {"   ", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {"{", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":\"status\"", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":\"status\"}}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":\"status\"} {}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":\"sta\x01tus\"}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":\"\xFF\"}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":\"\xC0\x80\"}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":\"\\ud800\"}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":'status'}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":NaN}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":1e999}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {RPC "\"method\":99999999999999999999}", SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {"\xEF\xBB\xBF" CALL("status", "{}"), SHEARD_RPC_PARSE_ERROR, "null", NULL, NULL},
+        {"[]", SHEARD_RPC_BATCH_UNSUPPORTED, "null", NULL, NULL},
+        {"[" CALL("status", "{}") "]", SHEARD_RPC_BATCH_UNSUPPORTED, "null", NULL, NULL},
+        {"5", SHEARD_RPC_INVALID_REQUEST, "null", NULL, NULL},
+        {"\"status\"", SHEARD_RPC_INVALID_REQUEST, "null", NULL, NULL},
+        {"null", SHEARD_RPC_INVALID_REQUEST, "null", NULL, NULL},
     };
     ASSERT_ALL_WRONG(list);
 }
@@ -92,37 +92,37 @@ static void test_wrong_text(void **state) {
 static void test_wrong_envelope(void **state) {
     (void)state;
     static const wrong list[] = {
-        {"{}", SHEAR_RPC_INVALID_REQUEST, "null", NULL, "id"},
-        {"{\"jsonrpc\":\"2.0\",\"method\":\"status\"}", SHEAR_RPC_INVALID_REQUEST, "null", NULL,
+        {"{}", SHEARD_RPC_INVALID_REQUEST, "null", NULL, "id"},
+        {"{\"jsonrpc\":\"2.0\",\"method\":\"status\"}", SHEARD_RPC_INVALID_REQUEST, "null", NULL,
          "\"id\" is missing"},
-        {"{\"jsonrpc\":\"2.0\",\"id\":1.5,\"method\":\"status\"}", SHEAR_RPC_INVALID_REQUEST,
+        {"{\"jsonrpc\":\"2.0\",\"id\":1.5,\"method\":\"status\"}", SHEARD_RPC_INVALID_REQUEST,
          "null", NULL, "id"},
-        {"{\"jsonrpc\":\"2.0\",\"id\":true,\"method\":\"status\"}", SHEAR_RPC_INVALID_REQUEST,
+        {"{\"jsonrpc\":\"2.0\",\"id\":true,\"method\":\"status\"}", SHEARD_RPC_INVALID_REQUEST,
          "null", NULL, "id"},
-        {"{\"jsonrpc\":\"2.0\",\"id\":{},\"method\":\"status\"}", SHEAR_RPC_INVALID_REQUEST, "null",
-         NULL, "id"},
+        {"{\"jsonrpc\":\"2.0\",\"id\":{},\"method\":\"status\"}", SHEARD_RPC_INVALID_REQUEST,
+         "null", NULL, "id"},
         {"{\"jsonrpc\":\"2.0\",\"id\":\"a\\u0000b\",\"method\":\"status\"}",
-         SHEAR_RPC_INVALID_REQUEST, "null", NULL, "id"},
-        {"{\"jsonrpc\":\"1.0\",\"id\":\"x\",\"method\":\"status\"}", SHEAR_RPC_INVALID_REQUEST,
+         SHEARD_RPC_INVALID_REQUEST, "null", NULL, "id"},
+        {"{\"jsonrpc\":\"1.0\",\"id\":\"x\",\"method\":\"status\"}", SHEARD_RPC_INVALID_REQUEST,
          "\"x\"", NULL, "jsonrpc"},
-        {"{\"jsonrpc\":2.0,\"id\":-9,\"method\":\"status\"}", SHEAR_RPC_INVALID_REQUEST, "-9", NULL,
-         "jsonrpc"},
-        {"{\"id\":7,\"method\":\"status\"}", SHEAR_RPC_INVALID_REQUEST, "7", NULL, "jsonrpc"},
-        {RPC "\"method\":\"status\",\"extra\":1}", SHEAR_RPC_INVALID_REQUEST, "7", NULL, "extra"},
-        {RPC "\"params\":{}}", SHEAR_RPC_INVALID_REQUEST, "7", NULL, "method"},
-        {RPC "\"method\":5}", SHEAR_RPC_INVALID_REQUEST, "7", NULL, "method"},
-        {RPC "\"method\":\"Status\"}", SHEAR_RPC_UNKNOWN_METHOD, "7", NULL, "Status"},
-        {RPC "\"method\":\"\"}", SHEAR_RPC_UNKNOWN_METHOD, "7", NULL, NULL},
-        {RPC "\"method\":\"status\\u0000\"}", SHEAR_RPC_UNKNOWN_METHOD, "7", NULL, NULL},
-        {CALL("status", "[]"), SHEAR_RPC_BAD_PARAMETER, "7", "params", "an array"},
-        {CALL("status", "3"), SHEAR_RPC_BAD_PARAMETER, "7", "params", "a number"},
-        {RPC "\"method\":\"status\",\"method\":\"drain\"}", SHEAR_RPC_DUPLICATE_KEY, "7", NULL,
+        {"{\"jsonrpc\":2.0,\"id\":-9,\"method\":\"status\"}", SHEARD_RPC_INVALID_REQUEST, "-9",
+         NULL, "jsonrpc"},
+        {"{\"id\":7,\"method\":\"status\"}", SHEARD_RPC_INVALID_REQUEST, "7", NULL, "jsonrpc"},
+        {RPC "\"method\":\"status\",\"extra\":1}", SHEARD_RPC_INVALID_REQUEST, "7", NULL, "extra"},
+        {RPC "\"params\":{}}", SHEARD_RPC_INVALID_REQUEST, "7", NULL, "method"},
+        {RPC "\"method\":5}", SHEARD_RPC_INVALID_REQUEST, "7", NULL, "method"},
+        {RPC "\"method\":\"Status\"}", SHEARD_RPC_UNKNOWN_METHOD, "7", NULL, "Status"},
+        {RPC "\"method\":\"\"}", SHEARD_RPC_UNKNOWN_METHOD, "7", NULL, NULL},
+        {RPC "\"method\":\"status\\u0000\"}", SHEARD_RPC_UNKNOWN_METHOD, "7", NULL, NULL},
+        {CALL("status", "[]"), SHEARD_RPC_BAD_PARAMETER, "7", "params", "an array"},
+        {CALL("status", "3"), SHEARD_RPC_BAD_PARAMETER, "7", "params", "a number"},
+        {RPC "\"method\":\"status\",\"method\":\"drain\"}", SHEARD_RPC_DUPLICATE_KEY, "7", NULL,
          NULL},
-        {CALL("job", "{\"id\":1,\"id\":2}"), SHEAR_RPC_DUPLICATE_KEY, "7", NULL, NULL},
-        {RPC "\"id\":8,\"method\":\"status\"}", SHEAR_RPC_DUPLICATE_KEY, "null", NULL, NULL},
-        {"{\"a\":1,\"a\":2,\"id\":7,\"id\":8}", SHEAR_RPC_DUPLICATE_KEY, "null", NULL, NULL},
-        {"{\"a\":1,\"a\":2,\"id\":7,\"\\u0069d\":8}", SHEAR_RPC_DUPLICATE_KEY, "null", NULL, NULL},
-        {"{\"a\":1,\"a\":2,\"id\" : \"}\\\",\" , \"b\":1}", SHEAR_RPC_DUPLICATE_KEY, "\"}\",\"",
+        {CALL("job", "{\"id\":1,\"id\":2}"), SHEARD_RPC_DUPLICATE_KEY, "7", NULL, NULL},
+        {RPC "\"id\":8,\"method\":\"status\"}", SHEARD_RPC_DUPLICATE_KEY, "null", NULL, NULL},
+        {"{\"a\":1,\"a\":2,\"id\":7,\"id\":8}", SHEARD_RPC_DUPLICATE_KEY, "null", NULL, NULL},
+        {"{\"a\":1,\"a\":2,\"id\":7,\"\\u0069d\":8}", SHEARD_RPC_DUPLICATE_KEY, "null", NULL, NULL},
+        {"{\"a\":1,\"a\":2,\"id\" : \"}\\\",\" , \"b\":1}", SHEARD_RPC_DUPLICATE_KEY, "\"}\",\"",
          NULL, NULL},
     };
     ASSERT_ALL_WRONG(list);
@@ -131,46 +131,46 @@ static void test_wrong_envelope(void **state) {
 static void test_wrong_parameters(void **state) {
     (void)state;
     static const wrong list[] = {
-        {CALL("status", "{\"x\":1}"), SHEAR_RPC_UNKNOWN_PARAMETER, "7", "x", "no parameters"},
-        {CALL("job", "{\"ids\":1}"), SHEAR_RPC_UNKNOWN_PARAMETER, "7", "ids", "there are: id"},
-        {CALL("job", "{}"), SHEAR_RPC_MISSING_PARAMETER, "7", "id", "missing"},
-        {RPC "\"method\":\"job\"}", SHEAR_RPC_MISSING_PARAMETER, "7", "id", "missing"},
-        {RPC "\"method\":\"job\",\"params\":null}", SHEAR_RPC_MISSING_PARAMETER, "7", "id", NULL},
-        {CALL("job", "{\"id\":null}"), SHEAR_RPC_BAD_PARAMETER, "7", "id", "null"},
-        {CALL("job", "{\"id\":\"1\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "id",
+        {CALL("status", "{\"x\":1}"), SHEARD_RPC_UNKNOWN_PARAMETER, "7", "x", "no parameters"},
+        {CALL("job", "{\"ids\":1}"), SHEARD_RPC_UNKNOWN_PARAMETER, "7", "ids", "there are: id"},
+        {CALL("job", "{}"), SHEARD_RPC_MISSING_PARAMETER, "7", "id", "missing"},
+        {RPC "\"method\":\"job\"}", SHEARD_RPC_MISSING_PARAMETER, "7", "id", "missing"},
+        {RPC "\"method\":\"job\",\"params\":null}", SHEARD_RPC_MISSING_PARAMETER, "7", "id", NULL},
+        {CALL("job", "{\"id\":null}"), SHEARD_RPC_BAD_PARAMETER, "7", "id", "null"},
+        {CALL("job", "{\"id\":\"1\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "id",
          "a whole number, not a string"},
-        {CALL("job", "{\"id\":1.0}"), SHEAR_RPC_BAD_PARAMETER, "7", "id", "a whole number"},
-        {CALL("job", "{\"id\":0}"), SHEAR_RPC_BAD_PARAMETER, "7", "id", "from 1 to"},
-        {CALL("job", "{\"id\":-1}"), SHEAR_RPC_BAD_PARAMETER, "7", "id", "not -1"},
-        {CALL("wait", "{\"ids\":[]}"), SHEAR_RPC_BAD_PARAMETER, "7", "ids", "at least one"},
-        {CALL("wait", "{\"ids\":5}"), SHEAR_RPC_BAD_PARAMETER, "7", "ids", "an array"},
-        {CALL("wait", "{\"ids\":[1,\"2\"]}"), SHEAR_RPC_BAD_PARAMETER, "7", "ids[1]", "a string"},
-        {CALL("wait", "{\"ids\":[1,null]}"), SHEAR_RPC_BAD_PARAMETER, "7", "ids[1]", "null"},
-        {CALL("wait", "{\"ids\":[1],\"timeout_s\":-1}"), SHEAR_RPC_BAD_PARAMETER, "7", "timeout_s",
+        {CALL("job", "{\"id\":1.0}"), SHEARD_RPC_BAD_PARAMETER, "7", "id", "a whole number"},
+        {CALL("job", "{\"id\":0}"), SHEARD_RPC_BAD_PARAMETER, "7", "id", "from 1 to"},
+        {CALL("job", "{\"id\":-1}"), SHEARD_RPC_BAD_PARAMETER, "7", "id", "not -1"},
+        {CALL("wait", "{\"ids\":[]}"), SHEARD_RPC_BAD_PARAMETER, "7", "ids", "at least one"},
+        {CALL("wait", "{\"ids\":5}"), SHEARD_RPC_BAD_PARAMETER, "7", "ids", "an array"},
+        {CALL("wait", "{\"ids\":[1,\"2\"]}"), SHEARD_RPC_BAD_PARAMETER, "7", "ids[1]", "a string"},
+        {CALL("wait", "{\"ids\":[1,null]}"), SHEARD_RPC_BAD_PARAMETER, "7", "ids[1]", "null"},
+        {CALL("wait", "{\"ids\":[1],\"timeout_s\":-1}"), SHEARD_RPC_BAD_PARAMETER, "7", "timeout_s",
          "from 0 to 86400"},
-        {CALL("wait", "{\"ids\":[1],\"timeout_s\":\"1\"}"), SHEAR_RPC_BAD_PARAMETER, "7",
+        {CALL("wait", "{\"ids\":[1],\"timeout_s\":\"1\"}"), SHEARD_RPC_BAD_PARAMETER, "7",
          "timeout_s", "a number"},
-        {CALL("jobs", "{\"states\":[\"failed\",\"lost\"]}"), SHEAR_RPC_BAD_PARAMETER, "7",
+        {CALL("jobs", "{\"states\":[\"failed\",\"lost\"]}"), SHEARD_RPC_BAD_PARAMETER, "7",
          "states[1]", "queued, running, waiting, done, failed, cancelled, retracted, not \"lost\""},
-        {CALL("jobs", "{\"states\":\"failed\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "states",
+        {CALL("jobs", "{\"states\":\"failed\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "states",
          "an array"},
-        {CALL("jobs", "{\"limit\":0}"), SHEAR_RPC_BAD_PARAMETER, "7", "limit", "from 1 to 200"},
-        {CALL("jobs", "{\"limit\":201}"), SHEAR_RPC_BAD_PARAMETER, "7", "limit", NULL},
-        {CALL("jobs", "{\"owner\":4294967296}"), SHEAR_RPC_BAD_PARAMETER, "7", "owner", NULL},
-        {CALL("jobs", "{\"field\":\"\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "field", "empty"},
-        {CALL("field", "{\"field\":\"a\\nb\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "field", "control"},
-        {CALL("field", "{\"field\":\"a\\u0000b\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "field", "NUL"},
-        {CALL("subscribe", "{}"), SHEAR_RPC_MISSING_PARAMETER, "7", "jobs", "subscribe"},
-        {CALL("subscribe", "{\"all\":1}"), SHEAR_RPC_BAD_PARAMETER, "7", "all", "true or false"},
-        {CALL("subscribe", "{\"fields\":[\"a\",\"\"]}"), SHEAR_RPC_BAD_PARAMETER, "7", "fields[1]",
+        {CALL("jobs", "{\"limit\":0}"), SHEARD_RPC_BAD_PARAMETER, "7", "limit", "from 1 to 200"},
+        {CALL("jobs", "{\"limit\":201}"), SHEARD_RPC_BAD_PARAMETER, "7", "limit", NULL},
+        {CALL("jobs", "{\"owner\":4294967296}"), SHEARD_RPC_BAD_PARAMETER, "7", "owner", NULL},
+        {CALL("jobs", "{\"field\":\"\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "field", "empty"},
+        {CALL("field", "{\"field\":\"a\\nb\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "field", "control"},
+        {CALL("field", "{\"field\":\"a\\u0000b\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "field", "NUL"},
+        {CALL("subscribe", "{}"), SHEARD_RPC_MISSING_PARAMETER, "7", "jobs", "subscribe"},
+        {CALL("subscribe", "{\"all\":1}"), SHEARD_RPC_BAD_PARAMETER, "7", "all", "true or false"},
+        {CALL("subscribe", "{\"fields\":[\"a\",\"\"]}"), SHEARD_RPC_BAD_PARAMETER, "7", "fields[1]",
          "empty"},
-        {CALL("unsubscribe", "{\"progress\":true}"), SHEAR_RPC_UNKNOWN_PARAMETER, "7", "progress",
+        {CALL("unsubscribe", "{\"progress\":true}"), SHEARD_RPC_UNKNOWN_PARAMETER, "7", "progress",
          NULL},
-        {CALL("hello", "{\"oldest\":2,\"newest\":1}"), SHEAR_RPC_BAD_PARAMETER, "7", "oldest",
+        {CALL("hello", "{\"oldest\":2,\"newest\":1}"), SHEARD_RPC_BAD_PARAMETER, "7", "oldest",
          NULL},
-        {CALL("shutdown", "{\"mode\":\"later\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "mode",
+        {CALL("shutdown", "{\"mode\":\"later\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "mode",
          "drain, now, not \"later\""},
-        {CALL("shutdown", "{\"mode\":1}"), SHEAR_RPC_BAD_PARAMETER, "7", "mode", "a number"},
+        {CALL("shutdown", "{\"mode\":1}"), SHEARD_RPC_BAD_PARAMETER, "7", "mode", "a number"},
     };
     ASSERT_ALL_WRONG(list);
 }
@@ -178,74 +178,74 @@ static void test_wrong_parameters(void **state) {
 static void test_wrong_submit(void **state) {
     (void)state;
     static const wrong list[] = {
-        {CALL("submit", "{}"), SHEAR_RPC_MISSING_PARAMETER, "7", "path", NULL},
-        {CALL("submit", "{\"path\":\"a.fits\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "path", "a.fits"},
-        {CALL("submit", "{\"path\":\"\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "path", NULL},
-        {CALL("submit", "{\"path\":\"/a\\u0000\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "path", "NUL"},
-        {CALL("submit", "{\"path\":\"/a\",\"psf\":{\"path\":\"/b\"}}"), SHEAR_RPC_BAD_PARAMETER,
+        {CALL("submit", "{}"), SHEARD_RPC_MISSING_PARAMETER, "7", "path", NULL},
+        {CALL("submit", "{\"path\":\"a.fits\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "path", "a.fits"},
+        {CALL("submit", "{\"path\":\"\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "path", NULL},
+        {CALL("submit", "{\"path\":\"/a\\u0000\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "path", "NUL"},
+        {CALL("submit", "{\"path\":\"/a\",\"psf\":{\"path\":\"/b\"}}"), SHEARD_RPC_BAD_PARAMETER,
          "7", "path", "contradicts"},
         {CALL("submit", "{\"galaxy\":{\"path\":\"/a\"},\"noise\":{\"path\":\"/a\"}}"),
-         SHEAR_RPC_MISSING_PARAMETER, "7", "psf", NULL},
-        {CALL("submit", "{\"psf\":{\"path\":\"/a\"}}"), SHEAR_RPC_MISSING_PARAMETER, "7", "galaxy",
+         SHEARD_RPC_MISSING_PARAMETER, "7", "psf", NULL},
+        {CALL("submit", "{\"psf\":{\"path\":\"/a\"}}"), SHEARD_RPC_MISSING_PARAMETER, "7", "galaxy",
          NULL},
-        {CALL("submit", "{\"galaxy\":\"/a\"}"), SHEAR_RPC_BAD_PARAMETER, "7", "galaxy",
+        {CALL("submit", "{\"galaxy\":\"/a\"}"), SHEARD_RPC_BAD_PARAMETER, "7", "galaxy",
          "an object, not a string"},
-        {CALL("submit", "{\"galaxy\":{}}"), SHEAR_RPC_MISSING_PARAMETER, "7", "galaxy.path", NULL},
-        {CALL("submit", "{\"galaxy\":{\"path\":\"/a\",\"hdu\":-1}}"), SHEAR_RPC_BAD_PARAMETER, "7",
+        {CALL("submit", "{\"galaxy\":{}}"), SHEARD_RPC_MISSING_PARAMETER, "7", "galaxy.path", NULL},
+        {CALL("submit", "{\"galaxy\":{\"path\":\"/a\",\"hdu\":-1}}"), SHEARD_RPC_BAD_PARAMETER, "7",
          "galaxy.hdu", "from 0 to 9999"},
         {CALL("submit", "{\"galaxy\":{\"path\":\"/a\"},\"noise\":{\"path\":\"/a\"},"
                         "\"psf\":{\"path\":\"/a\",\"hdu\":1,\"extname\":\"P\"}}"),
-         SHEAR_RPC_BAD_PARAMETER, "7", "psf.hdu", "extname"},
-        {CALL("submit", "{\"path\":\"/a\",\"catalog\":{\"path\":\"/a\"}}"), SHEAR_RPC_BAD_PARAMETER,
-         "7", "path", "contradicts"},
-        {CALL("submit", "{\"catalog\":{\"path\":\"/a\"}}"), SHEAR_RPC_MISSING_PARAMETER, "7",
+         SHEARD_RPC_BAD_PARAMETER, "7", "psf.hdu", "extname"},
+        {CALL("submit", "{\"path\":\"/a\",\"catalog\":{\"path\":\"/a\"}}"),
+         SHEARD_RPC_BAD_PARAMETER, "7", "path", "contradicts"},
+        {CALL("submit", "{\"catalog\":{\"path\":\"/a\"}}"), SHEARD_RPC_MISSING_PARAMETER, "7",
          "galaxy", NULL},
-        {CALL("submit", "{\"galaxy\":{\"path\":\"/a\",\"ext\":1}}"), SHEAR_RPC_UNKNOWN_PARAMETER,
+        {CALL("submit", "{\"galaxy\":{\"path\":\"/a\",\"ext\":1}}"), SHEARD_RPC_UNKNOWN_PARAMETER,
          "7", "galaxy.ext", NULL},
-        {CALL("submit", "{\"path\":\"/a\",\"priority\":101}"), SHEAR_RPC_BAD_PARAMETER, "7",
+        {CALL("submit", "{\"path\":\"/a\",\"priority\":101}"), SHEARD_RPC_BAD_PARAMETER, "7",
          "priority", "from -100 to 100"},
-        {CALL("submit", "{\"path\":\"/a\",\"priority\":-101}"), SHEAR_RPC_BAD_PARAMETER, "7",
+        {CALL("submit", "{\"path\":\"/a\",\"priority\":-101}"), SHEARD_RPC_BAD_PARAMETER, "7",
          "priority", NULL},
-        {CALL("submit", "{\"path\":\"/a\",\"force\":\"yes\"}"), SHEAR_RPC_BAD_PARAMETER, "7",
+        {CALL("submit", "{\"path\":\"/a\",\"force\":\"yes\"}"), SHEARD_RPC_BAD_PARAMETER, "7",
          "force", NULL},
-        {CALL("submit", "{\"path\":\"/a\",\"settings\":[]}"), SHEAR_RPC_BAD_PARAMETER, "7",
+        {CALL("submit", "{\"path\":\"/a\",\"settings\":[]}"), SHEARD_RPC_BAD_PARAMETER, "7",
          "settings", NULL},
-        {CALL("submit", "{\"path\":\"/a\",\"settings\":{\"betta\":1}}"), SHEAR_RPC_BAD_SETTING, "7",
-         "settings.betta", "no such setting"},
-        {CALL("submit", "{\"path\":\"/a\",\"settings\":{\"beta\":\"1\"}}"), SHEAR_RPC_BAD_SETTING,
+        {CALL("submit", "{\"path\":\"/a\",\"settings\":{\"betta\":1}}"), SHEARD_RPC_BAD_SETTING,
+         "7", "settings.betta", "no such setting"},
+        {CALL("submit", "{\"path\":\"/a\",\"settings\":{\"beta\":\"1\"}}"), SHEARD_RPC_BAD_SETTING,
          "7", "settings.beta", "a number or \"auto\", not a string"},
         {CALL("submit", "{\"path\":\"/a\",\"settings\":{\"beta-ratio\":1,\"beta_ratio\":1}}"),
-         SHEAR_RPC_BAD_SETTING, "7", "settings.beta_ratio", "twice"},
+         SHEARD_RPC_BAD_SETTING, "7", "settings.beta_ratio", "twice"},
         {CALL("submit", "{\"path\":\"/a\",\"settings\":{\"filter\":\"none\",\"width\":1}}"),
-         SHEAR_RPC_BAD_SETTING, "7", "settings", "width"},
+         SHEARD_RPC_BAD_SETTING, "7", "settings", "width"},
     };
     ASSERT_ALL_WRONG(list);
 }
 
 /* ---- Limits, at them and one beyond ---- */
 
-static int parse_code(const char *line, size_t n, shear_rpc_id *id) {
-    shear_request request;
-    shear_rpc_error error;
-    const int rc = shear_request_parse(&request, line, n, NULL, &error);
+static int parse_code(const char *line, size_t n, sheard_rpc_id *id) {
+    sheard_request request;
+    sheard_rpc_error error;
+    const int rc = sheard_request_parse(&request, line, n, NULL, &error);
     *id = request.id;
-    shear_request_deinit(&request);
+    sheard_request_deinit(&request);
     return rc;
 }
 
 static void test_line_limit(void **state) {
     (void)state;
-    const size_t limit = shear_rpc_request_limits.line;
+    const size_t limit = sheard_rpc_request_limits.line;
     char *line = malloc(limit + 1);
     assert_non_null(line);
     memset(line, ' ', limit + 1);
     memcpy(line, CALL("status", "{}"), sizeof CALL("status", "{}") - 1);
-    shear_rpc_id id;
-    assert_int_equal(parse_code(line, limit, &id), SHEAR_RPC_OK);
-    assert_int_equal(parse_code(line, limit + 1, &id), SHEAR_RPC_LINE_TOO_LONG);
-    assert_int_equal(id.type, SHEAR_ID_NULL);
+    sheard_rpc_id id;
+    assert_int_equal(parse_code(line, limit, &id), SHEARD_RPC_OK);
+    assert_int_equal(parse_code(line, limit + 1, &id), SHEARD_RPC_LINE_TOO_LONG);
+    assert_int_equal(id.type, SHEARD_ID_NULL);
     line[limit - 1] = '\0';
-    assert_int_equal(parse_code(line, limit, &id), SHEAR_RPC_NUL_BYTE);
+    assert_int_equal(parse_code(line, limit, &id), SHEARD_RPC_NUL_BYTE);
     free(line);
 }
 
@@ -261,18 +261,18 @@ static void test_depth_limit(void **state) {
             strcat(line, "]");
         }
         strcat(line, "}");
-        shear_rpc_id id;
+        sheard_rpc_id id;
         const int rc = parse_code(line, strlen(line), &id);
-        assert_int_equal(rc, depth == 1                                ? SHEAR_RPC_OK
-                             : depth <= shear_rpc_request_limits.depth ? SHEAR_RPC_BAD_PARAMETER
-                                                                       : SHEAR_RPC_TOO_COMPLEX);
-        assert_int_equal(id.type, SHEAR_ID_TEXT);
+        assert_int_equal(rc, depth == 1                                 ? SHEARD_RPC_OK
+                             : depth <= sheard_rpc_request_limits.depth ? SHEARD_RPC_BAD_PARAMETER
+                                                                        : SHEARD_RPC_TOO_COMPLEX);
+        assert_int_equal(id.type, SHEARD_ID_TEXT);
         assert_string_equal(id.text, "deep");
     }
 }
 
 /* wait with `n` ids: 7 + n separators and openings around them. */
-static int wait_code(size_t n, shear_rpc_id *id) {
+static int wait_code(size_t n, sheard_rpc_id *id) {
     char *line = malloc(100 + 2 * n);
     assert_non_null(line);
     strcpy(line, RPC "\"method\":\"wait\",\"params\":{\"ids\":[1");
@@ -289,14 +289,14 @@ static int wait_code(size_t n, shear_rpc_id *id) {
 
 static void test_list_and_value_limits(void **state) {
     (void)state;
-    shear_rpc_id id;
-    assert_int_equal(wait_code(SHEAR_MSG_LIST_MAX, &id), SHEAR_RPC_OK);
-    assert_int_equal(wait_code(SHEAR_MSG_LIST_MAX + 1, &id), SHEAR_RPC_BAD_PARAMETER);
+    sheard_rpc_id id;
+    assert_int_equal(wait_code(SHEARD_MSG_LIST_MAX, &id), SHEARD_RPC_OK);
+    assert_int_equal(wait_code(SHEARD_MSG_LIST_MAX + 1, &id), SHEARD_RPC_BAD_PARAMETER);
     /* { : , : , : , : { : [ and the commas between the ids */
     const size_t around = 1 + 7 + 2 + 1;
-    const size_t most = shear_rpc_request_limits.values - around + 1;
-    assert_int_equal(wait_code(most, &id), SHEAR_RPC_BAD_PARAMETER);
-    assert_int_equal(wait_code(most + 1, &id), SHEAR_RPC_TOO_COMPLEX);
+    const size_t most = sheard_rpc_request_limits.values - around + 1;
+    assert_int_equal(wait_code(most, &id), SHEARD_RPC_BAD_PARAMETER);
+    assert_int_equal(wait_code(most + 1, &id), SHEARD_RPC_TOO_COMPLEX);
     assert_int_equal(id.integer, 7);
 }
 
@@ -308,7 +308,7 @@ static int text_code(const char *parameter, const char *begin, size_t n) {
                        strcmp(parameter, "path") == 0 ? "" : "\"path\":\"/a\",", parameter, begin);
     memset(line + used, 'x', n - strlen(begin));
     strcpy(line + used + n - strlen(begin), "\"}}");
-    shear_rpc_id id;
+    sheard_rpc_id id;
     const int rc = parse_code(line, strlen(line), &id);
     assert_int_equal(id.integer, 7);
     free(line);
@@ -320,19 +320,20 @@ static void test_text_limits(void **state) {
     static const struct {
         const char *parameter, *begin;
         size_t max;
-    } texts[] = {{"path", "/", SHEAR_MSG_PATH_MAX},
-                 {"field", "", SHEAR_MSG_FIELD_MAX},
-                 {"key", "", SHEAR_MSG_KEY_MAX}};
+    } texts[] = {{"path", "/", SHEARD_MSG_PATH_MAX},
+                 {"field", "", SHEARD_MSG_FIELD_MAX},
+                 {"key", "", SHEARD_MSG_KEY_MAX}};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
-        assert_int_equal(text_code(texts[i].parameter, texts[i].begin, texts[i].max), SHEAR_RPC_OK);
+        assert_int_equal(text_code(texts[i].parameter, texts[i].begin, texts[i].max),
+                         SHEARD_RPC_OK);
         assert_int_equal(text_code(texts[i].parameter, texts[i].begin, texts[i].max + 1),
-                         SHEAR_RPC_BAD_PARAMETER);
+                         SHEARD_RPC_BAD_PARAMETER);
         assert_int_equal(
-            text_code(texts[i].parameter, texts[i].begin, shear_rpc_request_limits.text),
-            SHEAR_RPC_BAD_PARAMETER);
+            text_code(texts[i].parameter, texts[i].begin, sheard_rpc_request_limits.text),
+            SHEARD_RPC_BAD_PARAMETER);
         assert_int_equal(
-            text_code(texts[i].parameter, texts[i].begin, shear_rpc_request_limits.text + 1),
-            SHEAR_RPC_TOO_COMPLEX);
+            text_code(texts[i].parameter, texts[i].begin, sheard_rpc_request_limits.text + 1),
+            SHEARD_RPC_TOO_COMPLEX);
     }
 }
 
@@ -347,39 +348,39 @@ static void test_ids(void **state) {
         char line[200];
         snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"id\":%s,\"method\":\"status\"}",
                  ids[i]);
-        shear_request request;
-        shear_rpc_error error;
-        assert_int_equal(shear_request_parse(&request, line, strlen(line), NULL, &error), 0);
+        sheard_request request;
+        sheard_rpc_error error;
+        assert_int_equal(sheard_request_parse(&request, line, strlen(line), NULL, &error), 0);
         char *reply = NULL;
         size_t n = 0;
-        shear_rpc_fail(&error, SHEAR_RPC_QUEUE_FULL, NULL, "full");
-        assert_int_equal(shear_error_line(&reply, &n, &request.id, &error), 0);
+        sheard_rpc_fail(&error, SHEARD_RPC_QUEUE_FULL, NULL, "full");
+        assert_int_equal(sheard_error_line(&reply, &n, &request.id, &error), 0);
         snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"id\":%s,\"error\":", ids[i]);
         assert_memory_equal(reply, line, strlen(line));
         free(reply);
-        shear_request_deinit(&request);
+        sheard_request_deinit(&request);
     }
     char line[400];
-    for (int n = SHEAR_RPC_ID_MAX; n <= SHEAR_RPC_ID_MAX + 1; n++) {
+    for (int n = SHEARD_RPC_ID_MAX; n <= SHEARD_RPC_ID_MAX + 1; n++) {
         snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"id\":\"%0*d\",\"method\":\"status\"}",
                  n, 1);
-        shear_rpc_id id;
+        sheard_rpc_id id;
         assert_int_equal(parse_code(line, strlen(line), &id),
-                         n > SHEAR_RPC_ID_MAX ? SHEAR_RPC_INVALID_REQUEST : SHEAR_RPC_OK);
-        assert_int_equal(id.type, n > SHEAR_RPC_ID_MAX ? SHEAR_ID_NULL : SHEAR_ID_TEXT);
+                         n > SHEARD_RPC_ID_MAX ? SHEARD_RPC_INVALID_REQUEST : SHEARD_RPC_OK);
+        assert_int_equal(id.type, n > SHEARD_RPC_ID_MAX ? SHEARD_ID_NULL : SHEARD_ID_TEXT);
     }
 }
 
 static void test_id_equality(void **state) {
     (void)state;
-    const shear_rpc_id ids[] = {{.type = SHEAR_ID_NULL},
-                                {.type = SHEAR_ID_INTEGER, .integer = 1},
-                                {.type = SHEAR_ID_INTEGER, .integer = 2},
-                                {.type = SHEAR_ID_TEXT, .text = "1"},
-                                {.type = SHEAR_ID_TEXT, .text = "2"}};
+    const sheard_rpc_id ids[] = {{.type = SHEARD_ID_NULL},
+                                 {.type = SHEARD_ID_INTEGER, .integer = 1},
+                                 {.type = SHEARD_ID_INTEGER, .integer = 2},
+                                 {.type = SHEARD_ID_TEXT, .text = "1"},
+                                 {.type = SHEARD_ID_TEXT, .text = "2"}};
     for (int i = 0; i < 5; i++) {
         for (int k = 0; k < 5; k++) {
-            assert_int_equal(shear_rpc_id_equal(&ids[i], &ids[k]), i == k);
+            assert_int_equal(sheard_rpc_id_equal(&ids[i], &ids[k]), i == k);
         }
     }
 }
@@ -389,76 +390,77 @@ static void test_id_equality(void **state) {
 static bool is_stable_name(const char *name) {
     return name[0] >= 'a' && name[0] <= 'z' &&
            strspn(name, "abcdefghijklmnopqrstuvwxyz_") == strlen(name) &&
-           strlen(name) < SHEAR_RPC_NAME_SIZE;
+           strlen(name) < SHEARD_RPC_NAME_SIZE;
 }
 
 static void test_codes(void **state) {
     (void)state;
-    for (int i = 0; i < SHEAR_N_RPC_CODES; i++) {
-        const shear_rpc_code_info *info = shear_rpc_code_get(i);
+    for (int i = 0; i < SHEARD_N_RPC_CODES; i++) {
+        const sheard_rpc_code_info *info = sheard_rpc_code_get(i);
         assert_non_null(info->name);
         assert_true(is_stable_name(info->name));
-        assert_int_equal(shear_rpc_code_find(info->name), i);
-        assert_true((i == SHEAR_RPC_OK) == (info->advice[0] == '\0'));
-        assert_true(strlen(info->advice) < sizeof((shear_rpc_error *)0)->advice);
+        assert_int_equal(sheard_rpc_code_find(info->name), i);
+        assert_true((i == SHEARD_RPC_OK) == (info->advice[0] == '\0'));
+        assert_true(strlen(info->advice) < sizeof((sheard_rpc_error *)0)->advice);
         for (int k = 0; k < i; k++) {
-            assert_int_not_equal(shear_rpc_code_get(k)->number, info->number);
+            assert_int_not_equal(sheard_rpc_code_get(k)->number, info->number);
         }
     }
-    assert_ptr_equal(shear_rpc_code_get(-1), shear_rpc_code_get(SHEAR_RPC_UNKNOWN));
-    assert_ptr_equal(shear_rpc_code_get(SHEAR_N_RPC_CODES), shear_rpc_code_get(SHEAR_RPC_UNKNOWN));
-    assert_int_equal(shear_rpc_code_find("nonsense"), SHEAR_RPC_UNKNOWN);
+    assert_ptr_equal(sheard_rpc_code_get(-1), sheard_rpc_code_get(SHEARD_RPC_UNKNOWN));
+    assert_ptr_equal(sheard_rpc_code_get(SHEARD_N_RPC_CODES),
+                     sheard_rpc_code_get(SHEARD_RPC_UNKNOWN));
+    assert_int_equal(sheard_rpc_code_find("nonsense"), SHEARD_RPC_UNKNOWN);
     for (int core = SHEAR_OK; core <= SHEAR_E_FULL; core++) {
-        assert_string_equal(shear_rpc_code_get(shear_rpc_code_from_core(core))->name,
+        assert_string_equal(sheard_rpc_code_get(sheard_rpc_code_from_core(core))->name,
                             shear_code_name(core));
     }
-    assert_int_equal(shear_rpc_code_from_core(999), SHEAR_RPC_INTERNAL);
+    assert_int_equal(sheard_rpc_code_from_core(999), SHEARD_RPC_INTERNAL);
 }
 
 static void test_methods(void **state) {
     (void)state;
     size_t n = 0;
-    const char *const *names = shear_method_names(&n);
-    assert_int_equal(n, SHEAR_N_METHODS);
-    for (int i = 0; i < SHEAR_N_METHODS; i++) {
-        assert_string_equal(names[i], shear_method_name(i));
-        assert_int_equal(shear_method_find(names[i]), i);
-        assert_int_equal(shear_method_needs_admin(i),
-                         i == SHEAR_METHOD_RELOAD || i == SHEAR_METHOD_DRAIN ||
-                             i == SHEAR_METHOD_FORGET || i == SHEAR_METHOD_SHUTDOWN);
+    const char *const *names = sheard_method_names(&n);
+    assert_int_equal(n, SHEARD_N_METHODS);
+    for (int i = 0; i < SHEARD_N_METHODS; i++) {
+        assert_string_equal(names[i], sheard_method_name(i));
+        assert_int_equal(sheard_method_find(names[i]), i);
+        assert_int_equal(sheard_method_needs_admin(i),
+                         i == SHEARD_METHOD_RELOAD || i == SHEARD_METHOD_DRAIN ||
+                             i == SHEARD_METHOD_FORGET || i == SHEARD_METHOD_SHUTDOWN);
     }
-    assert_null(shear_method_name(-1));
-    assert_null(shear_method_name(SHEAR_N_METHODS));
-    assert_null(shear_notice_name(-1));
-    assert_null(shear_notice_name(SHEAR_N_NOTICES));
-    assert_int_equal(shear_method_find("STATUS"), -1);
-    assert_false(shear_method_needs_admin(-1));
+    assert_null(sheard_method_name(-1));
+    assert_null(sheard_method_name(SHEARD_N_METHODS));
+    assert_null(sheard_notice_name(-1));
+    assert_null(sheard_notice_name(SHEARD_N_NOTICES));
+    assert_int_equal(sheard_method_find("STATUS"), -1);
+    assert_false(sheard_method_needs_admin(-1));
 }
 
 /* ---- Errors there and back ---- */
 
-static void read_error_line(const char *line, size_t n, shear_message *m) {
-    shear_rpc_error error = {0};
-    if (shear_message_parse(m, line, n, &error) != SHEAR_RPC_OK) {
+static void read_error_line(const char *line, size_t n, sheard_message *m) {
+    sheard_rpc_error error = {0};
+    if (sheard_message_parse(m, line, n, &error) != SHEARD_RPC_OK) {
         fail_msg("%s: %s", line, error.message);
     }
-    assert_int_equal(m->kind, SHEAR_MESSAGE_ERROR);
+    assert_int_equal(m->kind, SHEARD_MESSAGE_ERROR);
 }
 
 static void test_errors(void **state) {
     (void)state;
-    for (int code = 1; code < SHEAR_N_RPC_CODES; code++) {
-        shear_rpc_error error;
-        assert_int_equal(shear_rpc_fail(&error, code, NULL, "why \"%d\"\n", code), code);
+    for (int code = 1; code < SHEARD_N_RPC_CODES; code++) {
+        sheard_rpc_error error;
+        assert_int_equal(sheard_rpc_fail(&error, code, NULL, "why \"%d\"\n", code), code);
         snprintf(error.parameter, sizeof error.parameter, "%s", code % 2 ? "a.b[1]" : "");
-        const shear_rpc_id id = {.type = SHEAR_ID_INTEGER, .integer = code};
+        const sheard_rpc_id id = {.type = SHEARD_ID_INTEGER, .integer = code};
         char *line = NULL;
         size_t n = 0;
-        assert_int_equal(shear_error_line(&line, &n, &id, &error), SHEAR_RPC_OK);
+        assert_int_equal(sheard_error_line(&line, &n, &id, &error), SHEARD_RPC_OK);
         assert_int_equal(line[n - 1], '\n');
-        shear_message m;
+        sheard_message m;
         read_error_line(line, n - 1, &m);
-        assert_true(shear_rpc_id_equal(&m.id, &id));
+        assert_true(sheard_rpc_id_equal(&m.id, &id));
         assert_int_equal(m.error.code, error.code);
         assert_int_equal(m.error.number, error.number);
         assert_int_equal(m.error.retry, error.retry);
@@ -467,67 +469,67 @@ static void test_errors(void **state) {
         assert_string_equal(m.error.message, error.message);
         assert_string_equal(m.error.advice, error.advice);
         free(line);
-        shear_message_deinit(&m);
+        sheard_message_deinit(&m);
     }
     shear_error core = {SHEAR_E_BETA, "too narrow", "take 1.7"};
-    shear_rpc_error error;
-    assert_int_equal(shear_rpc_fail_core(&error, &core), SHEAR_RPC_BETA_TOO_SMALL);
+    sheard_rpc_error error;
+    assert_int_equal(sheard_rpc_fail_core(&error, &core), SHEARD_RPC_BETA_TOO_SMALL);
     assert_string_equal(error.message, "too narrow");
     assert_string_equal(error.advice, "take 1.7");
 }
 
 static void test_no_memory_line(void **state) {
     (void)state;
-    shear_message m;
-    read_error_line(shear_rpc_no_memory_line, strlen(shear_rpc_no_memory_line) - 1, &m);
-    shear_rpc_error error;
-    shear_rpc_fail(&error, SHEAR_RPC_OUT_OF_MEMORY, NULL, "out of memory");
+    sheard_message m;
+    read_error_line(sheard_rpc_no_memory_line, strlen(sheard_rpc_no_memory_line) - 1, &m);
+    sheard_rpc_error error;
+    sheard_rpc_fail(&error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory");
     assert_int_equal(m.error.code, error.code);
     assert_int_equal(m.error.number, error.number);
     assert_int_equal(m.error.retry, error.retry);
     assert_string_equal(m.error.advice, error.advice);
-    assert_int_equal(m.id.type, SHEAR_ID_NULL);
-    shear_message_deinit(&m);
+    assert_int_equal(m.id.type, SHEARD_ID_NULL);
+    sheard_message_deinit(&m);
 }
 
 /* ---- What the client may hear ---- */
 
 static void test_newer_service(void **state) {
     (void)state;
-    shear_message m;
-    shear_rpc_error error;
+    sheard_message m;
+    sheard_rpc_error error;
     static const char unknown_error[] =
         "{\"jsonrpc\":\"2.0\",\"id\":1,\"error\":{\"code\":-32011,\"message\":\"m\",\"more\":1,"
         "\"data\":{\"code\":\"sun_is_up\",\"retry\":true,\"why\":[]}},\"x\":2}";
     read_error_line(unknown_error, sizeof unknown_error - 1, &m);
-    assert_int_equal(m.error.code, SHEAR_RPC_UNKNOWN);
+    assert_int_equal(m.error.code, SHEARD_RPC_UNKNOWN);
     assert_string_equal(m.error.name, "sun_is_up");
     assert_true(m.error.retry);
-    shear_message_deinit(&m);
+    sheard_message_deinit(&m);
     static const char bare[] =
         "{\"jsonrpc\":\"2.0\",\"id\":1,\"error\":{\"code\":-32700,\"message\":"
         "\"m\"}}";
     read_error_line(bare, sizeof bare - 1, &m);
-    assert_int_equal(m.error.code, SHEAR_RPC_UNKNOWN);
-    shear_message_deinit(&m);
+    assert_int_equal(m.error.code, SHEARD_RPC_UNKNOWN);
+    sheard_message_deinit(&m);
     static const char notice[] =
         "{\"jsonrpc\":\"2.0\",\"method\":\"weather\",\"params\":{\"x\":1}}";
-    assert_int_equal(shear_message_parse(&m, notice, sizeof notice - 1, &error), SHEAR_RPC_OK);
-    assert_int_equal(m.kind, SHEAR_MESSAGE_NOTICE);
+    assert_int_equal(sheard_message_parse(&m, notice, sizeof notice - 1, &error), SHEARD_RPC_OK);
+    assert_int_equal(m.kind, SHEARD_MESSAGE_NOTICE);
     assert_int_equal(m.notice, -1);
-    shear_message_deinit(&m);
+    sheard_message_deinit(&m);
     static const char job[] =
         "{\"jsonrpc\":\"2.0\",\"id\":1,\"result\":{\"id\":4,\"state\":\"dreaming\",\"colour\":3,"
         "\"settings\":{\"new-setting\":1,\"beta\":2},\"priority\":5000}}";
-    assert_int_equal(shear_message_parse(&m, job, sizeof job - 1, &error), SHEAR_RPC_OK);
-    shear_reply reply;
-    assert_int_equal(shear_message_reply(&m, SHEAR_METHOD_RETRY, &reply, &error), SHEAR_RPC_OK);
+    assert_int_equal(sheard_message_parse(&m, job, sizeof job - 1, &error), SHEARD_RPC_OK);
+    sheard_reply reply;
+    assert_int_equal(sheard_message_reply(&m, SHEARD_METHOD_RETRY, &reply, &error), SHEARD_RPC_OK);
     assert_int_equal(reply.retry.state, -1);
     assert_string_equal(reply.retry.settings, "beta=2\n");
     assert_int_equal(reply.retry.priority, 5000);
     assert_int_equal(reply.retry.progress.total, -1);
-    shear_reply_deinit(&reply, SHEAR_METHOD_RETRY);
-    shear_message_deinit(&m);
+    sheard_reply_deinit(&reply, SHEARD_METHOD_RETRY);
+    sheard_message_deinit(&m);
 }
 
 static void test_bad_replies(void **state) {
@@ -555,13 +557,13 @@ static void test_bad_replies(void **state) {
         "{\"jsonrpc\":\"2.0\",\"method\":\"lost\",\"params\":[1]}",
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        shear_message m;
-        shear_rpc_error error = {0};
-        if (shear_message_parse(&m, bad[i], strlen(bad[i]), &error) != SHEAR_RPC_BAD_REPLY) {
+        sheard_message m;
+        sheard_rpc_error error = {0};
+        if (sheard_message_parse(&m, bad[i], strlen(bad[i]), &error) != SHEARD_RPC_BAD_REPLY) {
             fail_msg("%s was taken", bad[i]);
         }
-        assert_int_equal(error.code, SHEAR_RPC_BAD_REPLY);
-        shear_message_deinit(&m);
+        assert_int_equal(error.code, SHEARD_RPC_BAD_REPLY);
+        sheard_message_deinit(&m);
     }
 }
 
@@ -571,60 +573,60 @@ static void test_bad_results(void **state) {
         const char *result;
         int method;
     } bad[] = {
-        {"[]", SHEAR_METHOD_STATUS},
-        {"null", SHEAR_METHOD_STATUS},
-        {"{}", SHEAR_METHOD_STATUS},
-        {"{\"version\":\"1\",\"state\":\"running\",\"pid\":\"x\"}", SHEAR_METHOD_STATUS},
-        {"{\"id\":\"1\",\"state\":\"done\"}", SHEAR_METHOD_CANCEL},
-        {"{\"id\":1,\"state\":3}", SHEAR_METHOD_CANCEL},
-        {"{\"id\":1,\"state\":\"done\",\"created\":\"yesterday\"}", SHEAR_METHOD_CANCEL},
-        {"{\"id\":1,\"state\":\"done\",\"result\":[]}", SHEAR_METHOD_CANCEL},
-        {"{\"id\":1,\"state\":\"done\",\"field\":\"a\\u0000b\"}", SHEAR_METHOD_CANCEL},
-        {"{\"jobs\":[{\"id\":1,\"state\":\"done\",\"field\":\"x\"},{}]}", SHEAR_METHOD_JOBS},
-        {"{\"jobs\":3}", SHEAR_METHOD_JOBS},
-        {"{\"field\":\"A\",\"rows\":[{\"digest\":\"d\",\"running\":[0.5]}]}", SHEAR_METHOD_FIELD},
+        {"[]", SHEARD_METHOD_STATUS},
+        {"null", SHEARD_METHOD_STATUS},
+        {"{}", SHEARD_METHOD_STATUS},
+        {"{\"version\":\"1\",\"state\":\"running\",\"pid\":\"x\"}", SHEARD_METHOD_STATUS},
+        {"{\"id\":\"1\",\"state\":\"done\"}", SHEARD_METHOD_CANCEL},
+        {"{\"id\":1,\"state\":3}", SHEARD_METHOD_CANCEL},
+        {"{\"id\":1,\"state\":\"done\",\"created\":\"yesterday\"}", SHEARD_METHOD_CANCEL},
+        {"{\"id\":1,\"state\":\"done\",\"result\":[]}", SHEARD_METHOD_CANCEL},
+        {"{\"id\":1,\"state\":\"done\",\"field\":\"a\\u0000b\"}", SHEARD_METHOD_CANCEL},
+        {"{\"jobs\":[{\"id\":1,\"state\":\"done\",\"field\":\"x\"},{}]}", SHEARD_METHOD_JOBS},
+        {"{\"jobs\":3}", SHEARD_METHOD_JOBS},
+        {"{\"field\":\"A\",\"rows\":[{\"digest\":\"d\",\"running\":[0.5]}]}", SHEARD_METHOD_FIELD},
         {"{}", -1},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         char line[300];
         snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"id\":1,\"result\":%s}", bad[i].result);
-        shear_message m;
-        shear_reply reply;
-        shear_rpc_error error = {0};
-        assert_int_equal(shear_message_parse(&m, line, strlen(line), &error), SHEAR_RPC_OK);
-        if (shear_message_reply(&m, bad[i].method, &reply, &error) != SHEAR_RPC_BAD_REPLY) {
+        sheard_message m;
+        sheard_reply reply;
+        sheard_rpc_error error = {0};
+        assert_int_equal(sheard_message_parse(&m, line, strlen(line), &error), SHEARD_RPC_OK);
+        if (sheard_message_reply(&m, bad[i].method, &reply, &error) != SHEARD_RPC_BAD_REPLY) {
             fail_msg("%s was taken", bad[i].result);
         }
-        shear_reply_deinit(&reply, bad[i].method);
-        shear_message_deinit(&m);
+        sheard_reply_deinit(&reply, bad[i].method);
+        sheard_message_deinit(&m);
     }
 }
 
 /* The client hears the daemon's own words before it sends. */
 static void test_client_checks(void **state) {
     (void)state;
-    const shear_rpc_id id = {.type = SHEAR_ID_NULL};
-    shear_params params;
-    shear_params_init(&params, SHEAR_METHOD_JOBS);
+    const sheard_rpc_id id = {.type = SHEARD_ID_NULL};
+    sheard_params params;
+    sheard_params_init(&params, SHEARD_METHOD_JOBS);
     params.jobs.limit = 1000;
     char *line = NULL;
     size_t n = 0;
-    shear_rpc_error error;
-    assert_int_equal(shear_request_line(&line, &n, &id, SHEAR_METHOD_JOBS, &params, &error),
-                     SHEAR_RPC_BAD_PARAMETER);
+    sheard_rpc_error error;
+    assert_int_equal(sheard_request_line(&line, &n, &id, SHEARD_METHOD_JOBS, &params, &error),
+                     SHEARD_RPC_BAD_PARAMETER);
     assert_string_equal(error.parameter, "limit");
-    shear_params_init(&params, SHEAR_METHOD_SUBMIT);
+    sheard_params_init(&params, SHEARD_METHOD_SUBMIT);
     params.submit.source.path = "/a";
     params.submit.settings = "beta=hello\n";
-    assert_int_equal(shear_request_line(&line, &n, &id, SHEAR_METHOD_SUBMIT, &params, &error),
-                     SHEAR_RPC_BAD_SETTING);
-    assert_int_equal(shear_request_line(&line, &n, &id, SHEAR_N_METHODS, NULL, &error),
-                     SHEAR_RPC_INTERNAL);
-    const shear_reply reply = {.metrics = {.text = "x"}};
-    assert_int_equal(shear_reply_line(&line, &n, &id, -1, &reply, &error), SHEAR_RPC_INTERNAL);
-    assert_int_equal(shear_notice_line(&line, &n, -1, NULL, &error), SHEAR_RPC_INTERNAL);
+    assert_int_equal(sheard_request_line(&line, &n, &id, SHEARD_METHOD_SUBMIT, &params, &error),
+                     SHEARD_RPC_BAD_SETTING);
+    assert_int_equal(sheard_request_line(&line, &n, &id, SHEARD_N_METHODS, NULL, &error),
+                     SHEARD_RPC_INTERNAL);
+    const sheard_reply reply = {.metrics = {.text = "x"}};
+    assert_int_equal(sheard_reply_line(&line, &n, &id, -1, &reply, &error), SHEARD_RPC_INTERNAL);
+    assert_int_equal(sheard_notice_line(&line, &n, -1, NULL, &error), SHEARD_RPC_INTERNAL);
     assert_null(line);
-    assert_int_equal(shear_request_line(&line, &n, &id, SHEAR_METHOD_DRAIN, NULL, &error), 0);
+    assert_int_equal(sheard_request_line(&line, &n, &id, SHEARD_METHOD_DRAIN, NULL, &error), 0);
     assert_string_equal(line,
                         "{\"jsonrpc\":\"2.0\",\"id\":null,\"method\":\"drain\",\"params\":{}}\n");
     free(line);
@@ -633,25 +635,25 @@ static void test_client_checks(void **state) {
 /* A path may be within its limit and yet need more than a line, as JSON writes it. */
 static void test_client_line_limit(void **state) {
     (void)state;
-    char path[SHEAR_MSG_PATH_MAX + 1];
+    char path[SHEARD_MSG_PATH_MAX + 1];
     memset(path, '\x01', sizeof path - 1);
     path[0] = '/';
     path[sizeof path - 1] = '\0';
-    const shear_rpc_id id = {.type = SHEAR_ID_NULL};
-    shear_params params;
-    shear_params_init(&params, SHEAR_METHOD_SUBMIT);
+    const sheard_rpc_id id = {.type = SHEARD_ID_NULL};
+    sheard_params params;
+    sheard_params_init(&params, SHEARD_METHOD_SUBMIT);
     params.submit.source.path = path;
     char *line = NULL;
     size_t n = 0;
-    shear_rpc_error error;
-    assert_int_equal(shear_request_line(&line, &n, &id, SHEAR_METHOD_SUBMIT, &params, &error), 0);
+    sheard_rpc_error error;
+    assert_int_equal(sheard_request_line(&line, &n, &id, SHEARD_METHOD_SUBMIT, &params, &error), 0);
     free(line);
     params.submit.source.path = NULL;
     params.submit.source.galaxy.path = path;
     params.submit.source.noise.path = path;
     params.submit.source.psf.path = path;
-    assert_int_equal(shear_request_line(&line, &n, &id, SHEAR_METHOD_SUBMIT, &params, &error),
-                     SHEAR_RPC_LINE_TOO_LONG);
+    assert_int_equal(sheard_request_line(&line, &n, &id, SHEARD_METHOD_SUBMIT, &params, &error),
+                     SHEARD_RPC_LINE_TOO_LONG);
     assert_null(line);
 }
 

@@ -10,28 +10,28 @@
 
 enum { MUTANTS = 5000 };
 
-static const shear_rpc_id id_7 = {.type = SHEAR_ID_INTEGER, .integer = 7};
+static const sheard_rpc_id id_7 = {.type = SHEARD_ID_INTEGER, .integer = 7};
 
 /* ---- Mutants ---- */
 
 static char *some_request(uint64_t *seed, size_t *n) {
-    const int method = (int)(next_random(seed) % SHEAR_N_METHODS);
-    shear_params params;
+    const int method = (int)(next_random(seed) % SHEARD_N_METHODS);
+    sheard_params params;
     fill_params(&params, method, seed);
     char *line = NULL;
-    shear_rpc_error error;
-    assert_int_equal(shear_request_line(&line, n, &id_7, method, &params, &error), SHEAR_RPC_OK);
+    sheard_rpc_error error;
+    assert_int_equal(sheard_request_line(&line, n, &id_7, method, &params, &error), SHEARD_RPC_OK);
     msg_deinit(&params, rpc_methods[method].params);
     return line;
 }
 
 static char *some_reply(uint64_t *seed, size_t *n, int *method) {
-    *method = (int)(next_random(seed) % SHEAR_N_METHODS);
-    shear_reply reply;
+    *method = (int)(next_random(seed) % SHEARD_N_METHODS);
+    sheard_reply reply;
     fill(&reply, rpc_methods[*method].reply, seed);
     char *line = NULL;
-    shear_rpc_error error;
-    assert_int_equal(shear_reply_line(&line, n, &id_7, *method, &reply, &error), SHEAR_RPC_OK);
+    sheard_rpc_error error;
+    assert_int_equal(sheard_reply_line(&line, n, &id_7, *method, &reply, &error), SHEARD_RPC_OK);
     msg_deinit(&reply, rpc_methods[*method].reply);
     return line;
 }
@@ -76,19 +76,19 @@ static void test_mutated_requests(void **state) {
         char *line = some_request(&seed, &n);
         mutate(line, &n, &seed);
         char *exact = exact_copy(line, n);
-        shear_request request;
-        shear_rpc_error error = {0};
-        const int rc = shear_request_parse(&request, exact, n, NULL, &error);
+        sheard_request request;
+        sheard_rpc_error error = {0};
+        const int rc = sheard_request_parse(&request, exact, n, NULL, &error);
         assert_int_equal(rc, error.code);
-        assert_true(rc == SHEAR_RPC_OK || error.message[0] != '\0');
-        assert_int_not_equal(rc, SHEAR_RPC_OUT_OF_MEMORY);
-        taken += rc == SHEAR_RPC_OK;
+        assert_true(rc == SHEARD_RPC_OK || error.message[0] != '\0');
+        assert_int_not_equal(rc, SHEARD_RPC_OUT_OF_MEMORY);
+        taken += rc == SHEARD_RPC_OK;
         char *answer = NULL;
-        assert_int_equal(shear_error_line(&answer, &n, &request.id, &error), SHEAR_RPC_OK);
+        assert_int_equal(sheard_error_line(&answer, &n, &request.id, &error), SHEARD_RPC_OK);
         free(answer);
         free(exact);
         free(line);
-        shear_request_deinit(&request);
+        sheard_request_deinit(&request);
     }
     assert_in_range(taken, 1, MUTANTS - 1); /* both ways were walked */
 }
@@ -103,17 +103,17 @@ static void test_mutated_replies(void **state) {
         char *line = some_reply(&seed, &n, &method);
         mutate(line, &n, &seed);
         char *exact = exact_copy(line, n);
-        shear_message message;
-        shear_rpc_error error = {0};
-        if (shear_message_parse(&message, exact, n, &error) == SHEAR_RPC_OK &&
-            message.kind == SHEAR_MESSAGE_REPLY) {
-            shear_reply reply;
-            taken += shear_message_reply(&message, method, &reply, &error) == SHEAR_RPC_OK;
-            shear_reply_deinit(&reply, method);
+        sheard_message message;
+        sheard_rpc_error error = {0};
+        if (sheard_message_parse(&message, exact, n, &error) == SHEARD_RPC_OK &&
+            message.kind == SHEARD_MESSAGE_REPLY) {
+            sheard_reply reply;
+            taken += sheard_message_reply(&message, method, &reply, &error) == SHEARD_RPC_OK;
+            sheard_reply_deinit(&reply, method);
         }
         free(exact);
         free(line);
-        shear_message_deinit(&message);
+        sheard_message_deinit(&message);
     }
     assert_in_range(taken, 1, MUTANTS - 1);
 }
@@ -129,7 +129,7 @@ static void refuse_each(int (*act)(void *), void *what) {
             scarce_after(n, ever);
             const int rc = act(what);
             const bool refused = scarce_end();
-            assert_int_equal(rc, refused ? SHEAR_RPC_OUT_OF_MEMORY : SHEAR_RPC_OK);
+            assert_int_equal(rc, refused ? SHEARD_RPC_OUT_OF_MEMORY : SHEARD_RPC_OK);
             if (!refused) {
                 break;
             }
@@ -147,11 +147,11 @@ typedef struct line_of {
 
 static int read_request(void *what) {
     const line_of *l = what;
-    shear_request request;
-    shear_rpc_error error;
-    const int rc = shear_request_parse(&request, l->line, l->n, NULL, &error);
+    sheard_request request;
+    sheard_rpc_error error;
+    const int rc = sheard_request_parse(&request, l->line, l->n, NULL, &error);
     assert_int_equal(error.code, rc);
-    shear_request_deinit(&request);
+    sheard_request_deinit(&request);
     return rc;
 }
 
@@ -159,9 +159,9 @@ static int write_request(void *what) {
     const line_of *l = what;
     char *line = NULL;
     size_t n = 0;
-    shear_rpc_error error;
-    const int rc = shear_request_line(&line, &n, &id_7, l->method, l->message, &error);
-    assert_int_equal(!line, rc != SHEAR_RPC_OK);
+    sheard_rpc_error error;
+    const int rc = sheard_request_line(&line, &n, &id_7, l->method, l->message, &error);
+    assert_int_equal(!line, rc != SHEARD_RPC_OK);
     free(line);
     return rc;
 }
@@ -169,13 +169,13 @@ static int write_request(void *what) {
 static void test_scarce_requests(void **state) {
     (void)state;
     uint64_t seed = 13;
-    for (int i = 0; i < 2 * SHEAR_N_METHODS; i++) {
-        line_of l = {.method = i % SHEAR_N_METHODS};
-        shear_params params;
+    for (int i = 0; i < 2 * SHEARD_N_METHODS; i++) {
+        line_of l = {.method = i % SHEARD_N_METHODS};
+        sheard_params params;
         fill_params(&params, l.method, &seed);
-        shear_rpc_error error;
+        sheard_rpc_error error;
         l.message = &params;
-        assert_int_equal(shear_request_line(&l.line, &l.n, &id_7, l.method, &params, &error), 0);
+        assert_int_equal(sheard_request_line(&l.line, &l.n, &id_7, l.method, &params, &error), 0);
         l.n--;
         refuse_each(write_request, &l);
         refuse_each(read_request, &l);
@@ -186,21 +186,21 @@ static void test_scarce_requests(void **state) {
 
 static int read_reply(void *what) {
     const line_of *l = what;
-    shear_message message;
-    shear_reply reply;
-    shear_rpc_error error;
+    sheard_message message;
+    sheard_reply reply;
+    sheard_rpc_error error;
     char *text = NULL;
     memset(&reply, 0, sizeof reply);
-    int rc = shear_message_parse(&message, l->line, l->n, &error);
-    if (rc == SHEAR_RPC_OK) {
-        rc = shear_message_reply(&message, l->method, &reply, &error);
+    int rc = sheard_message_parse(&message, l->line, l->n, &error);
+    if (rc == SHEARD_RPC_OK) {
+        rc = sheard_message_reply(&message, l->method, &reply, &error);
     }
-    if (rc == SHEAR_RPC_OK) {
-        rc = shear_message_text(&message, &text, &error);
+    if (rc == SHEARD_RPC_OK) {
+        rc = sheard_message_text(&message, &text, &error);
     }
     free(text);
-    shear_reply_deinit(&reply, l->method);
-    shear_message_deinit(&message);
+    sheard_reply_deinit(&reply, l->method);
+    sheard_message_deinit(&message);
     return rc;
 }
 
@@ -208,9 +208,9 @@ static int write_reply(void *what) {
     const line_of *l = what;
     char *line = NULL;
     size_t n = 0;
-    shear_rpc_error error;
-    const int rc = shear_reply_line(&line, &n, &id_7, l->method, l->message, &error);
-    assert_int_equal(!line, rc != SHEAR_RPC_OK);
+    sheard_rpc_error error;
+    const int rc = sheard_reply_line(&line, &n, &id_7, l->method, l->message, &error);
+    assert_int_equal(!line, rc != SHEARD_RPC_OK);
     free(line);
     return rc;
 }
@@ -218,13 +218,13 @@ static int write_reply(void *what) {
 static void test_scarce_replies(void **state) {
     (void)state;
     uint64_t seed = 14;
-    for (int i = 0; i < SHEAR_N_METHODS; i++) {
+    for (int i = 0; i < SHEARD_N_METHODS; i++) {
         line_of l = {.method = i};
-        shear_reply reply;
+        sheard_reply reply;
         fill(&reply, rpc_methods[i].reply, &seed);
-        shear_rpc_error error;
+        sheard_rpc_error error;
         l.message = &reply;
-        assert_int_equal(shear_reply_line(&l.line, &l.n, &id_7, i, &reply, &error), 0);
+        assert_int_equal(sheard_reply_line(&l.line, &l.n, &id_7, i, &reply, &error), 0);
         l.n--;
         refuse_each(write_reply, &l);
         refuse_each(read_reply, &l);
@@ -236,8 +236,8 @@ static void test_scarce_replies(void **state) {
 static int write_error(void *what) {
     char *line = NULL;
     size_t n = 0;
-    const int rc = shear_error_line(&line, &n, &id_7, what);
-    assert_int_equal(!line, rc != SHEAR_RPC_OK);
+    const int rc = sheard_error_line(&line, &n, &id_7, what);
+    assert_int_equal(!line, rc != SHEARD_RPC_OK);
     free(line);
     return rc;
 }
@@ -245,67 +245,67 @@ static int write_error(void *what) {
 static int write_notice(void *what) {
     char *line = NULL;
     size_t n = 0;
-    shear_rpc_error error;
-    const int rc = shear_notice_line(&line, &n, SHEAR_NOTICE_JOB_CHANGED, what, &error);
+    sheard_rpc_error error;
+    const int rc = sheard_notice_line(&line, &n, SHEARD_NOTICE_JOB_CHANGED, what, &error);
     free(line);
     return rc;
 }
 
 static int read_notice(void *what) {
     const line_of *l = what;
-    shear_message message;
-    shear_rpc_error error;
-    const int rc = shear_message_parse(&message, l->line, l->n, &error);
-    shear_message_deinit(&message);
+    sheard_message message;
+    sheard_rpc_error error;
+    const int rc = sheard_message_parse(&message, l->line, l->n, &error);
+    sheard_message_deinit(&message);
     return rc;
 }
 
 static int write_side(void *what) {
     char *text = NULL;
-    shear_rpc_error error;
-    const int rc = shear_side_text(&text, what, &error);
-    assert_int_equal(!text, rc != SHEAR_RPC_OK);
+    sheard_rpc_error error;
+    const int rc = sheard_side_text(&text, what, &error);
+    assert_int_equal(!text, rc != SHEARD_RPC_OK);
     free(text);
     return rc;
 }
 
 static int write_source(void *what) {
     char *text = NULL;
-    shear_rpc_error error;
-    const int rc = shear_source_text(&text, what, &error);
+    sheard_rpc_error error;
+    const int rc = sheard_source_text(&text, what, &error);
     free(text);
     return rc;
 }
 
 static int read_job_file(void *what) {
     const line_of *l = what;
-    shear_msg_submit submit;
-    shear_rpc_error error;
-    const int rc = shear_job_file_parse(&submit, l->line, l->n, NULL, &error);
-    shear_submit_deinit(&submit);
+    sheard_msg_submit submit;
+    sheard_rpc_error error;
+    const int rc = sheard_job_file_parse(&submit, l->line, l->n, NULL, &error);
+    sheard_submit_deinit(&submit);
     return rc;
 }
 
 static void test_scarce_others(void **state) {
     (void)state;
     uint64_t seed = 15;
-    shear_rpc_error error;
-    shear_rpc_fail(&error, SHEAR_RPC_BAD_FILE, NULL, "a message that is longer than a few bytes");
+    sheard_rpc_error error;
+    sheard_rpc_fail(&error, SHEARD_RPC_BAD_FILE, NULL, "a message that is longer than a few bytes");
     refuse_each(write_error, &error);
-    shear_notice_params params;
-    fill(&params, rpc_notices[SHEAR_NOTICE_JOB_CHANGED].params, &seed);
+    sheard_notice_params params;
+    fill(&params, rpc_notices[SHEARD_NOTICE_JOB_CHANGED].params, &seed);
     refuse_each(write_notice, &params);
     line_of l = {0};
-    assert_int_equal(shear_notice_line(&l.line, &l.n, SHEAR_NOTICE_JOB_CHANGED, &params, &error),
+    assert_int_equal(sheard_notice_line(&l.line, &l.n, SHEARD_NOTICE_JOB_CHANGED, &params, &error),
                      0);
     refuse_each(read_notice, &l);
     free(l.line);
-    msg_deinit(&params, rpc_notices[SHEAR_NOTICE_JOB_CHANGED].params);
-    shear_msg_side side;
+    msg_deinit(&params, rpc_notices[SHEARD_NOTICE_JOB_CHANGED].params);
+    sheard_msg_side side;
     fill(&side, &msg_side, &seed);
     refuse_each(write_side, &side);
     msg_deinit(&side, &msg_side);
-    shear_msg_source source = {.path = "/data/some/where/with a long name.fits"};
+    sheard_msg_source source = {.path = "/data/some/where/with a long name.fits"};
     refuse_each(write_source, &source);
     char text[] =
         "{\"path\":\"/data/some/where/with a long name.fits\",\"field\":\"fourteen bytes\","

@@ -127,9 +127,9 @@ static void test_malformed_lines(void **state) {
         }
         assert_int_equal(cl_reply(f, &good), asked++);
         while (cl_has_line(&bad)) {
-            shear_message m = cl_next(f, &bad);
-            assert_int_equal(m.kind, SHEAR_MESSAGE_ERROR);
-            shear_message_deinit(&m);
+            sheard_message m = cl_next(f, &bad);
+            assert_int_equal(m.kind, SHEARD_MESSAGE_ERROR);
+            sheard_message_deinit(&m);
             answered++;
         }
         assert_false(bad.ended);
@@ -152,7 +152,7 @@ static void test_endless_line(void **state) {
         cl_push(&c, block, sizeof block);
         fx_turn(f);
     }
-    cl_error(f, &c, SHEAR_RPC_LINE_TOO_LONG);
+    cl_error(f, &c, SHEARD_RPC_LINE_TOO_LONG);
     cl_ended(f, &c);
     cl_close(&c);
 }

@@ -14,7 +14,7 @@ static void ask(fixture *f, client *c, int64_t id) {
 }
 
 static void reply_metrics(fixture *f, size_t i) {
-    const shear_reply reply = {.metrics = {.content_type = "", .text = "x"}};
+    const sheard_reply reply = {.metrics = {.content_type = "", .text = "x"}};
     server_reply(f->s, f->handles[i], &reply);
 }
 
@@ -37,12 +37,12 @@ static void test_line_too_long(void **state) {
     line[201] = '\n';
     cl_connect(f, &exact);
     cl_send(f, &exact, line + 1, 201);
-    cl_error(f, &exact, SHEAR_RPC_PARSE_ERROR);
+    cl_error(f, &exact, SHEARD_RPC_PARSE_ERROR);
     ask(f, &exact, 1);
     assert_int_equal(cl_reply(f, &exact), 1);
     cl_connect(f, &longer);
     cl_send(f, &longer, line, 201); /* no need to wait for its end */
-    cl_error(f, &longer, SHEAR_RPC_LINE_TOO_LONG);
+    cl_error(f, &longer, SHEARD_RPC_LINE_TOO_LONG);
     cl_ended(f, &longer);
     cl_close(&exact);
     cl_close(&longer);
@@ -82,13 +82,13 @@ static void test_long_requests_are_refused(void **state) {
     cl_say(f, &c, request_text(1, "wait", "{\"ids\":[1]}"));
     cl_say(f, &c, request_text(2, "submit", submit));
     cl_say(f, &c, request_text(3, "wait", "{\"ids\":[1]}"));
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_TOO_MANY_REQUESTS), 3);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_TOO_MANY_REQUESTS), 3);
     ask(f, &c, 4); /* while it waits, it may do other things */
     assert_int_equal(cl_reply(f, &c), 4);
-    shear_rpc_error error;
-    shear_rpc_fail(&error, SHEAR_RPC_NO_SUCH_JOB, NULL, "none");
+    sheard_rpc_error error;
+    sheard_rpc_fail(&error, SHEARD_RPC_NO_SUCH_JOB, NULL, "none");
     server_reply_error(f->s, f->handles[0], &error);
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_NO_SUCH_JOB), 1);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_NO_SUCH_JOB), 1);
     cl_say(f, &c, request_text(5, "wait", "{\"ids\":[1]}"));
     FX_UNTIL(f, f->n == 4);
     cl_close(&c);
@@ -106,7 +106,7 @@ static void test_too_many_connections(void **state) {
     cl_connect(f, &a);
     cl_connect(f, &b);
     cl_connect(f, &c);
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_TOO_MANY_CONNECTIONS), -1);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_TOO_MANY_CONNECTIONS), -1);
     cl_ended(f, &c);
     cl_close(&c);
     assert_int_equal(fx_statistics(f).refused, 1);
@@ -135,7 +135,7 @@ static void test_idle(void **state) {
     cl_say(f, &waits, request_text(1, "wait", "{\"ids\":[1]}"));
     cl_say(f, &watches, request_text(2, "subscribe", "{\"all\":true}"));
     cl_reply(f, &watches);
-    assert_int_equal(cl_error(f, &quiet, SHEAR_RPC_IDLE_TIMEOUT), -1);
+    assert_int_equal(cl_error(f, &quiet, SHEARD_RPC_IDLE_TIMEOUT), -1);
     cl_ended(f, &quiet);
     const uint64_t begin = uv_hrtime();
     FX_UNTIL(f, uv_hrtime() - begin > UINT64_C(300000000)); /* three times as long */
@@ -165,7 +165,7 @@ static void test_stalled_in_a_line(void **state) {
         ask(f, &other, asked);
         assert_int_equal(cl_reply(f, &other), asked++);
     }
-    assert_int_equal(cl_error(f, &stalled, SHEAR_RPC_IDLE_TIMEOUT), -1);
+    assert_int_equal(cl_error(f, &stalled, SHEARD_RPC_IDLE_TIMEOUT), -1);
     assert_true(asked > 10);
     cl_close(&stalled);
     cl_close(&other);
@@ -217,7 +217,7 @@ static void test_queue_limit(void **state) {
     char *text = calloc(1, 100001);
     assert_non_null(text);
     memset(text, 'x', 100000);
-    const shear_reply reply = {.metrics = {.content_type = "", .text = text}};
+    const sheard_reply reply = {.metrics = {.content_type = "", .text = text}};
     for (size_t i = 0; i < 60; i++) {
         server_reply(f->s, f->handles[i], &reply);
         assert_in_range(fx_statistics(f).queued_bytes, 0, (1 << 20) + 110000);
@@ -252,7 +252,7 @@ enum { NOTICES = 4000 };
 
 static void test_lost_notifications(void **state) {
     fixture *f = *state;
-    const shear_notice_params params = {.job_progress = {.id = 7}};
+    const sheard_notice_params params = {.job_progress = {.id = 7}};
     client c;
     client reader;
     int64_t got = 0;
@@ -265,23 +265,23 @@ static void test_lost_notifications(void **state) {
     cl_say(f, &reader, request_text(1, "subscribe", "{\"jobs\":[7],\"progress\":true}"));
     cl_reply(f, &reader);
     for (int i = 0; i < NOTICES; i++) {
-        server_publish(f->s, SHEAR_NOTICE_JOB_PROGRESS, 7, NULL, &params);
-        assert_int_equal(cl_notice(f, &reader, SHEAR_NOTICE_JOB_PROGRESS), 7);
+        server_publish(f->s, SHEARD_NOTICE_JOB_PROGRESS, 7, NULL, &params);
+        assert_int_equal(cl_notice(f, &reader, SHEARD_NOTICE_JOB_PROGRESS), 7);
         assert_true(fx_statistics(f).queued_bytes <= 1 << 15);
     }
-    shear_message m = cl_next(f, &c);
-    while (m.notice == SHEAR_NOTICE_JOB_PROGRESS) {
+    sheard_message m = cl_next(f, &c);
+    while (m.notice == SHEARD_NOTICE_JOB_PROGRESS) {
         got++;
-        shear_message_deinit(&m);
+        sheard_message_deinit(&m);
         m = cl_next(f, &c);
     }
-    assert_int_equal(m.notice, SHEAR_NOTICE_LOST);
+    assert_int_equal(m.notice, SHEARD_NOTICE_LOST);
     assert_int_equal(m.params.lost.count, NOTICES - got);
     assert_int_equal(fx_statistics(f).lost, NOTICES - got);
     assert_int_equal(fx_statistics(f).notices, NOTICES + got);
-    shear_message_deinit(&m);
-    server_publish(f->s, SHEAR_NOTICE_JOB_PROGRESS, 7, NULL, &params);
-    cl_notice(f, &c, SHEAR_NOTICE_JOB_PROGRESS);
+    sheard_message_deinit(&m);
+    server_publish(f->s, SHEARD_NOTICE_JOB_PROGRESS, 7, NULL, &params);
+    cl_notice(f, &c, SHEARD_NOTICE_JOB_PROGRESS);
     assert_int_equal(f->n_closed, 0);
     cl_close(&c);
     cl_close(&reader);

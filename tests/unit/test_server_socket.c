@@ -226,7 +226,7 @@ static void test_group_of_others(void **state) {
     const struct group *g;
     setgrent();
     while (name[0] == '\0' && (g = getgrent())) {
-        if (g->gr_gid != 0 && g->gr_gid != 65534 && !group_member(g->gr_gid)) {
+        if (g->gr_gid != 0 && g->gr_gid != 65534 && group_member(g->gr_gid) == 0) {
             snprintf(name, sizeof name, "%s", g->gr_name);
         }
     }
@@ -310,10 +310,10 @@ static int activate(int fd, pid_t pid, const char *count, int wanted, size_t n_w
         } else if (fd < 0) {
             close(3);
         }
-        set_activation(pid ? pid : getpid(), count);
+        set_activation(pid != 0 ? pid : getpid(), count);
         const int code = server_activation(fds, 2, &n, &err);
-        const bool gone =
-            !getenv("LISTEN_PID") && !getenv("LISTEN_FDS") && !getenv("LISTEN_FDNAMES");
+        const bool gone = getenv("LISTEN_PID") == NULL && getenv("LISTEN_FDS") == NULL &&
+                          getenv("LISTEN_FDNAMES") == NULL;
         const bool good = n == 0 || (fds[0] == 3 && (fcntl(3, F_GETFD) & FD_CLOEXEC));
         _exit(code != wanted ? 1 : n != n_wanted ? 2 : !gone ? 3 : good ? 0 : 4);
     }

@@ -17,7 +17,7 @@ static int setup(void **state) {
 }
 
 static void reply_metrics(fixture *f, size_t i) {
-    const shear_reply reply = {.metrics = {.content_type = "text/plain", .text = "x"}};
+    const sheard_reply reply = {.metrics = {.content_type = "text/plain", .text = "x"}};
     server_reply(f->s, f->handles[i], &reply);
 }
 
@@ -36,7 +36,7 @@ static void test_any_split(void **state) {
         fx_turn(f);
         cl_send(f, &c, text + cut, strlen(text) - cut);
         assert_int_equal(cl_reply(f, &c), 1);
-        assert_int_equal(cl_error(f, &c, SHEAR_RPC_PARSE_ERROR), -1);
+        assert_int_equal(cl_error(f, &c, SHEARD_RPC_PARSE_ERROR), -1);
         assert_int_equal(cl_reply(f, &c), 2);
         cl_close(&c);
     }
@@ -67,7 +67,7 @@ static void test_pipelined(void **state) {
     for (int i = 0; i < 2000; i++) {
         assert_int_equal(cl_reply(f, &c), i);
     }
-    assert_int_equal(fx_statistics(f).requests[SHEAR_METHOD_METRICS], 2000);
+    assert_int_equal(fx_statistics(f).requests[SHEARD_METHOD_METRICS], 2000);
     cl_close(&c);
 }
 
@@ -89,7 +89,7 @@ static void test_replies_out_of_order(void **state) {
         assert_int_equal(cl_reply(f, &c), 100 + (int)order[i]);
     }
     cl_say(f, &c, "x\n");
-    cl_error(f, &c, SHEAR_RPC_PARSE_ERROR); /* so there was no second reply */
+    cl_error(f, &c, SHEARD_RPC_PARSE_ERROR); /* so there was no second reply */
     cl_close(&c);
 }
 
@@ -98,18 +98,18 @@ static void test_errors_keep_the_connection(void **state) {
     client c;
     cl_connect(f, &c);
     cl_send(f, &c, "a\0b\n", 4);
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_NUL_BYTE), -1);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_NUL_BYTE), -1);
     cl_say(f, &c, request_text(4, "nothing", NULL));
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_UNKNOWN_METHOD), 4);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_UNKNOWN_METHOD), 4);
     cl_say(f, &c, request_text(5, "wait", NULL));
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_MISSING_PARAMETER), 5);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_MISSING_PARAMETER), 5);
     cl_say(f, &c, "[]\n");
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_BATCH_UNSUPPORTED), -1);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_BATCH_UNSUPPORTED), -1);
     cl_say(f, &c, request_text(6, "metrics", NULL));
     assert_int_equal(cl_reply(f, &c), 6);
     const server_statistics s = fx_statistics(f);
-    assert_int_equal(s.errors[SHEAR_RPC_NUL_BYTE], 1);
-    assert_int_equal(s.errors[SHEAR_RPC_UNKNOWN_METHOD], 1);
+    assert_int_equal(s.errors[SHEARD_RPC_NUL_BYTE], 1);
+    assert_int_equal(s.errors[SHEARD_RPC_UNKNOWN_METHOD], 1);
     assert_int_equal(s.lines, 5);
     cl_close(&c);
 }
@@ -117,23 +117,23 @@ static void test_errors_keep_the_connection(void **state) {
 static void test_reply_lines_and_errors(void **state) {
     fixture *f = *state;
     client c;
-    shear_rpc_error error;
+    sheard_rpc_error error;
     f->hold = true;
     cl_connect(f, &c);
     for (int i = 0; i < 3; i++) {
         cl_say(f, &c, request_text(i, "metrics", NULL));
     }
     FX_UNTIL(f, f->n == 3);
-    shear_rpc_fail(&error, SHEAR_RPC_QUEUE_FULL, NULL, "full");
+    sheard_rpc_fail(&error, SHEARD_RPC_QUEUE_FULL, NULL, "full");
     server_reply_error(f->s, f->handles[0], &error);
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_QUEUE_FULL), 0);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_QUEUE_FULL), 0);
     server_reply_line(f->s, f->handles[1], NULL, 0);
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_OUT_OF_MEMORY), 1);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_OUT_OF_MEMORY), 1);
     char *line;
     size_t n;
-    const shear_rpc_id id = {.type = SHEAR_ID_INTEGER, .integer = 2};
-    const shear_reply reply = {.metrics = {.content_type = "", .text = ""}};
-    assert_int_equal(shear_reply_line(&line, &n, &id, SHEAR_METHOD_METRICS, &reply, &error), 0);
+    const sheard_rpc_id id = {.type = SHEARD_ID_INTEGER, .integer = 2};
+    const sheard_reply reply = {.metrics = {.content_type = "", .text = ""}};
+    assert_int_equal(sheard_reply_line(&line, &n, &id, SHEARD_METHOD_METRICS, &reply, &error), 0);
     server_reply_line(f->s, f->handles[2], line, n);
     assert_int_equal(cl_reply(f, &c), 2);
     line = strdup("never sent\n");
@@ -235,11 +235,11 @@ static void test_half_closed_client_goes(void **state) {
 /* ---- subscriptions ---- */
 
 static void publish(fixture *f, int notice, int64_t job, const char *field) {
-    const shear_notice_params params = {
+    const sheard_notice_params params = {
         .job_progress = {.id = job, .progress = {.done = 1, .total = 2}}};
-    const shear_notice_params state = {.server_state = {.state = SHEAR_SERVER_DRAINING}};
+    const sheard_notice_params state = {.server_state = {.state = SHEARD_SERVER_DRAINING}};
     server_publish(f->s, notice, job, field,
-                   notice == SHEAR_NOTICE_SERVER_STATE ? &state : &params);
+                   notice == SHEARD_NOTICE_SERVER_STATE ? &state : &params);
 }
 
 static void subscribe(fixture *f, client *c, const char *method, const char *params) {
@@ -249,7 +249,7 @@ static void subscribe(fixture *f, client *c, const char *method, const char *par
 
 static void test_subscriptions(void **state) {
     fixture *f = *state;
-    const int progress = SHEAR_NOTICE_JOB_PROGRESS;
+    const int progress = SHEARD_NOTICE_JOB_PROGRESS;
     client some;
     client all;
     client none;
@@ -263,15 +263,15 @@ static void test_subscriptions(void **state) {
     publish(f, progress, 8, NULL);
     publish(f, progress, 10, "a");
     publish(f, progress, 11, "c");
-    publish(f, SHEAR_NOTICE_SERVER_STATE, 0, NULL);
+    publish(f, SHEARD_NOTICE_SERVER_STATE, 0, NULL);
     static const int64_t to_all[] = {7, 8, 10, 11};
     for (size_t i = 0; i < 4; i++) {
         assert_int_equal(cl_notice(f, &all, progress), to_all[i]);
     }
-    cl_notice(f, &all, SHEAR_NOTICE_SERVER_STATE);
+    cl_notice(f, &all, SHEARD_NOTICE_SERVER_STATE);
     assert_int_equal(cl_notice(f, &some, progress), 7);
     assert_int_equal(cl_notice(f, &some, progress), 10);
-    cl_notice(f, &some, SHEAR_NOTICE_SERVER_STATE);
+    cl_notice(f, &some, SHEARD_NOTICE_SERVER_STATE);
     subscribe(f, &some, "unsubscribe", "{\"jobs\":[7]}");
     subscribe(f, &all, "unsubscribe", "{}");
     assert_false(server_is_watched(f->s, progress, 7, NULL));
@@ -294,9 +294,9 @@ static void test_progress_only_for_those_who_want_it(void **state) {
     client c;
     cl_connect(f, &c);
     subscribe(f, &c, "subscribe", "{\"all\":true}");
-    publish(f, SHEAR_NOTICE_JOB_PROGRESS, 7, NULL);
-    publish(f, SHEAR_NOTICE_SERVER_STATE, 0, NULL);
-    cl_notice(f, &c, SHEAR_NOTICE_SERVER_STATE);
+    publish(f, SHEARD_NOTICE_JOB_PROGRESS, 7, NULL);
+    publish(f, SHEARD_NOTICE_SERVER_STATE, 0, NULL);
+    cl_notice(f, &c, SHEARD_NOTICE_SERVER_STATE);
     cl_close(&c);
 }
 
@@ -310,13 +310,13 @@ static void test_too_many_subscriptions(void **state) {
     subscribe(f, &c, "subscribe", "{\"jobs\":[1,2],\"fields\":[\"a\"],\"progress\":true}");
     subscribe(f, &c, "subscribe", "{\"jobs\":[2,1],\"fields\":[\"a\"]}"); /* no more than before */
     cl_say(f, &c, request_text(2, "subscribe", "{\"jobs\":[1,5]}"));
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_TOO_MANY_SUBSCRIPTIONS), 2);
-    assert_false(server_is_watched(f->s, SHEAR_NOTICE_JOB_PROGRESS, 5, NULL));
-    assert_true(server_is_watched(f->s, SHEAR_NOTICE_JOB_PROGRESS, 5, "a"));
-    shear_rpc_error error;
-    const shear_msg_subscribe what = {.all = true};
-    assert_int_equal(server_subscribe(f->s, 12345, &what, NULL, &error), SHEAR_RPC_STOPPING);
-    assert_int_equal(server_unsubscribe(f->s, 0, &what, NULL, &error), SHEAR_RPC_STOPPING);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_TOO_MANY_SUBSCRIPTIONS), 2);
+    assert_false(server_is_watched(f->s, SHEARD_NOTICE_JOB_PROGRESS, 5, NULL));
+    assert_true(server_is_watched(f->s, SHEARD_NOTICE_JOB_PROGRESS, 5, "a"));
+    sheard_rpc_error error;
+    const sheard_msg_subscribe what = {.all = true};
+    assert_int_equal(server_subscribe(f->s, 12345, &what, NULL, &error), SHEARD_RPC_STOPPING);
+    assert_int_equal(server_unsubscribe(f->s, 0, &what, NULL, &error), SHEARD_RPC_STOPPING);
     cl_close(&c);
 }
 
@@ -350,7 +350,7 @@ static void test_close_answers_and_flushes(void **state) {
     server_close(f->s, 20000, NULL, NULL);
     server_close(f->s, 30000, NULL, NULL); /* later: no matter */
     assert_int_equal(cl_reply(f, &c), 1);
-    assert_int_equal(cl_error(f, &c, SHEAR_RPC_STOPPING), 2);
+    assert_int_equal(cl_error(f, &c, SHEARD_RPC_STOPPING), 2);
     cl_ended(f, &c);
     f->s = NULL; /* the loop ends in the teardown */
     cl_close(&c);

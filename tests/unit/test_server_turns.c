@@ -122,7 +122,7 @@ static int job_step(void *context) {
     if (j->steps++ == 0 && n_order < 64) {
         order[n_order++] = j->to;
     }
-    if (j->method == SHEAR_METHOD_WAIT && j->steps == 1) {
+    if (j->method == SHEARD_METHOD_WAIT && j->steps == 1) {
         return SERVER_PAUSE;
     }
     if (j->steps < STEPS) {
@@ -145,7 +145,7 @@ static void on_request(void *context, const server_request *r) {
         f->handles[f->n] = r->handle;
     }
     f->n++;
-    if (method == SHEAR_METHOD_METRICS) {
+    if (method == SHEARD_METHOD_METRICS) {
         reply_text(f, r->handle, 1);
         return;
     }
@@ -311,7 +311,7 @@ static void test_connections_of_a_user(void **state) {
         cl_connect(f, &clients[i]);
     }
     cl_connect(f, &more);
-    cl_error(f, &more, SHEAR_RPC_TOO_MANY_CONNECTIONS);
+    cl_error(f, &more, SHEARD_RPC_TOO_MANY_CONNECTIONS);
     cl_close(&more);
     f->admins = true; /* no limit of their own */
     for (int i = 3; i < 7; i++) {
@@ -322,13 +322,13 @@ static void test_connections_of_a_user(void **state) {
     FX_UNTIL(f, fx_statistics(f).connections == 6);
     f->admins = false; /* the last two are not for others */
     cl_connect(f, &more);
-    cl_error(f, &more, SHEAR_RPC_TOO_MANY_CONNECTIONS);
+    cl_error(f, &more, SHEARD_RPC_TOO_MANY_CONNECTIONS);
     cl_close(&more);
     f->admins = true;
     cl_connect(f, &clients[0]);
     cl_connect(f, &clients[7]);
     cl_connect(f, &more);
-    cl_error(f, &more, SHEAR_RPC_TOO_MANY_CONNECTIONS);
+    cl_error(f, &more, SHEARD_RPC_TOO_MANY_CONNECTIONS);
     cl_close(&more);
     assert_int_equal(fx_statistics(f).connections, 8);
     for (int i = 0; i < 8; i++) {

@@ -58,12 +58,12 @@ static void test_psf_by_index(void **state) {
     shear_stamps stamps = batch_full(&b);
     for (int by_index = 0; by_index < 2; by_index++) {
         shear_row rows[COUNT];
-        stamps.psf_index = by_index ? b.psf_index : NULL;
+        stamps.psf_index = by_index != 0 ? b.psf_index : NULL;
         batch_measure(each, &stamps, rows);
         for (int i = 0; i < COUNT; i++) {
             shear_row alone;
             shear_stamps one = stamps;
-            const int psf = by_index ? b.psf_index[i] : i;
+            const int psf = by_index != 0 ? b.psf_index[i] : i;
             one.count = one.n_psf = 1;
             one.galaxy += i * PIXELS;
             one.noise += i * PIXELS;

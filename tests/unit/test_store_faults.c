@@ -124,7 +124,7 @@ static int finish(store *s, int64_t id, shear_error *err) {
     store_finished end;
     const store_work work = {.sums = sums_2,
                              .result = "{}",
-                             .catalogue = "/out/c.csv",
+                             .catalog = "/out/c.csv",
                              .elapsed_us = 5,
                              .now_ms = 2000,
                              .account = "{}",

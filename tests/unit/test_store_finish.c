@@ -10,7 +10,7 @@ static store_finished finish(fixture *f, int64_t id, const char *sums) {
     store_finished end;
     const store_work work = {.sums = sums,
                              .result = "{\"g1\":0.01}",
-                             .catalogue = "/out/a.csv",
+                             .catalog = "/out/a.csv",
                              .elapsed_us = 1500,
                              .now_ms = fx_now(f)};
     FX_OK(store_finish(f->s, id, &work, &end, &err));
@@ -40,7 +40,7 @@ static void a_finished_job_is_counted(void **state) {
     assert_int_equal(job.state, STORE_DONE);
     assert_int_equal(job.outcome, STORE_COUNTED);
     assert_string_equal(job.result, "{\"g1\":0.01}");
-    assert_string_equal(job.catalogue, "/out/a.csv");
+    assert_string_equal(job.catalog, "/out/a.csv");
     assert_int_equal(job.elapsed_us, 1500);
     assert_int_equal(job.finished_ms, f->now);
     assert_int_equal(job.n_stamps, 16);
@@ -225,10 +225,10 @@ static void finish_wants_all_it_needs(void **state) {
     work.result = endless;
     FX_CODE(STORE_BAD_TEXT, store_finish(f->s, id, &work, &end, &err));
     work.result = NULL;
-    work.catalogue = endless;
+    work.catalog = endless;
     FX_CODE(STORE_BAD_TEXT, store_finish(f->s, id, &work, &end, &err));
     assert_int_equal(fx_state(f, id), STORE_RUNNING);
-    work.catalogue = NULL;
+    work.catalog = NULL;
     FX_OK(store_finish(f->s, id, &work, &end, &err));
     free(endless);
     free(sums);

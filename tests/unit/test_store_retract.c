@@ -36,7 +36,7 @@ static int64_t count_one(fixture *f, const char *field, const char *content, uns
     snprintf(account, sizeof account, "{\"path\":\"%u\"}", seed);
     const store_work work = {.sums = sums,
                              .result = "{}",
-                             .catalogue = "/c/1.shear.fits",
+                             .catalog = "/c/1.shear.fits",
                              .elapsed_us = 10 + seed,
                              .now_ms = 100000 + seed * 7919 % 1000,
                              .account = account,
@@ -290,7 +290,7 @@ static void leaves_bit_by_bit(void **state) {
     fx_deinit(&other);
 }
 
-/* Their catalogues are known by the jobs' numbers alone. */
+/* Their catalogs are known by the jobs' numbers alone. */
 static void tells_retired_jobs(void **state) {
     fixture *f = *state;
     shear_error err = {0};
@@ -305,14 +305,14 @@ static void tells_retired_jobs(void **state) {
     FX_OK(store_next_leaving(f->s, &next, &err));
     assert_int_equal(next.job, first);
     assert_false(next.kept);
-    assert_null(next.catalogue);
+    assert_null(next.catalog);
     assert_string_equal(next.field, "a");
     FX_OK(store_leave(f->s, &next, true, &err));
     store_leaving_deinit(&next);
     FX_OK(store_next_leaving(f->s, &next, &err));
     assert_int_equal(next.job, second);
     assert_true(next.kept);
-    assert_string_equal(next.catalogue, "/c/1.shear.fits");
+    assert_string_equal(next.catalog, "/c/1.shear.fits");
     FX_OK(store_leave(f->s, &next, true, &err));
     store_leaving_deinit(&next);
     int64_t id = 0;
@@ -321,7 +321,7 @@ static void tells_retired_jobs(void **state) {
     assert_int_equal(id, 0);
 }
 
-static void catalogues_are_told_until_they_are_gone(void **state) {
+static void catalogs_are_told_until_they_are_gone(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t id = 0;
@@ -338,7 +338,7 @@ static void catalogues_are_told_until_they_are_gone(void **state) {
     assert_int_equal(id, first);
     assert_string_equal(path, "/c/1.shear.fits");
     free(path);
-    FX_OK(store_catalogue_gone(f->s, first, &err));
+    FX_OK(store_catalog_gone(f->s, first, &err));
     FX_OK(store_next_leftover(f->s, 0, &id, &path, &err));
     assert_int_equal(id, second);
     free(path);
@@ -357,7 +357,7 @@ int main(void) {
         STORE_TEST(whole_fields),
         STORE_TEST(leaves_bit_by_bit),
         STORE_TEST(tells_retired_jobs),
-        STORE_TEST(catalogues_are_told_until_they_are_gone),
+        STORE_TEST(catalogs_are_told_until_they_are_gone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

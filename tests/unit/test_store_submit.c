@@ -63,7 +63,7 @@ static void keeps_what_was_asked(void **state) {
     assert_null(job.message);
     assert_null(job.advice);
     assert_null(job.result);
-    assert_null(job.catalogue);
+    assert_null(job.catalog);
     store_job_deinit(&job);
     store_job_deinit(&job); /* twice is allowed */
 }
@@ -109,7 +109,7 @@ static void texts_have_limits(void **state) {
     fixture *f = *state;
     for (int longer = 0; longer <= 1; longer++) {
         const size_t more = (size_t)longer;
-        const int wanted = longer ? STORE_BAD_TEXT : SHEAR_OK;
+        const int wanted = longer != 0 ? STORE_BAD_TEXT : SHEAR_OK;
         store_spec spec = fx_spec(f, letters(STORE_FIELD_MAX + more));
         submit(f, &spec, wanted, false);
         spec = fx_spec(f, "a");

@@ -74,7 +74,7 @@ typedef struct sheard_config {
     struct {
         bool enabled;
         char *directory;
-    } catalogues;
+    } catalogs;
     struct {
         sheard_list data_roots;
         sheard_list admin_users, admin_groups;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear/catalog.h: result catalogues: FITS binary table SHEAR, one row a stamp, in stamp order.
+/* shear/catalog.h: result catalogs: FITS binary table SHEAR, one row a stamp, in stamp order.
  *
  * Columns: ID, X, Y, RA, DEC where the field file gives them, then N1 N2 D U V M20 M02 M11 M4 FLUX
  * SNR WEIGHT (D) and FLAGS (J; shear/stamp.h). The header holds every setting (shear/settings.h),
@@ -14,7 +14,7 @@
 #include "shear/plan.h"
 #include "shear/sums.h"
 
-typedef struct shear_catalog shear_catalog; /* a catalogue being written */
+typedef struct shear_catalog shear_catalog; /* a catalog being written */
 
 /* Begin `path` for the stamps of `info`; temporary file, fsync and rename as for field files. Not
  * thread-safe. */
@@ -28,14 +28,14 @@ int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_r
                          const char *input_name, const char *checksum, shear_error *err);
 void shear_catalog_abort(shear_catalog *c);
 
-/* ---- catalogues of work that outlives its process ----
+/* ---- catalogs of work that outlives its process ----
  *
  * Their temporary file is called ".NAME.part", stays where the process ends, however it ends, and
  * can be gone on with: rows [0, rows) are there if shear_catalog_keep said so. `checksum` (of the
  * input) and n_stamps tie it to its input; settings and path are the caller's to keep the same. The
  * finished file has the same bytes, whether it was interrupted or not. */
 
-/* Begin anew, whatever is there; an existing catalogue is replaced in the end. */
+/* Begin anew, whatever is there; an existing catalog is replaced in the end. */
 int shear_catalog_begin(shear_catalog **c, const char *path, const shear_field_info *info,
                         const char *checksum, shear_error *err);
 /* Go on behind row `rows`; later ones are written again. SHEAR_E_IO, SHEAR_E_FORMAT: there is none

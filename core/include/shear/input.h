@@ -4,7 +4,7 @@
  *
  * A part whose HDU is not chosen is the one called GALAXY, NOISE, PSF or CATALOG, as in a field
  * file; where its file has none of that name, the first HDU that holds an image (CATALOG: the first
- * binary table). Where no catalogue is given, the galaxies' file is asked for an HDU CATALOG.
+ * binary table). Where no catalog is given, the galaxies' file is asked for an HDU CATALOG.
  */
 #ifndef SHEAR_INPUT_H
 #define SHEAR_INPUT_H

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear/run.h: measure whole field files: reader, workers, sums and catalogue joined. */
+/* shear/run.h: measure whole field files: reader, workers, sums and catalog joined. */
 #ifndef SHEAR_RUN_H
 #define SHEAR_RUN_H
 
@@ -39,10 +39,10 @@ int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shea
 typedef struct shear_run_options {
     int threads;              /* 0 = all cores */
     const char *catalog_path; /* or NULL */
-    bool overwrite;           /* replace an existing catalogue */
+    bool overwrite;           /* replace an existing catalog */
     shear_symmetry *terms;    /* or NULL: gets the terms of all stamps, whatever the estimator; they
                                  are held twice until the file is done */
-    const char *checksum; /* of the input, for the catalogue; NULL = computed when one is written */
+    const char *checksum; /* of the input, for the catalog; NULL = computed when one is written */
     /* Called from one thread at a time, at most every `notify_stamps` or so; return non-zero to
      * stop the run (SHEAR_E_CANCELLED). May be NULL. */
     int (*progress)(void *context, int64_t done, int64_t total);
@@ -57,7 +57,7 @@ typedef struct shear_run_report {
 } shear_run_report;
 
 /* Measure one field file and add its sums to `sums` (and its blocks, in index order, to `jack` if
- * not NULL). On error nothing has been added to any and no catalogue is left. */
+ * not NULL). On error nothing has been added to any and no catalog is left. */
 int shear_run_file(const char *path, const shear_settings *settings,
                    const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
                    shear_run_report *report, shear_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear/settings.h: every choice of the measurement, and the one table that describes them.
  *
- * The table drives the command line, the daemon's configuration, JSON jobs, the catalogue's header
+ * The table drives the command line, the daemon's configuration, JSON jobs, the catalog's header
  * and the manual pages; a setting's name, type, range, default and help are written there and
  * nowhere else. Lengths are in galaxy pixels. Section numbers are those of docs/method.md.
  */

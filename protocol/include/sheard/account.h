@@ -7,16 +7,16 @@
 #include "sheard/report.h"
 
 /* The file's entry in a report, with the shape of its stamps. *text is malloc'd. SHEAR_E_NOMEM. */
-int shear_account_format(char **text, const shear_report_file *file, shear_error *err);
+int sheard_account_format(char **text, const sheard_report_file *file, shear_error *err);
 
-typedef struct shear_account {
-    shear_report_file file; /* file.plan is &plan, or NULL where it is not known */
-    shear_plan_info plan;   /* the members that a report and its warnings need */
+typedef struct sheard_account {
+    sheard_report_file file; /* file.plan is &plan, or NULL where it is not known */
+    shear_plan_info plan;    /* the members that a report and its warnings need */
     void *texts;
-} shear_account;
+} sheard_account;
 /* Entries of a report alone (of older versions) are read, too: then the shape is not known (0 x 0).
  * SHEAR_E_FORMAT, SHEAR_E_NOMEM; *account is empty then. */
-int shear_account_parse(shear_account *account, const char *text, shear_error *err);
-void shear_account_deinit(shear_account *account); /* zeroed: fine */
+int sheard_account_parse(sheard_account *account, const char *text, shear_error *err);
+void sheard_account_deinit(sheard_account *account); /* zeroed: fine */
 
 #endif

@@ -5,19 +5,19 @@
 
 #include "shear/error.h"
 
-enum shear_finding_level { SHEAR_FINDING_OK = 0, SHEAR_FINDING_WARN, SHEAR_FINDING_FAIL };
+enum sheard_finding_level { SHEARD_FINDING_OK = 0, SHEARD_FINDING_WARN, SHEARD_FINDING_FAIL };
 /* "ok", "warn", "fail" */
-const char *shear_finding_level_name(int level);
+const char *sheard_finding_level_name(int level);
 
-typedef struct shear_finding {
+typedef struct sheard_finding {
     const char *subject; /* "socket" */
     int level;
     const char *message;
     const char *remedy; /* "" where there is nothing to do */
-} shear_finding;
+} sheard_finding;
 
 /* {"subject", "level", "message", "remedy"} on one line; *text is malloc'd and the caller's to
  * free. SHEAR_E_NOMEM. */
-int shear_finding_json(char **text, const shear_finding *finding, shear_error *err);
+int sheard_finding_json(char **text, const sheard_finding *finding, shear_error *err);
 
 #endif

@@ -11,19 +11,19 @@
 
 /* "too_few_stamps", "no_weight", "same_stamps", "no_signal", "swapped", "too_narrow",
  * "no_symmetry", "not_finite": names that stay. NULL where there is a shear. */
-const char *shear_no_shear_name(int why);
+const char *sheard_no_shear_name(int why);
 /* Back again; SHEAR_HAS_SHEAR for NULL and what is no such name. */
-int shear_no_shear_of(const char *name);
+int sheard_no_shear_of(const char *name);
 
 /* In a few words, without numbers; static. NULL where there is a shear. Of the enum alone, and of
  * a result, which also tells whether one stamp spoils the others. */
-const char *shear_no_shear_words(int why);
-const char *shear_no_shear_brief(const shear_result *r);
+const char *sheard_no_shear_words(int why);
+const char *sheard_no_shear_brief(const shear_result *r);
 /* The cause with its numbers, and what to do. Each writes into buf and returns it. */
-const char *shear_no_shear_text(const shear_result *r, char *buf, size_t size);
-const char *shear_no_shear_advice(const shear_result *r, char *buf, size_t size);
+const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size);
+const char *sheard_no_shear_advice(const shear_result *r, char *buf, size_t size);
 
 /* One stamp has more than half of sum (w D)^2, of more than 5 stamps: it decides alone. */
-bool shear_one_outweighs(const shear_result *r);
+bool sheard_one_outweighs(const shear_result *r);
 
 #endif

@@ -19,38 +19,38 @@
 #include <stdint.h>
 
 /* One file that went into a field's result. */
-typedef struct shear_report_file {
+typedef struct sheard_report_file {
     const char *path;
     const char *checksum; /* content hash, hex */
     const char *field;    /* FIELD as the file has it (--field may count it to another) */
     int64_t n_stamps, n_used;
     const shear_plan_info *plan; /* what the settings were resolved to for this file's PSF */
     double seconds;
-} shear_report_file;
+} sheard_report_file;
 
 /* One field by several estimators. */
-enum { SHEAR_REPORT_ESTIMATORS = 2 };
-typedef struct shear_report_estimators {
-    int n;                                    /* 0: there are not stamps enough, or too many */
-    shear_result of[SHEAR_REPORT_ESTIMATORS]; /* [n] */
-} shear_report_estimators;
+enum { SHEARD_REPORT_ESTIMATORS = 2 };
+typedef struct sheard_report_estimators {
+    int n;                                     /* 0: there are not stamps enough, or too many */
+    shear_result of[SHEARD_REPORT_ESTIMATORS]; /* [n] */
+} sheard_report_estimators;
 
 /* A field's result. Pointers are only read. */
-typedef struct shear_report {
+typedef struct sheard_report {
     const char *field;
     const shear_result *result;
-    const shear_settings *settings; /* as asked for: "auto" stays "auto" */
-    const shear_plan_info *plan;    /* as resolved, of the first file */
-    const shear_report_file *files; /* [n_files] */
+    const shear_settings *settings;  /* as asked for: "auto" stays "auto" */
+    const shear_plan_info *plan;     /* as resolved, of the first file */
+    const sheard_report_file *files; /* [n_files] */
     size_t n_files;
     const char *top_file; /* the file of result->top_stamp; NULL: not known */
     bool has_truth;       /* all files name the same truth */
     double true_g1, true_g2;
     const char *const *warnings; /* [n_warnings] */
     size_t n_warnings;
-    const shear_report_estimators *estimators; /* NULL: not told */
-    double seconds;                            /* wall clock, all files */
-} shear_report;
+    const sheard_report_estimators *estimators; /* NULL: not told */
+    double seconds;                             /* wall clock, all files */
+} sheard_report;
 
 /* *text is malloc'd and the caller's to free; no newline at its end. Keys: field g1 g1_err g2
  * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] estimator
@@ -62,18 +62,18 @@ typedef struct shear_report {
  * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (of `shearctl measure` only: where they
  * are not told, the key is not there; null where there are none) filter_removed
  * warnings[] version seconds. SHEAR_E_NOMEM. */
-int shear_report_json(char **text, const shear_report *report, shear_error *err);
+int sheard_report_json(char **text, const sheard_report *report, shear_error *err);
 
 /* Stamps of a field file that share a fault: how many, and the first few. */
-enum { SHEAR_FAULT_SAMPLES = 8 };
-typedef struct shear_fault {
+enum { SHEARD_FAULT_SAMPLES = 8 };
+typedef struct sheard_fault {
     int64_t count;
     int64_t
-        first[SHEAR_FAULT_SAMPLES]; /* indices from 0; min(count, SHEAR_FAULT_SAMPLES) of them */
-} shear_fault;
+        first[SHEARD_FAULT_SAMPLES]; /* indices from 0; min(count, SHEARD_FAULT_SAMPLES) of them */
+} sheard_fault;
 
 /* What `shearctl validate` finds in one field file. */
-typedef struct shear_verdict {
+typedef struct sheard_verdict {
     const char *path;
     bool good;                     /* it would measure, at least two stamps of it */
     const char *verdict;           /* one line for people */
@@ -85,10 +85,10 @@ typedef struct shear_verdict {
     size_t n_warnings;
     bool scanned;         /* the members below are known */
     int64_t n_measurable; /* stamps that carry no flag */
-    shear_fault flags[SHEAR_N_FLAGS];
-    shear_fault negative; /* stamps with pixels below minus the pedestal, under a log method */
-    double lowest_pixel;  /* of all finite pixels, galaxy and noise */
-    /* Noise stamps of pairs that neither pixels nor catalogue flag: their mean pixel with its
+    sheard_fault flags[SHEAR_N_FLAGS];
+    sheard_fault negative; /* stamps with pixels below minus the pedestal, under a log method */
+    double lowest_pixel;   /* of all finite pixels, galaxy and noise */
+    /* Noise stamps of pairs that neither pixels nor catalog flag: their mean pixel with its
      * error, from their scatter (NaN for less than 2), and how much pixels scatter about their own
      * stamp's mean. */
     double noise_mean, noise_mean_err, noise_rms;
@@ -98,12 +98,12 @@ typedef struct shear_verdict {
     bool weight_is_suspect;
     bool measured;       /* the next one is known */
     shear_result result; /* with these settings, by the ratio of means; its estimator is theirs */
-} shear_verdict;
+} sheard_verdict;
 
 /* Keys: path good verdict advice field{} settings{} resolved{} psf{} warnings[] n_measurable
  * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel noise{mean,mean_err,rms}
  * weight_follows_flux no_shear noise_level{} influence{} version; null for what is not known.
  * SHEAR_E_NOMEM. */
-int shear_verdict_json(char **text, const shear_verdict *verdict, shear_error *err);
+int sheard_verdict_json(char **text, const sheard_verdict *verdict, shear_error *err);
 
 #endif

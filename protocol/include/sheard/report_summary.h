@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard/report_summary.h: what shear_report_json wrote, read back for people: the numbers of a
+/* sheard/report_summary.h: what sheard_report_json wrote, read back for people: the numbers of a
  * field's or a job's result. */
 #ifndef SHEARD_REPORT_SUMMARY_H
 #define SHEARD_REPORT_SUMMARY_H
@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 /* Numbers that are null, or not there, are NaN, counts 0, texts "". */
-typedef struct shear_report_summary {
+typedef struct sheard_report_summary {
     double g1, g1_err, g2, g2_err, cov12;
     int64_t n_stamps, n_used, n_flagged;
     int64_t flagged[SHEAR_N_FLAGS];
@@ -34,11 +34,11 @@ typedef struct shear_report_summary {
     char **warnings;                                      /* [n_warnings], owned */
     int64_t n_warnings;
     double seconds;
-} shear_report_summary;
+} sheard_report_summary;
 
 /* `text` is a JSON object; members that are not known are passed over. SHEAR_E_FORMAT,
  * SHEAR_E_NOMEM. *summary must be deinited after success only. */
-int shear_report_summary_parse(shear_report_summary *summary, const char *text, shear_error *err);
-void shear_report_summary_deinit(shear_report_summary *summary); /* zeroed: fine */
+int sheard_report_summary_parse(sheard_report_summary *summary, const char *text, shear_error *err);
+void sheard_report_summary_deinit(sheard_report_summary *summary); /* zeroed: fine */
 
 #endif

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The directory of catalogues belongs to one database, and holds no catalogue that no job has ended
+"""The directory of catalogs belongs to one database, and holds no catalog that no job has ended
 with. FAULTSHIM in the environment is the library that kills at a chosen call."""
 import contextlib
 import itertools
@@ -21,14 +21,14 @@ def bytes_of(directory):
 class Owner(DaemonTest):
     def setUp(self):
         super().setUp()
-        self.catalogues = os.path.join(self.directory, "catalogues")
+        self.catalogs = os.path.join(self.directory, "catalogues")
         self.field = mock(os.path.join(self.directory, "field.fits"))
 
     def one(self, name):
-        return self.daemon({"catalogues.enabled": "true", "catalogues.directory": self.catalogues},
+        return self.daemon({"catalogues.enabled": "true", "catalogues.directory": self.catalogs},
                            start=False, name=name)
 
-    def with_catalogues(self, name, count=2):
+    def with_catalogs(self, name, count=2):
         daemon = self.one(name).start()
         for i in range(count):
             path = mock(os.path.join(daemon.data, f"{i}.fits"), 16, 32, i + 1)
@@ -37,25 +37,25 @@ class Owner(DaemonTest):
 
     def assertRefuses(self, daemon, *said):
         """It does not start, says why, and touches nothing."""
-        before = bytes_of(self.catalogues)
+        before = bytes_of(self.catalogs)
         daemon.spawn()
         self.assertNotEqual(daemon.ended(), 0)
-        for text in (self.catalogues, daemon.state, "[catalogues] directory", *said):
+        for text in (self.catalogs, daemon.state, "[catalogues] directory", *said):
             self.assertIn(text, daemon.log_text())
-        self.assertEqual(bytes_of(self.catalogues), before)
+        self.assertEqual(bytes_of(self.catalogs), before)
 
     def test_of_another_state(self):
-        first = self.with_catalogues("first")
+        first = self.with_catalogs("first")
         first.stop()
-        self.assertEqual(set(os.listdir(self.catalogues)),
+        self.assertEqual(set(os.listdir(self.catalogs)),
                          {MARK, "1.shear.fits", "2.shear.fits"})
         for name in (".1.shear.fits.part", ".77.shear.fits.part", MARK + ".77"):  # perhaps somebody's work
-            with open(os.path.join(self.catalogues, name), "wb"):
+            with open(os.path.join(self.catalogs, name), "wb"):
                 pass
         other = self.one("other")
-        self.assertRefuses(other, content_of(os.path.join(self.catalogues, MARK)).decode().strip())
+        self.assertRefuses(other, content_of(os.path.join(self.catalogs, MARK)).decode().strip())
         first.start()
-        self.assertEqual(set(os.listdir(self.catalogues)), {MARK, "1.shear.fits", "2.shear.fits"})
+        self.assertEqual(set(os.listdir(self.catalogs)), {MARK, "1.shear.fits", "2.shear.fits"})
         first.stop()
         # As it is told: a directory of its own.
         other.settings["catalogues.directory"] = os.path.join(self.directory, "more")
@@ -64,19 +64,19 @@ class Owner(DaemonTest):
 
     def test_two_at_once(self):
         """Both running: the second does not come up, the first goes on."""
-        first = self.with_catalogues("first", 1)
+        first = self.with_catalogs("first", 1)
         self.assertRefuses(self.one("other"))
         path = mock(os.path.join(first.data, "more.fits"), 16, 32, 7)
         first.wait_state(first.submit(path)["id"], "done")
 
     def test_reload(self):
         """As a start: another's directory is refused, a new one is made and marked."""
-        first, other = self.with_catalogues("first"), self.one("other")
+        first, other = self.with_catalogs("first"), self.one("other")
         own = other.settings["catalogues.directory"] = os.path.join(self.directory, "own")
         other.write_config()
         other.start()
-        before = bytes_of(self.catalogues)
-        for bad in (self.catalogues, os.path.join(self.directory, "field.fits"),
+        before = bytes_of(self.catalogs)
+        for bad in (self.catalogs, os.path.join(self.directory, "field.fits"),
                     os.path.join(self.directory, "no", "parent"), "/proc"):
             other.settings["catalogues.directory"] = bad
             other.write_config()
@@ -86,7 +86,7 @@ class Owner(DaemonTest):
             self.assertEqual(other.call("status")["catalogues"], own)
         path = mock(os.path.join(other.data, "a.fits"), 16, 32, 5)
         other.wait_state(other.submit(path)["id"], "done")
-        self.assertEqual(bytes_of(self.catalogues), before)
+        self.assertEqual(bytes_of(self.catalogs), before)
         more = other.settings["catalogues.directory"] = os.path.join(self.directory, "more")
         other.write_config()
         self.assertEqual(other.call("reload")["changed"], ["catalogues.directory"])
@@ -95,7 +95,7 @@ class Owner(DaemonTest):
         other.settings["catalogues.enabled"] = "false"
         other.write_config()
         other.call("reload")
-        shutil.copy(os.path.join(self.catalogues, MARK), more)
+        shutil.copy(os.path.join(self.catalogs, MARK), more)
         other.settings["catalogues.enabled"] = "true"
         other.write_config()
         with self.assertRefused("bad_config"):
@@ -103,24 +103,24 @@ class Owner(DaemonTest):
         self.assertNotIn("error", first.call("status"))
 
     def test_retract_in_another_s(self):
-        """The directory that the catalogue was in has been left to another database, with a
-        catalogue of the same name."""
-        first = self.with_catalogues("first", 1)
+        """The directory that the catalog was in has been left to another database, with a
+        catalog of the same name."""
+        first = self.with_catalogs("first", 1)
         first.settings["catalogues.directory"] = os.path.join(self.directory, "more")
         first.write_config()
         first.call("reload")
-        shutil.rmtree(self.catalogues)
-        self.with_catalogues("other", 1)
-        before = bytes_of(self.catalogues)
+        shutil.rmtree(self.catalogs)
+        self.with_catalogs("other", 1)
+        before = bytes_of(self.catalogs)
         self.assertEqual(first.call("retract", id=1)["state"], "retracted")
         first.stop()
         first.start()
-        self.assertEqual(bytes_of(self.catalogues), before)
+        self.assertEqual(bytes_of(self.catalogs), before)
 
     def test_bad_mark(self):
-        first = self.with_catalogues("first", 1)
+        first = self.with_catalogs("first", 1)
         first.stop()
-        mark = os.path.join(self.catalogues, MARK)
+        mark = os.path.join(self.catalogs, MARK)
         identity = content_of(mark)
         for content in (b"", b"\n", b"x" * 5000, bytes(range(256))):
             with open(mark, "wb") as f:
@@ -133,24 +133,24 @@ class Owner(DaemonTest):
     # ---- from before there were marks ----
 
     def unmarked(self):
-        first = self.with_catalogues("first", 3)
+        first = self.with_catalogs("first", 3)
         first.stop()
-        os.unlink(os.path.join(self.catalogues, MARK))
+        os.unlink(os.path.join(self.catalogs, MARK))
         return first
 
     def test_own_of_before(self):
-        """It knows what lies there; also catalogues whose jobs are retired stay, and orphans."""
+        """It knows what lies there; also catalogs whose jobs are retired stay, and orphans."""
         first = self.unmarked()
         with sqlite3.connect(os.path.join(first.state, "sheard.db")) as base:
             base.execute("pragma foreign_keys = on")
             base.execute("delete from jobs where id = 1")
             base.execute("update jobs set catalogue = null where id = 2")
         base.close()
-        before = bytes_of(self.catalogues)
+        before = bytes_of(self.catalogs)
         for _ in range(3):
             first.start()
             first.stop()
-            after = bytes_of(self.catalogues)
+            after = bytes_of(self.catalogs)
             self.assertEqual(len(after.pop(MARK)), 33)
             self.assertEqual(after, before)
 
@@ -162,19 +162,19 @@ class Owner(DaemonTest):
         """Two databases wrote here: the one that knows fewer jobs does not take it."""
         self.unmarked()
         kept = os.path.join(self.directory, "kept")
-        os.rename(self.catalogues, kept)
-        other = self.with_catalogues("other", 1)
+        os.rename(self.catalogs, kept)
+        other = self.with_catalogs("other", 1)
         other.stop()
-        os.unlink(os.path.join(self.catalogues, MARK))
+        os.unlink(os.path.join(self.catalogs, MARK))
         for name in ("2.shear.fits", "3.shear.fits"):
-            shutil.copy(os.path.join(kept, name), self.catalogues)
-        self.assertRefuses(other, "job 3" if os.listdir(self.catalogues)[0] == "3.shear.fits"
+            shutil.copy(os.path.join(kept, name), self.catalogs)
+        self.assertRefuses(other, "job 3" if os.listdir(self.catalogs)[0] == "3.shear.fits"
                            else "job ")
 
 
 class Orphans(DaemonTest):
     def killed(self, at):
-        """A job's catalogue is about to be put in place, and the at-th of the calls on the way is
+        """A job's catalog is about to be put in place, and the at-th of the calls on the way is
         the last thing that the daemon does. Another job, the first, is held meanwhile."""
         name = f"run{at}"
         where = os.path.join(self.directory, name, "catalogues")
@@ -205,7 +205,7 @@ class Orphans(DaemonTest):
             return daemon.job(job)["state"] == "done"
 
     def test_killed_then_cancelled(self):
-        """The job is cancelled before it runs again: no catalogue of it is left."""
+        """The job is cancelled before it runs again: no catalog of it is left."""
         in_place = 0
         for at in itertools.count(1):
             daemon, first, second, names = self.killed(at)
@@ -223,7 +223,7 @@ class Orphans(DaemonTest):
         self.assertGreater(in_place, 0, "no kill came between the rename and the commit")
 
     def test_cancelled_at_the_end(self):
-        """Cancelled while it ends: a catalogue that is in place already goes with it."""
+        """Cancelled while it ends: a catalog that is in place already goes with it."""
         daemon = self.daemon({"catalogues.enabled": "true"})
         path = mock(os.path.join(daemon.data, "a.fits"), 16, 32)
         for i in range(30):
@@ -238,7 +238,7 @@ class Orphans(DaemonTest):
                 client.call("wait", ids=[job])
         wanted = {os.path.basename(j["catalogue"]) for j in daemon.jobs() if j["catalogue"]}
         until(lambda: set(os.listdir(daemon.path("catalogues"))) == wanted | {MARK},
-              "catalogues of done jobs, and no others")
+              "catalogs of done jobs, and no others")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The jobs' result catalogues, and their temporary files, which wait for a job's next attempt.
+/* The jobs' result catalogs, and their temporary files, which wait for a job's next attempt.
  *
  * They are called after the jobs' numbers, which every database counts from 1. So a directory
  * belongs to one database: the file .sheard-database in it says which. A directory without it is
  * taken where nothing of the kind lies in it, or where this database knows what does (0.1 left no
  * mark).
  *
- * A catalogue is in place before its job's end is on disk. Where the service dies between, or that
+ * A catalog is in place before its job's end is on disk. Where the service dies between, or that
  * end is another one (cancelled meanwhile), it is nobody's: it goes at the job's end, or at the
  * next start. The mark's time of change says since when there may be such ones: what was there
  * before the directory was marked is never taken for one, and no start looks at what the last one
@@ -33,8 +33,8 @@ static char *path_in(const char *directory, int64_t job) {
     return asprintf(&path, "%s/%" PRId64 "%s", directory, job, final_suffix) > 0 ? path : NULL;
 }
 
-char *catalogue_path(const service *s, int64_t job) {
-    return s->config.catalogues.enabled ? path_in(s->config.catalogues.directory, job) : NULL;
+char *catalog_path(const service *s, int64_t job) {
+    return s->config.catalogs.enabled ? path_in(s->config.catalogs.directory, job) : NULL;
 }
 
 /* The job of "JOB.shear.fits" or ".JOB.shear.fits.part"; 0 for other names. */
@@ -80,7 +80,7 @@ static int read_mark(const char *path, char *text, size_t size) {
 }
 
 static bool is_since_mark(const service *s, const char *path) {
-    char *mark = mark_in(s->config.catalogues.directory);
+    char *mark = mark_in(s->config.catalogs.directory);
     struct stat marked;
     struct stat st;
     const bool found = mark != NULL && stat(mark, &marked) == 0 && stat(path, &st) == 0;
@@ -90,8 +90,8 @@ static bool is_since_mark(const service *s, const char *path) {
                       st.st_ctim.tv_nsec >= marked.st_mtim.tv_nsec));
 }
 
-/* Is this the name that a catalogue of the job has, wherever its directory was? */
-static bool is_catalogue_of(const char *path, int64_t job) {
+/* Is this the name that a catalog of the job has, wherever its directory was? */
+static bool is_catalog_of(const char *path, int64_t job) {
     bool part = false;
     const char *slash = strrchr(path, '/');
     return slash != NULL && job_of(slash + 1, &part) == job && !part;
@@ -114,33 +114,33 @@ static bool is_ours(const service *s, const char *path, bool unmarked) {
 static bool remove_retracted(int64_t id, const char *path) {
     const bool gone = unlink(path) == 0 || errno == ENOENT;
     if (!gone) {
-        log_warning("job %" PRId64 " is retracted: its catalogue %s cannot be removed: %s", id,
-                    path, strerror(errno));
+        log_warning("job %" PRId64 " is retracted: its catalog %s cannot be removed: %s", id, path,
+                    strerror(errno));
     }
     return gone;
 }
 
-bool catalogue_leaves(const service *s, const store_leaving *l) {
-    char *path = l->kept ? NULL : path_in(s->config.catalogues.directory, l->job);
-    const char *named = l->kept ? l->catalogue : path;
-    const bool gone = named == NULL || !is_catalogue_of(named, l->job) ||
+bool catalog_leaves(const service *s, const store_leaving *l) {
+    char *path = l->kept ? NULL : path_in(s->config.catalogs.directory, l->job);
+    const char *named = l->kept ? l->catalog : path;
+    const bool gone = named == NULL || !is_catalog_of(named, l->job) ||
                       !is_ours(s, named, l->kept) || remove_retracted(l->job, named);
     free(path);
     return gone;
 }
 
 /* A failure: the next start tries it again. */
-void catalogues_remove_retracted(service *s) {
+void catalogs_remove_retracted(service *s) {
     shear_error err = {0};
     int64_t id = 0;
     char *path = NULL;
     int code = store_next_leftover(s->store, 0, &id, &path, &err);
     while (code == SHEAR_OK && id != 0) {
         const bool gone =
-            !is_catalogue_of(path, id) || !is_ours(s, path, true) || remove_retracted(id, path);
+            !is_catalog_of(path, id) || !is_ours(s, path, true) || remove_retracted(id, path);
         code = gone ? group_begin(s, &err) : SHEAR_OK;
         if (code == SHEAR_OK && gone) {
-            code = store_catalogue_gone(s->store, id, &err);
+            code = store_catalog_gone(s->store, id, &err);
         }
         free(path);
         path = NULL;
@@ -149,15 +149,15 @@ void catalogues_remove_retracted(service *s) {
         }
     }
     if (code != SHEAR_OK) {
-        log_warning("catalogues of retracted jobs: %s", err.message);
+        log_warning("catalogs of retracted jobs: %s", err.message);
     }
 }
 
-void catalogue_forget(const service *s, const store_job *job) {
-    char *path = catalogue_path(s, job->id);
+void catalog_forget(const service *s, const store_job *job) {
+    char *path = catalog_path(s, job->id);
     if (path != NULL) {
         remove_part(path, job->id);
-        if (job->catalogue == NULL && job->started_ms != 0 && is_since_mark(s, path)) {
+        if (job->catalog == NULL && job->started_ms != 0 && is_since_mark(s, path)) {
             remove_final(path, job->id);
         }
     }
@@ -187,8 +187,7 @@ static int for_each(service *s, const char *path, visitor *visit, void *context,
     DIR *directory = opendir(path);
     if (directory == NULL) {
         return shear_fail(err, SHEAR_E_IO, "let the service read and write it",
-                          "the catalogues' directory '%s' cannot be read: %s", path,
-                          strerror(errno));
+                          "the catalogs' directory '%s' cannot be read: %s", path, strerror(errno));
     }
     for (const struct dirent *e; (e = readdir(directory)) != NULL;) {
         bool part = false;
@@ -209,8 +208,8 @@ static void judge(service *s, int64_t id, bool part, void *context) {
     f->any = true;
     f->strange = id > f->last_job ? id : f->strange;
     if (path != NULL && store_job_get(s->store, id, &job, &ignored) == SHEAR_OK) {
-        f->known += part ? !shear_job_state_is_final(job.state)
-                         : job.catalogue != NULL && same_file(job.catalogue, path);
+        f->known += part ? !sheard_job_state_is_final(job.state)
+                         : job.catalog != NULL && same_file(job.catalog, path);
     }
     store_job_deinit(&job);
     free(path);
@@ -257,7 +256,7 @@ static int fail_foreign(const service *s, const char *directory, const char *why
              "%s away; if they are this database's after all, write %s into that file",
              mark_name, store_identity(s->store));
     return shear_fail(err, SHEAR_E_EXISTS, advice,
-                      "the catalogues in '%s' belong to another database than %s/sheard.db: %s",
+                      "the catalogs in '%s' belong to another database than %s/sheard.db: %s",
                       directory, s->config.daemon.state_dir, why);
 }
 
@@ -290,12 +289,12 @@ static int take_directory(service *s, const char *directory, const char *path, s
                                    "%s cannot be written: %s", path, strerror(error));
 }
 
-int catalogues_claim(service *s, const char *directory, shear_error *err) {
+int catalogs_claim(service *s, const char *directory, shear_error *err) {
     char text[64];
     char why[160];
     char *path = mark_in(directory);
     if (path == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for the catalogues' mark");
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for the catalogs' mark");
     }
     int code = make_directory(directory, 0750, err);
     const int error = code == SHEAR_OK ? read_mark(path, text, sizeof text) : 0;
@@ -318,19 +317,19 @@ int catalogues_claim(service *s, const char *directory, shear_error *err) {
 /* ---- the start ---- */
 
 /* Of a job that is over, what it did not end with; of one that is not, what an attempt that the
- * store does not know of has put in place. Catalogues of retired jobs stay. */
+ * store does not know of has put in place. Catalogs of retired jobs stay. */
 static void clean(service *s, int64_t id, bool part, void *context) {
     (void)context;
     store_job job = {0};
     shear_error ignored;
-    char *path = catalogue_path(s, id);
+    char *path = catalog_path(s, id);
     if (path != NULL && (part || is_since_mark(s, path))) {
         const int code = store_job_get(s->store, id, &job, &ignored);
         const bool over =
-            code == STORE_NOT_FOUND || (code == SHEAR_OK && shear_job_state_is_final(job.state));
+            code == STORE_NOT_FOUND || (code == SHEAR_OK && sheard_job_state_is_final(job.state));
         if (part && over) {
             remove_part(path, id);
-        } else if (!part && code == SHEAR_OK && job.catalogue == NULL) {
+        } else if (!part && code == SHEAR_OK && job.catalog == NULL) {
             remove_final(path, id);
         }
         store_job_deinit(&job);
@@ -370,11 +369,11 @@ static int sweep(service *s, const char *directory, shear_error *err) {
     return code;
 }
 
-int catalogues_open(service *s, shear_error *err) {
-    if (!s->config.catalogues.enabled) {
+int catalogs_open(service *s, shear_error *err) {
+    if (!s->config.catalogs.enabled) {
         return SHEAR_OK;
     }
-    const char *directory = s->config.catalogues.directory;
-    const int code = catalogues_claim(s, directory, err);
+    const char *directory = s->config.catalogs.directory;
+    const int code = catalogs_claim(s, directory, err);
     return code == SHEAR_OK ? sweep(s, directory, err) : code;
 }
