@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/array.h"
+
+#include <assert.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEAST_BYTES = 64 };
+
+size_t array_next_capacity(size_t capacity, size_t needed, size_t item_size) {
+    assert(item_size > 0);
+    const size_t least = item_size < LEAST_BYTES ? LEAST_BYTES / item_size : 1;
+    const size_t doubled = capacity > SIZE_MAX / 2 ? SIZE_MAX : 2 * capacity;
+    const size_t larger = doubled > least ? doubled : least;
+    return larger > needed ? larger : needed;
+}
+
+bool array_reserve(void *items, size_t *capacity, size_t needed, size_t item_size) {
+    void *old = NULL; /* copied: a pointer to another type must not be read as a void pointer */
+    memcpy(&old, items, sizeof old);
+    if (needed <= *capacity) {
+        return true;
+    }
+    const size_t larger = array_next_capacity(*capacity, needed, item_size);
+    void *grown = larger <= SIZE_MAX / item_size ? realloc(old, larger * item_size) : NULL;
+    if (grown == NULL) {
+        return false;
+    }
+    memcpy(items, &grown, sizeof grown);
+    *capacity = larger;
+    return true;
+}

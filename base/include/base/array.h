@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* base/array.h: growth of an array on the heap that has a length and a capacity. */
+#ifndef BASE_ARRAY_H
+#define BASE_ARRAY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Make room for `needed` items in all: `items` is a pointer variable (NULL at first), `capacity` a
+ * size_t variable (0 at first). The capacity doubles, so that appending item by item costs constant
+ * time per item. Returns false, with nothing changed, when memory is out.
+ *
+ *     if (!ARRAY_RESERVE(list->items, list->capacity, list->n + 1)) {
+ *         return false;
+ *     }
+ *     list->items[list->n++] = item;
+ *
+ * Two arrays of one capacity: reserve the first with a copy of the capacity. */
+#define ARRAY_RESERVE(items, capacity, needed)                                                     \
+    array_reserve((void *)&(items), &(capacity), (needed), sizeof *(items))
+
+/* What ARRAY_RESERVE calls; `items` is the address of the pointer. */
+bool array_reserve(void *items, size_t *capacity, size_t needed, size_t item_size);
+
+/* The capacity that follows `capacity` and holds `needed` items: for arrays with limits of their
+ * own. At least 64 bytes. */
+size_t array_next_capacity(size_t capacity, size_t needed, size_t item_size);
+
+#endif

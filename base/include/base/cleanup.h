@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* base/cleanup.h: locals that are released where their block ends, however it is left.
+ *
+ *     CLEANUP(release_free) char *text = malloc(n);     // an owned pointer
+ *     CLEANUP(release_fd) int fd = open(path, O_RDONLY); // negative: none
+ *     CLEANUP(cards_deinit) cards c = {0};               // deinit functions take the address as it
+ * is
+ *
+ * A local must be initialised where it is declared: NULL, -1 or an empty struct where nothing is
+ * owned yet. They are released in reverse order. A pointer that is returned or given away leaves
+ * with CLEANUP_TAKE:
+ *
+ *     return CLEANUP_TAKE(text);
+ */
+#ifndef BASE_CLEANUP_H
+#define BASE_CLEANUP_H
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define CLEANUP(release) __attribute__((cleanup(release)))
+
+/* Define TYPE_release(TYPE **), for CLEANUP(TYPE_release) TYPE *p, from a free function, which
+ * takes NULL:
+ *
+ *     CLEANUP_DEFINE(plan, plan_free)
+ */
+#define CLEANUP_DEFINE(type, free_function)                                                        \
+    static inline __attribute__((unused)) void type##_release(type **p) {                          \
+        free_function(*p);                                                                         \
+    }
+
+/* The value of a pointer variable, which becomes NULL. */
+#define CLEANUP_TAKE(pointer)                                                                      \
+    __extension__({                                                                                \
+        __typeof__(pointer) cleanup_taken_ = (pointer);                                            \
+        (pointer) = NULL;                                                                          \
+        cleanup_taken_;                                                                            \
+    })
+
+/* Any pointer variable: p is its address. */
+static inline void release_free(void *p) {
+    void *owned = NULL;
+    memcpy(&owned, p, sizeof owned);
+    free(owned);
+}
+
+static inline void release_fd(const int *fd) {
+    if (*fd >= 0) {
+        close(*fd);
+    }
+}
+
+static inline void release_file(FILE **file) {
+    if (*file != NULL) {
+        fclose(*file);
+    }
+}
+
+#endif

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Growth of arrays and buffers; release of locals. */
+#include "base/array.h"
+#include "base/buffer.h"
+#include "base/cleanup.h"
+#include "test.h"
+
+#include <stdint.h>
+
+static void growing_keeps_the_items(void **state) {
+    (void)state;
+    CLEANUP(release_free) int *items = NULL;
+    size_t capacity = 0;
+    for (size_t n = 0; n < 1000; n++) {
+        assert_true(ARRAY_RESERVE(items, capacity, n + 1));
+        assert_true(capacity > n);
+        items[n] = (int)n;
+    }
+    for (size_t i = 0; i < 1000; i++) {
+        assert_int_equal(items[i], (int)i);
+    }
+    assert_true(capacity < 2048);
+}
+
+static void nothing_changes_where_nothing_is_needed(void **state) {
+    (void)state;
+    CLEANUP(release_free) double *items = NULL;
+    size_t capacity = 0;
+    assert_true(ARRAY_RESERVE(items, capacity, 0));
+    assert_null(items);
+    assert_true(ARRAY_RESERVE(items, capacity, 100));
+    assert_int_equal(capacity, 100);
+    double *const before = items;
+    assert_true(ARRAY_RESERVE(items, capacity, 100));
+    assert_ptr_equal(items, before);
+}
+
+static void too_many_are_refused(void **state) {
+    (void)state;
+    CLEANUP(release_free) double *items = NULL;
+    size_t capacity = 0;
+    assert_true(ARRAY_RESERVE(items, capacity, 1));
+    double *const before = items;
+    const size_t had = capacity;
+    assert_false(ARRAY_RESERVE(items, capacity, SIZE_MAX / 4));
+    assert_false(ARRAY_RESERVE(items, capacity, SIZE_MAX));
+    assert_ptr_equal(items, before);
+    assert_int_equal(capacity, had);
+}
+
+static void a_buffer_collects(void **state) {
+    (void)state;
+    buffer b = {0};
+    size_t n = 0;
+    for (int i = 0; i < 500; i++) {
+        assert_true(buffer_add_text(&b, "ab"));
+        assert_true(buffer_add(&b, "", 1));
+    }
+    assert_true(buffer_add(&b, NULL, 0));
+    CLEANUP(release_free) char *bytes = buffer_take(&b, &n);
+    assert_non_null(bytes);
+    assert_int_equal(n, 1500);
+    assert_memory_equal(bytes + 1497, "ab\0", 4);
+    assert_null(b.bytes);
+    assert_int_equal(b.n, 0);
+}
+
+static void a_failed_buffer_gives_nothing(void **state) {
+    (void)state;
+    buffer b = {0};
+    assert_true(buffer_add_text(&b, "kept"));
+    assert_false(buffer_add(&b, "", SIZE_MAX));
+    assert_false(buffer_add_text(&b, "more"));
+    assert_null(buffer_take(&b, NULL));
+    assert_null(b.bytes);
+    buffer_deinit(&b);
+}
+
+static int released;
+
+static void thing_free(int *thing) {
+    released += thing != NULL ? *thing : 0;
+}
+
+typedef int thing;
+CLEANUP_DEFINE(thing, thing_free)
+
+static int *own(int *one, int *other) {
+    CLEANUP(thing_release) thing *kept = one;
+    CLEANUP(thing_release) thing *given = other;
+    CLEANUP(thing_release) thing *none = NULL;
+    return kept != NULL && none == NULL ? CLEANUP_TAKE(given) : NULL;
+}
+
+static void locals_are_released_unless_taken(void **state) {
+    (void)state;
+    int one = 1;
+    int other = 2;
+    released = 0;
+    assert_ptr_equal(own(&one, &other), &other);
+    assert_int_equal(released, 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(growing_keeps_the_items),
+        cmocka_unit_test(nothing_changes_where_nothing_is_needed),
+        cmocka_unit_test(too_many_are_refused),
+        cmocka_unit_test(a_buffer_collects),
+        cmocka_unit_test(a_failed_buffer_gives_nothing),
+        cmocka_unit_test(locals_are_released_unless_taken),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
