@@ -5,6 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/utf8.h"
+
 /* Not shown: controls, and what Unicode calls format characters or leaves without a glyph. Sorted.
  */
 static const struct {
@@ -19,28 +21,6 @@ static const struct {
     {0x13430, 0x1343f}, {0x1bca0, 0x1bca3}, {0x1d173, 0x1d17a}, {0xe0000, 0xe0fff},
 };
 
-/* The code point at `p` and its bytes; 0 bytes where it is no UTF-8. */
-static size_t decode(const unsigned char *p, uint32_t *value) {
-    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-    if (p[0] < 0x80) {
-        *value = p[0];
-        return 1;
-    }
-    if (p[0] < 0xc2 || p[0] > 0xf4) {
-        return 0;
-    }
-    const size_t n = p[0] >= 0xf0 ? 4 : p[0] >= 0xe0 ? 3 : 2;
-    *value = p[0] & (0xffu >> (n + 1));
-    for (size_t i = 1; i < n; i++) {
-        if ((p[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-        *value = *value << 6 | (p[i] & 0x3fu);
-    }
-    const bool surrogate = *value >= 0xd800 && *value <= 0xdfff;
-    return *value < least[n] || *value > 0x10ffff || surrogate ? 0 : n;
-}
-
 static bool is_hidden(uint32_t value) {
     for (size_t i = 0; i < sizeof hidden / sizeof hidden[0] && hidden[i].first <= value; i++) {
         if (value <= hidden[i].last) {
@@ -52,7 +32,7 @@ static bool is_hidden(uint32_t value) {
 
 size_t shear_text_shown(const char *text) {
     uint32_t value = 0;
-    const size_t n = decode((const unsigned char *)text, &value);
+    const size_t n = utf8_decode(text, &value);
     return n > 0 && !is_hidden(value) ? n : 0;
 }
 
@@ -60,7 +40,7 @@ char *shear_text_clean(const char *text, char *buf, size_t size) {
     size_t used = 0;
     while (*text != '\0') {
         uint32_t value = 0;
-        const size_t n = decode((const unsigned char *)text, &value);
+        const size_t n = utf8_decode(text, &value);
         const size_t shown = n > 0 && !is_hidden(value) ? n : 0;
         if (used + (shown > 0 ? shown : 1) >= size) {
             break;

@@ -15,7 +15,7 @@
 #include "shear/sums.h"
 #include "shear/symmetry.h"
 #include "shear/text.h"
-#include "shear/work.h"
 #include "shear/version.h"
+#include "shear/work.h"
 
 #endif
