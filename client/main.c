@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl: the table of subcommands and the choice of one. */
-#include "command.h"
-#include "message.h"
-#include "settings_options.h"
+#include "cmdline/command.h"
+#include "cmdline/settings_options.h"
+#include "terminal/message.h"
 
 #include <errno.h>
 #include <locale.h>

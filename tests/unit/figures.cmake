@@ -4,7 +4,7 @@ shear_add_test(figure SOURCES test_figure.c LIBRARIES shear_figures shear_static
 
 # shearctl is a program, not a library: its helpers are compiled in.
 shear_add_test(plot
-  SOURCES test_plot.c ${PROJECT_SOURCE_DIR}/client/plot_array.c ${PROJECT_SOURCE_DIR}/client/plot_text.c
-          ${PROJECT_SOURCE_DIR}/client/plot_catalog.c
+  SOURCES test_plot.c ${PROJECT_SOURCE_DIR}/client/plot/array.c ${PROJECT_SOURCE_DIR}/client/plot/text.c
+          ${PROJECT_SOURCE_DIR}/client/plot/catalog.c
   LIBRARIES shear_figures shear_static LABELS figures)
 target_include_directories(test_plot PRIVATE ${PROJECT_SOURCE_DIR}/client)

@@ -18,5 +18,5 @@ mock_test(options)
 mock_test(write)
 
 set(client ${PROJECT_SOURCE_DIR}/client)
-mock_test(command ${client}/cmd_mock.c ${client}/message.c ${client}/options.c ${client}/progress.c ${client}/bar.c)
+mock_test(command ${client}/commands/mock.c ${client}/terminal/message.c ${client}/cmdline/options.c ${client}/terminal/progress.c ${client}/terminal/bar.c)
 target_include_directories(test_mock_command PRIVATE ${client})

@@ -3,7 +3,7 @@
  */
 #include "test.h"
 
-#include "settings_options.h"
+#include "cmdline/settings_options.h"
 #include "sheard/advice.h"
 
 #include <math.h>

@@ -4,17 +4,17 @@
  */
 #include "test.h"
 
-#include "bar.h"
-#include "command.h"
-#include "completion.h"
-#include "conf_text.h"
-#include "follow_sum.h"
-#include "human.h"
-#include "input_path.h"
-#include "message.h"
+#include "cmdline/command.h"
+#include "cmdline/completion.h"
+#include "cmdline/input_path.h"
+#include "doctor/conf_text.h"
+#include "remote/follow_sum.h"
 #include "sheard/finding.h"
 #include "sheard/report_summary.h"
-#include "style.h"
+#include "terminal/bar.h"
+#include "terminal/human.h"
+#include "terminal/message.h"
+#include "terminal/style.h"
 
 #include <locale.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl mock: its help text against the option table, and its exit codes. */
-#include "command.h"
+#include "cmdline/command.h"
 #include "shear_mocks/mock.h"
 #include "test.h"
 

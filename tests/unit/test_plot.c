@@ -2,9 +2,9 @@
 /* shearctl plot's helpers: cuts, profiles, text; and catalogs of every kind that can be drawn. */
 #include "test.h"
 
-#include "plot.h"
-#include "plot_array.h"
-#include "plot_text.h"
+#include "plot/array.h"
+#include "plot/plot.h"
+#include "plot/text.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl help [SUBCOMMAND]. Two hidden forms feed the manual page (man/paste.cmake):
+ * --settings-man, and --man SUBCOMMAND, which is the help text with a reference to the page's
+ * SETTINGS; a third one, --completion-data, the shells' completions. */
+#include "cmdline/command.h"
+#include "cmdline/completion.h"
+#include "cmdline/settings_options.h"
+#include "terminal/message.h"
+
+#include <string.h>
+
+static void refer_to_settings(FILE *out) {
+    fputs("  all options of SETTINGS\n", out);
+}
+
+static int explain(const char *name, void (*settings)(FILE *out)) {
+    const struct command *command = command_find(name);
+    if (command == NULL) {
+        return EXIT_CODE_USAGE;
+    }
+    command_print_usage(command, settings, stdout);
+    return EXIT_CODE_DONE;
+}
+
+static int run(int argc, char **argv) {
+    if (argc < 2) {
+        command_print_list(stdout);
+        return EXIT_CODE_DONE;
+    }
+    if (argc == 2 && strcmp(argv[1], "--settings-man") == 0) {
+        settings_options_man(stdout);
+        return EXIT_CODE_DONE;
+    }
+    if (argc == 2 && strcmp(argv[1], "--completion-data") == 0) {
+        return completion_data_print(stdout);
+    }
+    if (argc == 3 && strcmp(argv[1], "--man") == 0) {
+        return explain(argv[2], refer_to_settings);
+    }
+    if (argc > 2) {
+        message_fail("\"shearctl help SUBCOMMAND\"", "help: expected one name, got %d", argc - 1);
+        return EXIT_CODE_USAGE;
+    }
+    return explain(argv[1], settings_options_help);
+}
+
+const struct command cmd_help = {
+    .name = "help",
+    .summary = "explain a subcommand",
+    .usage = "usage: shearctl help [SUBCOMMAND]\n"
+             "\n"
+             "Explain a subcommand and its options, or list all subcommands.\n",
+    .run = run,
+};

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl mock: a field file of mock galaxies whose shear is known. */
+#include "shear_mocks/mock.h"
+#include "cmdline/command.h"
+#include "cmdline/options.h"
+#include "terminal/message.h"
+#include "terminal/progress.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { MAX_THREADS = 1024, MAX_OPTIONS = 64 };
+enum { OPT_THREADS = 256, OPT_FORCE, OPT_QUIET, OPT_TABLE = 1024 };
+
+typedef struct mock_options {
+    shear_mock_spec spec;
+    shear_mock_write_options write;
+    const char *path;
+    bool quiet;
+} mock_options;
+
+static const struct option own_options[] = {
+    {"threads", required_argument, NULL, OPT_THREADS},
+    {"force", no_argument, NULL, OPT_FORCE},
+    {"quiet", no_argument, NULL, OPT_QUIET},
+};
+enum { N_OWN = sizeof own_options / sizeof own_options[0] };
+
+/* Ours, then those of the table, then the all-zero entry. */
+static void fill_options(struct option *options, size_t room) {
+    size_t n = 0;
+    const shear_mock_option *table = shear_mock_options(&n);
+    memset(options, 0, room * sizeof *options);
+    memcpy(options, own_options, sizeof own_options);
+    for (size_t i = 0; i < n && N_OWN + i + 1 < room; i++) {
+        options[N_OWN + i] = (struct option){
+            table[i].name, table[i].metavar != NULL ? required_argument : no_argument, NULL,
+            OPT_TABLE + (int)i};
+    }
+}
+
+static int handle(int value, mock_options *o) {
+    if (value >= OPT_TABLE) {
+        size_t n = 0;
+        shear_error err = {0};
+        const char *name = shear_mock_options(&n)[value - OPT_TABLE].name;
+        if (shear_mock_set(&o->spec, name, optarg, &err) != 0) {
+            message_error(&err);
+            return EXIT_CODE_USAGE;
+        }
+        return EXIT_CODE_DONE;
+    }
+    int64_t threads = 0;
+    int code = EXIT_CODE_DONE;
+    switch (value) {
+    case OPT_THREADS:
+        code = options_int("threads", optarg, 1, MAX_THREADS, &threads);
+        o->write.threads = (int)threads;
+        break;
+    case OPT_FORCE:
+        o->write.overwrite = true;
+        break;
+    default:
+        o->quiet = true;
+        break;
+    }
+    return code;
+}
+
+static int parse(int argc, char **argv, mock_options *o) {
+    struct option options[MAX_OPTIONS];
+    fill_options(options, MAX_OPTIONS);
+    opterr = 0;
+    int value = 0;
+    while ((value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
+        if (value == '?' || value == ':') {
+            return options_bad(&cmd_mock, value, argv, options);
+        }
+        int code = handle(value, o);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    if (argc - optind != 1) {
+        message_fail("\"shearctl help mock\"", "mock: expected one output file, got %d",
+                     argc - optind);
+        return EXIT_CODE_USAGE;
+    }
+    o->path = argv[optind];
+    return EXIT_CODE_DONE;
+}
+
+static const char *turned(int rotate) {
+    switch (rotate) {
+    case 2:
+        return ", each at 0 and 90 degrees";
+    case 4:
+        return ", each at 0, 45, 90 and 135 degrees";
+    default:
+        return "";
+    }
+}
+
+static void print_report(const mock_options *o, const shear_mock_info *info) {
+    const shear_mock_spec *s = &o->spec;
+    struct stat st = {0};
+    char path[512];
+    double megabytes = stat(o->path, &st) == 0 ? (double)st.st_size * 1e-6 : 0.0;
+    printf("wrote %s: %" PRId64 " stamp pairs of %dx%d px, %.1f MB\n",
+           message_clean(o->path, path, sizeof path), info->n_stamps, s->nx, s->ny, megabytes);
+    printf("true shear g1 = %g, g2 = %g; %" PRId64 " %s galaxies%s\n", s->g1, s->g2,
+           info->n_galaxies, s->galaxy == SHEAR_MOCK_IRREGULAR ? "irregular" : "regular",
+           turned(s->rotate));
+}
+
+/* The exit code of a failed write: the options were good, so the rest is the system's. */
+static int exit_code(int code) {
+    return code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
+}
+
+static int write_field(mock_options *o, const shear_mock *m) {
+    shear_error err = {0};
+    struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin("mock");
+    o->write.progress = progress_callback;
+    o->write.context = progress;
+    int code = shear_mock_write(m, o->path, &o->write, &err);
+    progress_end(progress);
+    if (code != SHEAR_OK) {
+        message_error(&err);
+        return exit_code(code);
+    }
+    print_report(o, shear_mock_get_info(m));
+    return EXIT_CODE_DONE;
+}
+
+static int run(int argc, char **argv) {
+    mock_options o = {0};
+    shear_error err = {0};
+    shear_mock *m = NULL;
+    shear_mock_spec_init(&o.spec);
+    int code = parse(argc, argv, &o);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = shear_mock_new(&m, &o.spec, &err);
+    if (code != SHEAR_OK) {
+        message_error(&err);
+        return exit_code(code);
+    }
+    code = write_field(&o, m);
+    shear_mock_free(m);
+    return code;
+}
+
+/* A test holds this text against the table: every option, with the default that it has there. */
+const struct command cmd_mock = {
+    .name = "mock",
+    .summary = "make a field file of mock galaxies with a known shear",
+    .usage =
+        "usage: shearctl mock [OPTION...] OUT.fits\n"
+        "\n"
+        "Draw mock galaxies as in section 4.1 of Zhang (2010): galaxies and astronomical noise "
+        "are\n"
+        "point sources, lensed, and convolved with a PSF. Lengths are in pixels. Without options:\n"
+        "2000 regular galaxy stamps without noise, in pairs turned by 90 degrees.\n"
+        "\n"
+        "field:\n"
+        "  --stamps N              stamp pairs (default 2000)\n"
+        "  --size NX[xNY]          pixels of a stamp (default 64x64)\n"
+        "  --shear G1,G2           the true shear (default 0.02,-0.03)\n"
+        "  --seed S                the same seed gives the same galaxies and noise at any shear\n"
+        "                          (default 1)\n"
+        "  --rotate 1|2|4          each galaxy once, at 0 and 90, or at 0, 45, 90 and 135 "
+        "degrees,\n"
+        "                          in neighbouring stamps (default 2)\n"
+        "  --no-shift              no random sub-pixel position of the galaxies (default no)\n"
+        "  --offset DX,DY          move every galaxy by this much (default 0,0)\n"
+        "  --share-shift           rotated copies have the same sub-pixel position (default no)\n"
+        "  --share-noise           rotated copies have the same noise (default no)\n"
+        "  --turn-stamps           copies at 90 degrees are whole stamps turned, position and "
+        "noise too\n"
+        "                          (default no)\n"
+        "galaxies:\n"
+        "  --galaxy regular|irregular  disk and bulge, or random walk (default regular)\n"
+        "  --r-gal PX              radius R_G at which a galaxy is cut (default 6)\n"
+        "  --points N              points of a regular galaxy (default 600)\n"
+        "  --bulge-fraction X      f_b/d, brightness of the bulge over the disk's at the centre\n"
+        "                          (default 1/3)\n"
+        "  --disk-scale X          r_disk / R_G (default 1)\n"
+        "  --bulge-ratio X         r_disk / r_bulge (default 3)\n"
+        "  --inclination MIN,MAX   range of the inclinations, degrees (default 0,30)\n"
+        "  --steps N               steps of an irregular galaxy (default 1000)\n"
+        "  --step-size PX          length of a step (default 0.375)\n"
+        "PSF:\n"
+        "  --psf a|b               W_A, or W_B with diffraction spikes (default a)\n"
+        "  --r-psf PX              scale radius R_PSF (default 1.5)\n"
+        "  --psf-angle DEG         turns the PSF from x towards y (default 30)\n"
+        "  --oversamp K            samples of the PSF image per pixel (default 1)\n"
+        "  --psf-size N            samples a side of the PSF image; auto: all that exceeds 1e-20 "
+        "of\n"
+        "                          the peak (default auto)\n"
+        "  --psf-per-stamp         every stamp has its own PSF, at a random angle (default no)\n"
+        "  --psf-ids K             K PSFs at random angles, told apart by PSF_ID (default 0)\n"
+        "noise (any combination; the noise stamps have their own, of the same kind):\n"
+        "  --noise-stamps N        noise stamps a galaxy (default 1)\n"
+        "  --noise-ratio X         astronomical: I_N/I_G, the mean flux density of the noise over\n"
+        "                          the galaxy's (default 0)\n"
+        "  --noise-density N       its points per square pixel; auto: 1/R_PSF^2 (default auto)\n"
+        "  --white SIGMA           white Gaussian noise per pixel, in units of the peak of one\n"
+        "                          point, or in photons (default 0)\n"
+        "  --photons N             photon counting: background photons per pixel (default 0)\n"
+        "  --photon-snr X          mean surface brightness, galaxy over background (default 1)\n"
+        "  --subtract-background   take the mean background off the photon counts (default no)\n"
+        "file:\n"
+        "  --field NAME            the field's name (default: the file's)\n"
+        "  --layout cube|mosaic    of the stamps (default cube)\n"
+        "  --bitpix -32|-64        float or double pixels (default -32)\n"
+        "  --no-r-gal              leave R_GAL out of the catalog (default no)\n"
+        "  --force                 replace a file that exists\n"
+        "  --threads N             worker threads (default: all cores); the file does not depend "
+        "on\n"
+        "                          it\n"
+        "  --quiet                 no progress bar\n"
+        "\n"
+        "exit status: 0 done, 2 usage, 1 anything else.\n",
+    .run = run,
+};

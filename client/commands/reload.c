@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl reload. */
+#include "remote/service_query.h"
+#include "terminal/message.h"
+#include "terminal/style.h"
+
+static void print_list(const char *title, const char *const *names, size_t n) {
+    for (size_t i = 0; i < n; i++) {
+        char name[512];
+        printf("%s %s\n", title, message_clean(names[i], name, sizeof name));
+    }
+}
+
+static void print(const sheard_reply *reply) {
+    const sheard_msg_reloaded *r = &reply->reload;
+    print_list("changed:", r->changed, r->n_changed);
+    print_list("needs a restart:", r->restart, r->n_restart);
+    print_list("warning:", r->warnings, r->n_warnings);
+    if (r->n_changed + r->n_restart == 0) {
+        puts("nothing has changed");
+    }
+}
+
+static int run(int argc, char **argv) {
+    return service_query(&cmd_reload, SHEARD_METHOD_RELOAD, print, argc, argv);
+}
+
+const struct command cmd_reload = {
+    .name = "reload",
+    .summary = "make the service read its configuration again",
+    .usage = "usage: shearctl reload [OPTION...]\n"
+             "\n"
+             "Have the service read its configuration again. Where something is wrong in it, the "
+             "old one stays in\n"
+             "force and the errors are told. Administrators only.\n"
+             "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+    .run = run,
+};

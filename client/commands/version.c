@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shearctl version: the library that is linked, and what it was built with. */
+#include "shear/version.h"
+#include "build_info.h"
+#include "cmdline/command.h"
+#include "terminal/message.h"
+
+static int run(int argc, char **argv) {
+    (void)argv;
+    if (argc > 1) {
+        message_fail(NULL, "version: expected no arguments");
+        return EXIT_CODE_USAGE;
+    }
+    printf("shearctl %s\nlibshear    %s\n%s", SHEAR_VERSION_STRING, shear_version(), BUILD_INFO);
+    return EXIT_CODE_DONE;
+}
+
+const struct command cmd_version = {
+    .name = "version",
+    .summary = "print the version, and the libraries that it was built with",
+    .usage = "usage: shearctl version\n"
+             "\n"
+             "Print the version, and the compiler and libraries that it was built with.\n",
+    .run = run,
+};

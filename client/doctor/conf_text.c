@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "doctor/conf_text.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *next_line(const char *line) {
+    const char *end = strchr(line, '\n');
+    return end != NULL ? end + 1 : line + strlen(line);
+}
+
+/* The line is "[section]". */
+static bool is_section(const char *line, const char *section) {
+    const size_t n = strlen(section);
+    return line[0] == '[' && strncmp(line + 1, section, n) == 0 && line[1 + n] == ']';
+}
+
+/* What stands behind "key =" in the line, or NULL. */
+static const char *value_of(const char *line, const char *key) {
+    const size_t n = strlen(key);
+    if (strncmp(line, key, n) != 0) {
+        return NULL;
+    }
+    line += n + strspn(line + n, " ");
+    return *line == '=' ? line + 1 : NULL;
+}
+
+/* The rest of the line and of those that begin with a space, each without spaces around it. */
+static char *collect(const char *at) {
+    size_t used = 0;
+    char *value = calloc(1, strlen(at) + 2);
+    while (value != NULL) {
+        at += strspn(at, " ");
+        size_t n = strcspn(at, "\n");
+        const char *next = next_line(at);
+        while (n > 0 && at[n - 1] == ' ') {
+            n--;
+        }
+        if (used > 0 && n > 0) {
+            value[used++] = ' ';
+        }
+        memcpy(value + used, at, n);
+        used += n;
+        if (*next != ' ') {
+            break;
+        }
+        at = next;
+    }
+    return value;
+}
+
+char *conf_text_value(const char *text, const char *section, const char *key) {
+    bool inside = false;
+    for (const char *line = text; *line; line = next_line(line)) {
+        if (*line == '[') {
+            inside = is_section(line, section);
+        }
+        const char *value = inside ? value_of(line, key) : NULL;
+        if (value != NULL) {
+            return collect(value);
+        }
+    }
+    return NULL;
+}

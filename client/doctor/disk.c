@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The directories of the service, with our own eyes: are they there, can they be written to, is
+ * there room, do their clocks agree. */
+#include "doctor/doctor.h"
+#include "terminal/human.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <linux/magic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/statfs.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+static const int64_t little_bytes = INT64_C(1) << 30;
+static const int64_t too_little_bytes = INT64_C(100) << 20;
+static const double clock_tolerance_s = 2.0; /* some file systems have whole seconds */
+enum { CIFS_MAGIC = (int)0xFF534D42 };       /* not in linux/magic.h of all versions */
+
+void doctor_say_room(doctor *d, const char *subject, const char *path, int64_t left) {
+    char bytes[HUMAN_SIZE];
+    human_bytes(left, bytes);
+    if (left < little_bytes) {
+        doctor_say(d, subject, left < too_little_bytes ? SHEARD_FINDING_FAIL : SHEARD_FINDING_WARN,
+                   "make room on that disk", "%s: only %s free", path, bytes);
+    } else {
+        doctor_say(d, subject, SHEARD_FINDING_OK, NULL, "%s: %s free", path, bytes);
+    }
+}
+
+static void check_room(doctor *d, const char *subject, const char *path) {
+    struct statvfs fs;
+    if (statvfs(path, &fs) != 0) {
+        doctor_say(d, subject, SHEARD_FINDING_WARN, "run doctor as root or as the service's user",
+                   "%s cannot be looked at: %s", path, strerror(errno));
+        return;
+    }
+    doctor_say_room(d, subject, path, (int64_t)fs.f_bavail * (int64_t)fs.f_frsize);
+}
+
+/* The database's write-ahead log needs shared memory that no network file system has. */
+void doctor_check_local(doctor *d, const char *path) {
+    struct statfs fs;
+    if (statfs(path, &fs) != 0) {
+        return; /* check_room has said why */
+    }
+    if (fs.f_type == NFS_SUPER_MAGIC || fs.f_type == SMB_SUPER_MAGIC ||
+        (int)fs.f_type == CIFS_MAGIC) {
+        doctor_say(d, "state", SHEARD_FINDING_FAIL, "put state_dir on a local disk",
+                   "%s is on a network file system", path);
+    }
+}
+
+static bool check_directory(doctor *d, const char *subject, const char *path, struct stat *st) {
+    if (stat(path, st) != 0) {
+        const bool hidden = errno == EACCES;
+        doctor_say(d, subject, hidden ? SHEARD_FINDING_WARN : SHEARD_FINDING_FAIL,
+                   hidden ? "run doctor as root or as the service's user"
+                          : "start the service once as its own user, or: systemd-tmpfiles --create",
+                   "%s: %s", path, strerror(errno));
+        return false;
+    }
+    if (!S_ISDIR(st->st_mode)) {
+        doctor_say(d, subject, SHEARD_FINDING_FAIL, "move it out of the way",
+                   "%s is not a directory", path);
+        return false;
+    }
+    return true;
+}
+
+static void check_folders(doctor *d) {
+    static const char *const names[] = {"incoming", "active", "done", "failed"};
+    struct stat spool;
+    if (!check_directory(d, "spool", d->spool, &spool)) {
+        return;
+    }
+    check_room(d, "spool", d->spool);
+    size_t good = 0;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char path[4400];
+        struct stat st;
+        snprintf(path, sizeof path, "%s/%s", d->spool, names[i]);
+        if (!check_directory(d, "spool", path, &st)) {
+            continue;
+        }
+        if (st.st_dev != spool.st_dev) {
+            doctor_say(d, "spool", SHEARD_FINDING_FAIL,
+                       "all four folders must be on the disk of the spool",
+                       "%s is on another file system", path);
+        } else if (doctor_try_write(d, "spool", path)) {
+            good++;
+        }
+    }
+    if (good == sizeof names / sizeof *names) {
+        doctor_say(d, "spool", SHEARD_FINDING_OK, NULL,
+                   "incoming, active, done and failed are there, and can be written to");
+    }
+}
+
+/* Is there a lock (flock) on the file? The kernel's list is read: asking for the lock could take it
+ * from a daemon that is just starting. */
+static bool is_locked(const struct stat *st) {
+    char line[256];
+    char inode[32];
+    bool found = false;
+    FILE *locks = fopen("/proc/locks", "re");
+    snprintf(inode, sizeof inode, ":%ju ", (uintmax_t)st->st_ino);
+    while (locks != NULL && !found && fgets(line, sizeof line, locks) != NULL) {
+        found = strstr(line, "FLOCK") != NULL && strstr(line, inode) != NULL;
+    }
+    if (locks != NULL) {
+        fclose(locks);
+    }
+    return found;
+}
+
+/* A daemon holds a lock on its spool for as long as it runs. */
+static void check_lock(doctor *d) {
+    char path[4400];
+    struct stat st;
+    snprintf(path, sizeof path, "%s/.lock", d->spool);
+    const bool there = stat(path, &st) == 0;
+    const bool locked = there && is_locked(&st);
+    if (!there && errno != ENOENT) {
+        doctor_say(d, "lock", SHEARD_FINDING_WARN, "run doctor as root or as the service's user",
+                   "%s cannot be looked at: %s", path, strerror(errno));
+    } else if (!locked && d->reached) {
+        doctor_say(d, "lock", SHEARD_FINDING_WARN,
+                   "does the service that answers use another configuration?",
+                   "nobody holds the lock of the spool, though the service runs");
+    } else if (locked && !d->reached) {
+        doctor_say(d, "lock", SHEARD_FINDING_WARN,
+                   "look for a service that is stuck or has another socket: systemctl status "
+                   "sheard",
+                   "the spool is locked, though no service answers");
+    } else {
+        doctor_say(d, "lock", SHEARD_FINDING_OK, NULL, "the spool is %s",
+                   locked ? "locked by its service" : "not locked");
+    }
+}
+
+/* The times of a file server decide when a file has stood still. */
+void doctor_check_clock(doctor *d) {
+    char path[4400];
+    struct stat st;
+    snprintf(path, sizeof path, "%s/incoming", d->spool);
+    const int fd = doctor_scratch_file(path);
+    if (fd < 0 || write(fd, "x", 1) != 1 || fstat(fd, &st) != 0) {
+        doctor_say(d, "clock", SHEARD_FINDING_WARN, "run doctor as someone who may drop files",
+                   "the clock of the spool's file system cannot be read: %s", strerror(errno));
+    } else {
+        const int64_t theirs_ms = (int64_t)st.st_mtim.tv_sec * 1000 + st.st_mtim.tv_nsec / 1000000;
+        const double off = (double)(human_now_ms() - theirs_ms) / 1000.0;
+        const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
+        doctor_say(d, "clock", good ? SHEARD_FINDING_OK : SHEARD_FINDING_WARN,
+                   good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",
+                   "the spool's file system is %.1f s %s this machine's clock",
+                   off < 0 ? -off : off, off < 0 ? "before" : "behind");
+    }
+    if (fd >= 0) {
+        close(fd);
+    }
+}
+
+static void check_root(doctor *d, const char *path) {
+    struct stat st;
+    const int error = stat(path, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
+    if (error != 0) {
+        doctor_say(d, "data root", SHEARD_FINDING_WARN,
+                   "mount it, or make it; jobs beneath it wait until it is there", "%s: %s", path,
+                   strerror(error));
+    } else if (access(path, R_OK | X_OK) != 0) {
+        doctor_say(d, "data root", SHEARD_FINDING_WARN, "ask for read permission on it",
+                   "%s: you may not read it, so no file in it will be measured for you", path);
+    } else {
+        doctor_say(d, "data root", SHEARD_FINDING_OK, NULL, "%s is readable for you", path);
+    }
+}
+
+void doctor_say_no_roots(doctor *d) {
+    doctor_say(d, "data root", SHEARD_FINDING_WARN,
+               "set [access] data_roots, if files are to be submitted by name",
+               "none: files are taken from the watch folder alone");
+}
+
+static void check_roots(doctor *d) {
+    if (d->roots == NULL || !*d->roots) {
+        doctor_say_no_roots(d);
+        return;
+    }
+    for (char *at = d->roots; at;) {
+        char *comma = strstr(at, ", ");
+        if (comma != NULL) {
+            *comma = '\0';
+        }
+        check_root(d, at);
+        at = comma != NULL ? comma + 2 : NULL;
+    }
+}
+
+void doctor_check_disks(doctor *d) {
+    struct stat st;
+    if (d->state_dir != NULL && check_directory(d, "state", d->state_dir, &st)) {
+        check_room(d, "state", d->state_dir);
+        if (doctor_try_write(d, "state", d->state_dir)) {
+            doctor_say(d, "state", SHEARD_FINDING_OK, NULL, "%s can be written to", d->state_dir);
+        }
+        doctor_check_local(d, d->state_dir);
+    }
+    if (d->spool != NULL && d->has_spool) {
+        check_folders(d);
+        check_lock(d);
+        doctor_check_clock(d);
+    }
+    if (d->state_dir != NULL) { /* the configuration is known */
+        check_roots(d);
+    }
+}

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The daemon's program and its configuration. The program itself is asked: the configuration's
+ * rules are its own. */
+#include "doctor/conf_text.h"
+#include "doctor/doctor.h"
+#include "doctor/run_program.h"
+#include "shear/version.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int ask(const char *config, const char *program, const char *what, char **text) {
+    const char *argv[] = {program, what, config != NULL ? "--config" : NULL, config, NULL};
+    return run_program(argv, text);
+}
+
+/* The first line that has `word`, and not `other` (where that is not NULL), cut; NULL: none. */
+static const char *line_with(const char *text, const char *word, const char *other, char *buf,
+                             size_t size) {
+    while (*text) {
+        const size_t n = strcspn(text, "\n");
+        snprintf(buf, size, "%.*s", (int)n, text);
+        if (strstr(buf, word) != NULL && (other == NULL || strstr(buf, other) == NULL)) {
+            return buf;
+        }
+        text += n + (text[n] == '\n');
+    }
+    return NULL;
+}
+
+static void check_version(doctor *d, const char *program) {
+    char *text = NULL;
+    const int code = ask(NULL, program, "--version", &text);
+    if (code != 0 || text == NULL) {
+        doctor_say(d, "program", SHEARD_FINDING_FAIL, "install sheard again",
+                   "%s cannot be run (exit code %d)", program, code);
+    } else if (strstr(text, SHEAR_VERSION_STRING) == NULL) {
+        doctor_say(d, "program", SHEARD_FINDING_WARN,
+                   "install shearctl and sheard of the same release", "%s is %.*s, shearctl is %s",
+                   program, (int)strcspn(text, "\n"), text, SHEAR_VERSION_STRING);
+    } else {
+        doctor_say(d, "program", SHEARD_FINDING_OK, NULL, "%s, %.*s", program,
+                   (int)strcspn(text, "\n"), text);
+    }
+    free(text);
+}
+
+void doctor_check_config(doctor *d) {
+    char line[400];
+    char *text = NULL;
+    if (d->program == NULL) {
+        return;
+    }
+    if (d->told && access(d->config, R_OK) != 0) {
+        doctor_say(d, "config", SHEARD_FINDING_WARN, "run doctor as root",
+                   "%s, which the service uses, cannot be read by you: %s", d->config,
+                   strerror(errno));
+        return;
+    }
+    const int code = ask(d->config, d->program, "--check-config", &text);
+    const char *said = text != NULL ? text : "";
+    const char *name = d->config != NULL ? d->config : "the configuration";
+    if (code != 0) {
+        const char *why = line_with(said, "error", NULL, line, sizeof line);
+        doctor_say(d, "config", SHEARD_FINDING_FAIL,
+                   "correct the file; sheard --check-config tells all that is wrong in it",
+                   "%s is not valid: %s", name, why != NULL ? why : "no reason was given");
+    } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line) !=
+               NULL) {
+        /* of the data roots, the service's own word comes later */
+        doctor_say(d, "config", SHEARD_FINDING_WARN, "sheard --check-config tells more", "%s",
+                   line);
+    } else {
+        doctor_say(d, "config", SHEARD_FINDING_OK, NULL, "%s is valid", name);
+    }
+    free(text);
+}
+
+static void read_config(doctor *d) {
+    char *text = NULL;
+    if (ask(d->config, d->program, "--print-config", &text) == 0 && text != NULL) {
+        d->state_dir = conf_text_value(text, "daemon", "state_dir");
+        d->socket = conf_text_value(text, "daemon", "socket");
+        d->spool = conf_text_value(text, "spool", "directory");
+        d->roots = conf_text_value(text, "access", "data_roots");
+        char *enabled = conf_text_value(text, "spool", "enabled");
+        d->has_spool = enabled != NULL && strcmp(enabled, "true") == 0;
+        free(enabled);
+    }
+    free(text);
+}
+
+void doctor_check_program(doctor *d) {
+    d->program = run_program_find("sheard");
+    if (d->program == NULL) {
+        doctor_say(d, "program", SHEARD_FINDING_WARN,
+                   "install sheard, or run doctor where the service runs",
+                   "sheard is not installed here: its configuration cannot be looked at");
+        return;
+    }
+    check_version(d, d->program);
+    read_config(d);
+}

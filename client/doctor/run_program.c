@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "doctor/run_program.h"
+
+#include "remote/socket_io.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { OUTPUT_MAX = 1 << 20, PATIENCE_S = 10 };
+
+extern char **environ;
+
+/* False: the time is over. What does not fit into buf is thrown away. */
+static bool collect(int fd, char *buf, size_t size) {
+    const double deadline = dial_now() + PATIENCE_S;
+    char rest[4096];
+    size_t used = 0;
+    for (;;) {
+        struct pollfd p = {.fd = fd, .events = POLLIN};
+        const double left_ms = 1000.0 * (deadline - dial_now());
+        const int ready = left_ms > 0.0 ? poll(&p, 1, (int)left_ms + 1) : 0;
+        if (ready == 0) {
+            return false;
+        }
+        const bool fits = used + 1 < size;
+        const ssize_t n =
+            ready > 0 ? read(fd, fits ? buf + used : rest, fits ? size - 1 - used : sizeof rest)
+                      : -1;
+        if (n == 0 || (n < 0 && errno != EINTR)) {
+            return n == 0;
+        }
+        used += n > 0 && fits ? (size_t)n : 0;
+        buf[used] = '\0';
+    }
+}
+
+static int start(const char *const argv[], int output, pid_t *pid) {
+    posix_spawn_file_actions_t actions;
+    if (posix_spawn_file_actions_init(&actions) != 0) {
+        return -1;
+    }
+    int failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    failed =
+        failed != 0 ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    failed =
+        failed != 0 ? failed : posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
+    failed = failed != 0 ? failed
+                         : posix_spawn(pid, argv[0], &actions, NULL, (char *const *)argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed != 0 ? -1 : 0;
+}
+
+int run_program(const char *const argv[], char **text) {
+    int ends[2];
+    int state = 0;
+    pid_t pid = 0;
+    *text = calloc(1, OUTPUT_MAX);
+    if (*text == NULL || pipe2(ends, O_CLOEXEC) != 0) {
+        return -1;
+    }
+    const int failed = start(argv, ends[1], &pid);
+    close(ends[1]);
+    if (failed != 0) {
+        close(ends[0]);
+        return -1;
+    }
+    const bool good = collect(ends[0], *text, OUTPUT_MAX);
+    close(ends[0]);
+    if (!good) {
+        kill(pid, SIGKILL);
+    }
+    while (waitpid(pid, &state, 0) < 0 && errno == EINTR) {
+    }
+    return good && WIFEXITED(state) ? WEXITSTATUS(state) : -1;
+}
+
+/* "DIRECTORY/name" where it is a program; `length` bytes of directory. */
+static char *try(const char *directory, size_t length, const char *name) {
+    char *path = NULL;
+    if (asprintf(&path, "%.*s/%s", (int)length, directory, name) < 0) {
+        return NULL;
+    }
+    if (access(path, X_OK) == 0) {
+        return path;
+    }
+    free(path);
+    return NULL;
+}
+
+static char *search(const char *directories, const char *name) {
+    char *found = NULL;
+    while (directories != NULL && *directories && found == NULL) {
+        const size_t n = strcspn(directories, ":");
+        found = n > 0 && *directories == '/' ? try(directories, n, name) : NULL;
+        directories += n + (directories[n] == ':');
+    }
+    return found;
+}
+
+char *run_program_find(const char *name) {
+    char own[4096];
+    const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
+    char *found = NULL;
+    if (n > 0) {
+        own[n] = '\0';
+        char *slash = strrchr(own, '/');
+        *slash = '\0';
+        found = try(own, strlen(own), name);
+        if (found == NULL && (size_t)(slash - own) + sizeof "/../sbin" < sizeof own) {
+            memcpy(slash, "/../sbin", sizeof "/../sbin");
+            found = try(own, strlen(own), name);
+        }
+    }
+    found = found != NULL ? found : search(getenv("PATH"), name);
+    return found != NULL ? found : search("/usr/local/sbin:/usr/sbin:/usr/bin", name);
+}

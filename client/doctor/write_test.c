@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* May the service write there? It is tried, by whoever the service would run as: that a directory
+ * exists, and what its mode looks like, tells little. */
+#include "doctor/doctor.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <grp.h>
+#include <pwd.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const char service_user[] = "sheard";
+
+int doctor_scratch_file(const char *directory) {
+    char path[4400];
+    int fd = open(directory, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+    if (fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR)) {
+        snprintf(path, sizeof path, "%s/.doctor-XXXXXX", directory);
+        fd = mkostemp(path, O_CLOEXEC);
+        if (fd >= 0) {
+            unlink(path);
+        }
+    }
+    return fd;
+}
+
+/* The user that root looks for: NULL where that is ourselves. */
+static const struct passwd *other_user(void) {
+    return geteuid() == 0 ? getpwnam(service_user) : NULL;
+}
+
+static bool become(const struct passwd *user) {
+    return initgroups(user->pw_name, user->pw_gid) == 0 && setgid(user->pw_gid) == 0 &&
+           setuid(user->pw_uid) == 0;
+}
+
+/* In a child, which may give itself up. 0 or errno. */
+static int try_as(const struct passwd *user, const char *directory) {
+    int status = 0;
+    fflush(NULL); /* what was said is said once: a sanitizer's _exit writes out the child's copy,
+                     too */
+    const pid_t pid = fork();
+    if (pid == 0) {
+        const bool good = user == NULL || become(user);
+        _exit(good && doctor_scratch_file(directory) >= 0 ? 0 : errno & 0xff);
+    }
+    if (pid < 0 || waitpid(pid, &status, 0) != pid || !WIFEXITED(status)) {
+        return ECHILD;
+    }
+    return WEXITSTATUS(status);
+}
+
+bool doctor_try_write(doctor *d, const char *subject, const char *directory) {
+    struct stat st = {0};
+    const struct passwd *user = other_user();
+    const int error = try_as(user, directory);
+    if (error == 0) {
+        return true;
+    }
+    const struct passwd *owner = stat(directory, &st) == 0 ? getpwuid(st.st_uid) : NULL;
+    const bool ours = geteuid() == 0 || (owner != NULL && owner->pw_uid == geteuid());
+    char remedy[300];
+    snprintf(remedy, sizeof remedy,
+             ours ? "give it to the service's user (chown -R %s: %s), or remove it and run "
+                    "systemd-tmpfiles --create"
+                  : "if the service is to run as somebody else, run doctor as that user or as root",
+             user != NULL ? user->pw_name : service_user, directory);
+    doctor_say(d, subject,
+               ours || error == EROFS || error == ENOSPC ? SHEARD_FINDING_FAIL
+                                                         : SHEARD_FINDING_WARN,
+               remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
+               user != NULL ? user->pw_name : "you", strerror(error),
+               owner != NULL ? owner->pw_name : "nobody who is known");
+    return false;
+}

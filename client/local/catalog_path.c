@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "local/catalog_path.h"
+
+#include "cmdline/command.h"
+#include "terminal/message.h"
+
+#include <errno.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool is_directory(const char *path) {
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+}
+
+static void cut_ending(char *name, const char *ending) {
+    size_t length = strlen(name);
+    size_t cut = strlen(ending);
+    if (length > cut && strcasecmp(name + length - cut, ending) == 0) {
+        name[length - cut] = '\0';
+    }
+}
+
+/* "in/stamps.fits.gz" -> "DIRECTORY/stamps.shear.fits"; malloc'd, or NULL */
+static char *path_in(const char *directory, const char *input) {
+    const char *slash = strrchr(input, '/');
+    char *base = strdup(slash != NULL ? slash + 1 : input);
+    char *path = NULL;
+    if (base == NULL) {
+        return NULL;
+    }
+    cut_ending(base, ".gz");
+    cut_ending(base, ".fz");
+    cut_ending(base, ".fits");
+    cut_ending(base, ".fit");
+    if (asprintf(&path, "%s/%s.shear.fits", directory, base) < 0) {
+        path = NULL;
+    }
+    free(base);
+    return path;
+}
+
+/* What a catalog is named after. */
+static const char *base_path(const shear_input *input) {
+    return input->path != NULL ? input->path : input->parts[SHEAR_PART_GALAXY].path;
+}
+
+static bool same_file(const struct stat *st, const char *path) {
+    struct stat other;
+    return stat(path, &other) == 0 && other.st_dev == st->st_dev && other.st_ino == st->st_ino;
+}
+
+static bool reads_file(const shear_input *input, const struct stat *st) {
+    bool reads = input->path != NULL && same_file(st, input->path);
+    for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
+        reads = reads || (input->parts[i].path != NULL && same_file(st, input->parts[i].path));
+    }
+    return reads;
+}
+
+/* The catalog's place is there already: may it be replaced? */
+static int check_existing(const char *path, const struct stat *st, const measure_input *inputs,
+                          size_t n, bool force) {
+    for (size_t i = 0; i < n; i++) {
+        if (reads_file(inputs[i].source, st)) {
+            message_fail(NULL, "--catalog %s: that is one of the input files", path);
+            return EXIT_CODE_USAGE;
+        }
+    }
+    if (!S_ISREG(st->st_mode)) {
+        message_fail(NULL, "--catalog %s: exists and is not a regular file", path);
+        return EXIT_CODE_OTHER;
+    }
+    if (!force) {
+        message_fail("--force replaces it", "--catalog %s: the file exists", path);
+        return EXIT_CODE_OTHER;
+    }
+    return EXIT_CODE_DONE;
+}
+
+/* Why no file can be made in `directory`: an errno, or 0. */
+static int unwritable(const char *directory) {
+    struct stat st;
+    if (stat(directory, &st) != 0) {
+        return errno;
+    }
+    if (!S_ISDIR(st.st_mode)) {
+        return ENOTDIR;
+    }
+    return access(directory, W_OK | X_OK) == 0 ? 0 : errno;
+}
+
+static int check_parent(const char *path) {
+    char *copy = strdup(path); /* dirname may write to it */
+    if (copy == NULL) {
+        message_fail(NULL, "out of memory");
+        return EXIT_CODE_OTHER;
+    }
+    const char *parent = dirname(copy);
+    int why = unwritable(parent);
+    if (why != 0) {
+        message_fail("choose a directory that you may write to",
+                     "--catalog %s: cannot write in %s: %s", path, parent, strerror(why));
+    }
+    free(copy);
+    return why != 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+}
+
+static int check_path(const char *path, const measure_input *inputs, size_t n, bool force) {
+    struct stat st;
+    if (stat(path, &st) == 0) {
+        int code = check_existing(path, &st, inputs, n, force);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    return check_parent(path);
+}
+
+static int check_all(const measure_input *inputs, size_t n, bool force) {
+    for (size_t i = 0; i < n; i++) {
+        if (inputs[i].catalog == NULL) {
+            continue;
+        }
+        for (size_t j = 0; j < i; j++) {
+            if (inputs[j].catalog != NULL && strcmp(inputs[j].catalog, inputs[i].catalog) == 0) {
+                message_fail("measure them in separate runs, or rename one",
+                             "--catalog: %s and %s would share the catalog %s", inputs[j].path,
+                             inputs[i].path, inputs[i].catalog);
+                return EXIT_CODE_USAGE;
+            }
+        }
+        int code = check_path(inputs[i].catalog, inputs, n, force);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    return EXIT_CODE_DONE;
+}
+
+int catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool force) {
+    bool directory = is_directory(out);
+    size_t length = strlen(out);
+    if (!directory && (n > 1 || length == 0 || out[length - 1] == '/')) {
+        message_fail("make it first; each input gets DIRECTORY/BASE.shear.fits", "--catalog %s: %s",
+                     out,
+                     n > 1 ? "for several input files this must be an existing directory"
+                           : "there is no such directory");
+        return n > 1 ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (measure_input_is_wanted(&inputs[i])) {
+            inputs[i].catalog = directory ? path_in(out, base_path(inputs[i].source)) : strdup(out);
+            if (inputs[i].catalog == NULL) {
+                message_fail(NULL, "out of memory");
+                return EXIT_CODE_OTHER;
+            }
+        }
+    }
+    return check_all(inputs, n, force);
+}

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "local/field_scan.h"
+
+#include "local/weight_check.h"
+
+#include "shear/symmetry.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+enum { BLOCK_BYTES = 8 << 20, MAX_BLOCK = 256 };
+
+/* Sums over noise stamps: their mean pixels and the squares of these, both about the first one's
+ * (about zero, a bright sky would swallow what they scatter), and the variances of their pixels. */
+struct levels {
+    double n, first, mean, mean2, var;
+};
+
+struct scan {
+    const shear_plan *plan;
+    shear_workspace *ws;
+    bool is_log;
+    double pedestal;
+    shear_block *block;
+    shear_row *rows; /* [block->capacity] */
+    struct levels levels;
+    weight_check weights;
+    shear_block_sums under_way;
+    shear_field_sums *sums;
+    sheard_verdict *v;
+};
+
+struct pixels {
+    double lowest; /* of the finite ones */
+    double mean, var;
+};
+
+/* `bad`: the setting bad-value; a file of floats holds the nearest one. */
+static struct pixels look_at(const double *pixel, size_t n, double bad) {
+    double narrow = fabs(bad) <= (double)FLT_MAX ? (double)(float)bad : bad;
+    struct pixels p = {.lowest = INFINITY};
+    double sum = 0.0;
+    double squares = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        if (isfinite(pixel[i]) && pixel[i] < p.lowest && pixel[i] != bad && pixel[i] != narrow) {
+            p.lowest = pixel[i];
+        }
+        double d = pixel[i] - pixel[0]; /* likewise */
+        sum += d;
+        squares += d * d;
+    }
+    p.mean = pixel[0] + sum / (double)n;
+    p.var = fmax(0.0, squares / (double)n - sum / (double)n * (sum / (double)n));
+    return p;
+}
+
+/* All noise stamps of stamp i as one. */
+static struct pixels look_at_noise(const shear_stamps *t, int i, double bad) {
+    const int planes = t->noise_planes > 1 ? t->noise_planes : 1;
+    const size_t n = (size_t)t->nx * (size_t)t->ny;
+    struct pixels all = {.lowest = INFINITY};
+    for (int k = 0; k < planes; k++) {
+        struct pixels p = look_at(t->noise + ((size_t)i * (size_t)planes + (size_t)k) * n, n, bad);
+        all.lowest = fmin(all.lowest, p.lowest);
+        all.mean += p.mean / planes;
+        all.var += p.var / planes;
+    }
+    return all;
+}
+
+static void levels_add(struct levels *l, const struct pixels *noise) {
+    l->first = l->n > 0.0 ? l->first : noise->mean;
+    double d = noise->mean - l->first;
+    l->n += 1.0;
+    l->mean += d;
+    l->mean2 += d * d;
+    l->var += noise->var;
+}
+
+static void levels_tell(const struct levels *l, sheard_verdict *v) {
+    double mean = l->mean / l->n;
+    double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
+    v->noise_mean = l->first + mean; /* 0/0 where there are none */
+    v->noise_mean_err = l->n > 1.0 ? sqrt(scatter2 / (l->n - 1.0)) : NAN;
+    v->noise_rms = sqrt(l->var / l->n);
+}
+
+static void fault_add(sheard_fault *f, int64_t index) {
+    if (f->count < SHEARD_FAULT_SAMPLES) {
+        f->first[f->count] = index;
+    }
+    f->count++;
+}
+
+/* Then its lowest pixel may be one that says nothing of the others. */
+static bool has_artefact(unsigned flags) {
+    return (flags & ((unsigned)SHEAR_FLAG_ARTEFACT | (unsigned)SHEAR_FLAG_NOISE_ARTEFACT)) != 0;
+}
+
+/* Everything about stamp i that needs no measuring (only SHEAR_FLAG_OVERFLOW does), into *flags. */
+static int look_at_stamp(struct scan *s, const shear_stamps *t, int i, unsigned *flags,
+                         shear_error *err) {
+    size_t n = (size_t)t->nx * (size_t)t->ny;
+    double bad = shear_plan_get_settings(s->plan)->bad_value;
+    struct pixels galaxy = look_at(t->galaxy + (size_t)i * n, n, bad);
+    struct pixels noise = look_at_noise(t, i, bad);
+    shear_row row;
+    int code = shear_examine(s->plan, s->ws, t, i, &row, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    *flags = row.flags;
+    if (!has_artefact(row.flags)) {
+        s->v->lowest_pixel = fmin(s->v->lowest_pixel, fmin(galaxy.lowest, noise.lowest));
+    }
+    if (row.flags == 0) {
+        levels_add(&s->levels, &noise);
+    }
+    if (row.flags == 0 && s->is_log && fmin(galaxy.lowest, noise.lowest) + s->pedestal < 0.0) {
+        fault_add(&s->v->negative, t->first + i);
+    }
+    return SHEAR_OK;
+}
+
+static void count_flags(sheard_verdict *v, unsigned flags, int64_t index) {
+    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+        if (flags & (1u << bit)) {
+            fault_add(&v->flags[bit], index);
+        }
+    }
+    v->n_measurable += flags == 0;
+}
+
+/* In the blocks that shearctl measure makes: then the result is the same to the last bit. */
+static void add_row(struct scan *s, const shear_row *row, int64_t index) {
+    shear_block_sums_add(&s->under_way, row);
+    if ((index + 1) % SHEAR_BLOCK == 0) {
+        shear_field_sums_add(s->sums, &s->under_way);
+        shear_block_sums_init(&s->under_way);
+    }
+}
+
+static int scan_block(struct scan *s, shear_error *err) {
+    const shear_stamps *t = &s->block->stamps;
+    unsigned flags[MAX_BLOCK];
+    for (int i = 0; i < t->count; i++) {
+        int code = look_at_stamp(s, t, i, &flags[i], err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    /* Stamps that a log method cannot take would be an error here: they are reported as such
+     * instead. */
+    if (s->v->negative.count == 0) {
+        int code = shear_measure_batch(s->plan, t, 0, NULL, s->rows, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        for (int i = 0; i < t->count; i++) {
+            flags[i] |= s->rows[i].flags;
+            add_row(s, &s->rows[i], t->first + i);
+        }
+    }
+    for (int i = 0; i < t->count; i++) {
+        count_flags(s->v, flags[i], t->first + i);
+        if (flags[i] == 0) {
+            weight_check_add(&s->weights, t, i);
+        }
+    }
+    return SHEAR_OK;
+}
+
+static int block_capacity(const shear_field_info *info) {
+    const shear_geometry *g = &info->geometry;
+    const int planes = info->noise_planes;
+    size_t pair = (1 + (size_t)planes) * sizeof(double) * (size_t)g->nx * (size_t)g->ny;
+    size_t psf = sizeof(double) * (size_t)g->psf_nx * (size_t)g->psf_ny;
+    size_t fit = BLOCK_BYTES / (pair + psf);
+    return fit < 1 ? 1 : fit > MAX_BLOCK ? MAX_BLOCK : (int)fit;
+}
+
+static int scan_all(struct scan *s, shear_field *field, struct progress *progress,
+                    shear_error *err) {
+    int64_t total = shear_field_get_info(field)->n_stamps;
+    for (int64_t first = 0; first < total; first += s->block->capacity) {
+        int64_t left = total - first;
+        int count = left < s->block->capacity ? (int)left : s->block->capacity;
+        int code = shear_field_read(field, first, count, s->block, err);
+        if (code == SHEAR_OK) {
+            code = scan_block(s, err);
+        }
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        if (progress_callback(progress, first + count, total) != 0) {
+            return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
+        }
+    }
+    return SHEAR_OK;
+}
+
+static int scan_init(struct scan *s, const shear_field_info *info, shear_error *err) {
+    shear_block_sums_init(&s->under_way);
+    int code = shear_field_sums_new(&s->sums, err);
+    if (code == SHEAR_OK) {
+        code = shear_block_new(&s->block, info, block_capacity(info), err);
+    }
+    if (code == SHEAR_OK) {
+        s->rows = calloc((size_t)s->block->capacity, sizeof *s->rows);
+        code = s->rows != NULL ? shear_workspace_new(&s->ws, s->plan, err)
+                               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    }
+    return code;
+}
+
+static void scan_deinit(struct scan *s) {
+    weight_check_deinit(&s->weights);
+    free(s->rows);
+    shear_workspace_free(s->ws);
+    shear_block_free(s->block);
+    shear_field_sums_free(s->sums);
+}
+
+/* The mean's result is told for the estimator that is asked for. */
+static void tell_for(shear_result *r, int estimator) {
+    r->estimator = estimator;
+    if (shear_estimator_is_symmetric(estimator) && r->valid && r->n_used < SHEAR_SYMMETRY_FEWEST) {
+        r->valid = false;
+        r->why = SHEAR_NO_SYMMETRY;
+        r->g1 = r->g2 = r->g1_err = r->g2_err = r->cov12 = NAN;
+    }
+}
+
+int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
+               sheard_verdict *v, shear_error *err) {
+    const shear_field_info *info = shear_field_get_info(field);
+    const shear_plan_info *resolved = shear_plan_get_info(plan);
+    struct scan s = {.plan = plan, .v = v};
+    s.is_log = shear_interpolation_is_log(resolved->interpolation);
+    s.pedestal = shear_plan_get_settings(plan)->pedestal;
+    v->lowest_pixel = INFINITY;
+    int code = scan_init(&s, info, err);
+    if (code == SHEAR_OK) {
+        code = scan_all(&s, field, progress, err);
+    }
+    v->scanned = code == SHEAR_OK;
+    v->measured = v->scanned && v->negative.count == 0;
+    levels_tell(&s.levels, v);
+    const rank_relation relation = weight_check_relation(&s.weights);
+    v->weight_follows_flux = relation.correlation;
+    v->weight_is_suspect = rank_is_strong(&relation);
+    if (v->measured) {
+        shear_field_sums_add(s.sums, &s.under_way);
+        shear_field_result(s.sums, &v->result);
+        tell_for(&v->result, shear_plan_get_settings(plan)->estimator);
+    }
+    scan_deinit(&s);
+    return code;
+}

@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "local/measure_group.h"
+
+#include "cmdline/command.h"
+#include "local/weight_check.h"
+#include "sheard/advice.h"
+#include "sheard/no_shear.h"
+#include "terminal/message.h"
+#include "terminal/progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct measure_group *group_of(struct measure_group *groups, size_t n, const char *field) {
+    for (size_t i = 0; i < n; i++) {
+        if (strcmp(groups[i].field, field) == 0) {
+            return &groups[i];
+        }
+    }
+    return NULL;
+}
+
+bool measure_groups_new(measure_input *inputs, size_t n, struct measure_group **groups,
+                        size_t *n_groups) {
+    *n_groups = 0;
+    *groups = calloc(n != 0 ? n : 1, sizeof **groups);
+    for (size_t i = 0; *groups != NULL && i < n; i++) {
+        if (!measure_input_is_wanted(&inputs[i])) {
+            continue;
+        }
+        struct measure_group *g = group_of(*groups, *n_groups, inputs[i].field);
+        if (g == NULL) {
+            g = &(*groups)[(*n_groups)++];
+            g->field = inputs[i].field;
+            g->inputs = calloc(n, sizeof(measure_input *));
+            if (g->inputs == NULL) {
+                measure_groups_free(*groups, *n_groups);
+                *groups = NULL;
+                *n_groups = 0;
+                return false;
+            }
+        }
+        g->inputs[g->n++] = &inputs[i];
+    }
+    return *groups != NULL;
+}
+
+void measure_groups_free(struct measure_group *groups, size_t n_groups) {
+    for (size_t i = 0; groups != NULL && i < n_groups; i++) {
+        free(groups[i].inputs);
+        warnings_deinit(&groups[i].warnings);
+    }
+    free(groups);
+}
+
+static int by_checksum(const void *a, const void *b) {
+    const measure_input *const *x = a;
+    const measure_input *const *y = b;
+    return strcmp((*x)->checksum, (*y)->checksum);
+}
+
+/* An hour of work must not end in "fewer blocks than groups". */
+static int check_blocks(const struct measure_group *g, int groups, shear_error *err) {
+    int64_t blocks = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        blocks += (g->inputs[i]->info.n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    }
+    if (groups > blocks) {
+        return shear_fail(err, SHEAR_E_SETTING,
+                          "use fewer groups, or the delta method (no --jackknife)",
+                          "--jackknife %d: field %s has only %lld blocks of %d stamps", groups,
+                          g->field, (long long)blocks, SHEAR_BLOCK);
+    }
+    return SHEAR_OK;
+}
+
+static void fail_all(struct measure_group *g, int code, const shear_error *err) {
+    message_error(err);
+    for (size_t i = 0; i < g->n; i++) {
+        if (g->inputs[i]->failure == 0) {
+            g->inputs[i]->failure = measure_failure_of(code, false);
+        }
+    }
+}
+
+/* What the files of a group are joined into. */
+typedef struct gathering {
+    shear_field_sums *sums;
+    shear_symmetry *terms; /* or NULL */
+    shear_jackknife *jack; /* or NULL */
+} gathering;
+
+static void run_input(measure_input *input, const measure_options *o, const gathering *to) {
+    shear_error err = {0};
+    struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
+    shear_run_options run = {
+        .threads = o->threads,
+        .catalog_path = input->catalog,
+        .overwrite = o->force,
+        .terms = to->terms,
+        .checksum = input->checksum,
+        .progress = progress_callback,
+        .context = progress,
+    };
+    int code = shear_run_input(input->source, &o->settings, &run, to->sums, to->jack,
+                               &input->report, &err);
+    progress_end(progress);
+    if (code != SHEAR_OK) {
+        message_error(&err);
+        input->failure = measure_failure_of(code, input->catalog != NULL);
+    }
+    input->measured = code == SHEAR_OK;
+}
+
+/* All files of the group, in `order`; how many were measured. */
+static size_t run_inputs(measure_input **order, size_t n, const measure_options *o,
+                         const gathering *to) {
+    size_t done = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (progress_interrupted()) {
+            order[i]->failure = EXIT_CODE_OTHER;
+            continue;
+        }
+        run_input(order[i], o, to);
+        done += order[i]->measured;
+    }
+    return done;
+}
+
+static int64_t count_stamps(const struct measure_group *g) {
+    int64_t n = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        n += g->inputs[i]->info.n_stamps;
+    }
+    return n;
+}
+
+static int gathering_init(gathering *to, const struct measure_group *g, const measure_options *o,
+                          shear_error *err) {
+    int code = shear_field_sums_new(&to->sums, err);
+    if (code == SHEAR_OK && estimators_wanted(count_stamps(g), o->settings.estimator)) {
+        code = shear_symmetry_new(&to->terms, err);
+    }
+    if (code == SHEAR_OK && o->jackknife != 0) {
+        code = shear_jackknife_new(&to->jack, o->jackknife, err);
+    }
+    return code;
+}
+
+static void gathering_deinit(gathering *to) {
+    shear_jackknife_free(to->jack);
+    shear_symmetry_free(to->terms);
+    shear_field_sums_free(to->sums);
+}
+
+/* Weights made of the stamps' own brightness. */
+static void check_weights(struct measure_group *g, const shear_symmetry *terms) {
+    const rank_relation r = weight_check_terms(terms);
+    if (rank_is_strong(&r)) {
+        warnings_add(&g->warnings,
+                     "WEIGHT follows the stamps' own power (rank correlation %+.2f): such weights "
+                     "bias the shear, 1/flux^2 by 4 to 6 %%; take weights of something else, or "
+                     "none and --estimator pdf-sym",
+                     r.correlation);
+    }
+}
+
+static int run_all(struct measure_group *g, const measure_options *o, measure_input **order,
+                   size_t *done, shear_error *err) {
+    gathering to = {0};
+    int code = gathering_init(&to, g, o, err);
+    if (code == SHEAR_OK) {
+        *done = run_inputs(order, g->n, o, &to);
+        code = shear_estimate(o->settings.estimator, to.sums, to.terms, &g->result, err);
+    }
+    if (code == SHEAR_OK) {
+        if (to.terms != NULL) {
+            check_weights(g, to.terms);
+        }
+        code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
+    }
+    if (code == SHEAR_OK && to.jack != NULL && *done > 0) {
+        code = shear_jackknife_finish(to.jack, &g->result, err);
+    }
+    gathering_deinit(&to);
+    return code;
+}
+
+static int fail_invalid(const struct measure_group *g, shear_error *err) {
+    char text[400];
+    char advice[400];
+    sheard_cause cause;
+    if (sheard_cause_of(&g->result, &measure_group_first(g)->report.plan, &cause)) {
+        return shear_fail(err, SHEAR_E_FORMAT, cause.advice,
+                          "field %s: %s: no shear could be measured", g->field, cause.words);
+    }
+    return shear_fail(err, SHEAR_E_FORMAT,
+                      sheard_no_shear_advice(&g->result, advice, sizeof advice),
+                      "field %s: %s: no shear could be measured", g->field,
+                      sheard_no_shear_text(&g->result, text, sizeof text));
+}
+
+/* The advice is on the first file's PSF; others may have others. */
+static void warn_of_other_psfs(struct measure_group *g) {
+    char line[SHEARD_ADVICE_SIZE];
+    size_t n = 0;
+    sheard_report_file *files = calloc(g->n, sizeof *files);
+    for (size_t i = 0; files != NULL && i < g->n; i++) {
+        if (g->inputs[i]->measured) {
+            files[n++] = (sheard_report_file){.path = g->inputs[i]->path,
+                                              .plan = &g->inputs[i]->report.plan};
+        }
+    }
+    const measure_input *first = measure_group_first(g);
+    if (files != NULL &&
+        sheard_advice_other_psfs(files, n, first->path, line, sizeof line) != NULL) {
+        warnings_add(&g->warnings, "%s", line);
+    }
+    free(files);
+}
+
+/* What stands out in the result. A field without a usable stamp is bad input, but its counts are
+ * worth showing. */
+static void judge(struct measure_group *g, size_t done) {
+    sheard_advice_list advice;
+    const measure_input *top = done > 1 ? measure_group_top(g) : NULL;
+    sheard_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
+                      top != NULL ? top->path : NULL);
+    for (size_t i = 0; i < advice.n; i++) {
+        warnings_add(&g->warnings, "%s", advice.lines[i]);
+    }
+    warn_of_other_psfs(g);
+    if (done < g->n) {
+        warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",
+                     g->n - done, g->n);
+    }
+    if (!g->result.valid) {
+        shear_error err = {0};
+        const int code = fail_invalid(g, &err);
+        fail_all(g, code, &err);
+    } else if (!isfinite(g->result.g1_err) || !isfinite(g->result.g2_err)) {
+        shear_error err = {0};
+        int code = shear_fail(
+            &err, SHEAR_E_FORMAT,
+            "scale the pixels up, or the weights: their squares are beyond what a double holds",
+            "field %s: the errors of the shear could not be computed", g->field);
+        fail_all(g, code, &err);
+    }
+}
+
+/* The order of measuring: that of the arguments, or, for the jackknife, of the checksums. NULL: no
+ * memory. malloc'd. */
+static measure_input **order_of(const struct measure_group *g, bool jackknife) {
+    measure_input **order = calloc(g->n, sizeof(measure_input *));
+    if (order == NULL) {
+        return NULL;
+    }
+    memcpy(order, g->inputs, g->n * sizeof(measure_input *));
+    if (jackknife) {
+        qsort(order, g->n, sizeof(measure_input *), by_checksum);
+    }
+    return order;
+}
+
+bool measure_group_run(struct measure_group *g, const measure_options *o) {
+    shear_error err = {0};
+    size_t done = 0;
+    measure_input **order = order_of(g, o->jackknife > 0);
+    int code = order != NULL ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
+    if (code == SHEAR_OK && o->jackknife != 0) {
+        code = check_blocks(g, o->jackknife, &err);
+    }
+    if (code == SHEAR_OK) {
+        code = run_all(g, o, order, &done, &err);
+    }
+    free(order);
+    for (size_t i = 0; i < g->n; i++) {
+        g->seconds += g->inputs[i]->measured ? g->inputs[i]->report.seconds : 0.0;
+    }
+    if (code != SHEAR_OK) {
+        fail_all(g, code, &err);
+        return false;
+    }
+    if (done > 0) {
+        judge(g, done);
+    }
+    return done > 0;
+}
+
+const measure_input *measure_group_first(const struct measure_group *g) {
+    for (size_t i = 0; i < g->n; i++) {
+        if (g->inputs[i]->measured) {
+            return g->inputs[i];
+        }
+    }
+    return NULL;
+}
+
+const measure_input *measure_group_top(const struct measure_group *g) {
+    const measure_input *top = NULL;
+    double largest = 0.0;
+    for (size_t i = 0; i < g->n; i++) {
+        const shear_result *r = &g->inputs[i]->report.result;
+        const double size = r->top_share * fabs(r->sum_d);
+        if (g->inputs[i]->measured && r->top_stamp == g->result.top_stamp && size > largest) {
+            top = g->inputs[i];
+            largest = size;
+        }
+    }
+    return top;
+}
+
+bool measure_group_truth(const struct measure_group *g, double *g1, double *g2) {
+    const measure_input *first = measure_group_first(g);
+    if (first == NULL || !first->info.has_truth) {
+        return false;
+    }
+    *g1 = first->info.sim_g1;
+    *g2 = first->info.sim_g2;
+    for (size_t i = 0; i < g->n; i++) {
+        const shear_field_info *info = &g->inputs[i]->info;
+        if (g->inputs[i]->measured &&
+            (!info->has_truth || info->sim_g1 != *g1 || info->sim_g2 != *g2)) {
+            return false;
+        }
+    }
+    return true;
+}

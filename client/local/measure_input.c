@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "local/measure_input.h"
+
+#include "cmdline/command.h"
+#include "terminal/message.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int look_into(measure_input *input, shear_error *err) {
+    shear_field *field = NULL;
+    int code = shear_field_open_input(&field, input->source, NULL, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    input->info = *shear_field_get_info(field);
+    shear_field_close(field);
+    return shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
+}
+
+/* Does an earlier file hold the same bytes and count to the same field? Its counting twice would
+ * halve the variance. */
+static bool is_duplicate(const measure_input *inputs, size_t i) {
+    for (size_t j = 0; j < i; j++) {
+        if (inputs[j].failure == 0 && strcmp(inputs[j].checksum, inputs[i].checksum) == 0 &&
+            strcmp(inputs[j].field, inputs[i].field) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The file that the field is called after. */
+static const char *name_of(const measure_input *input) {
+    const shear_input *source = input->source;
+    return source->path != NULL ? source->path : source->parts[SHEAR_PART_GALAXY].path;
+}
+
+void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {
+    for (size_t i = 0; i < n; i++) {
+        shear_error err = {0};
+        int code = look_into(&inputs[i], &err);
+        if (code == SHEAR_OK && field == NULL) {
+            code = shear_field_need_name(&inputs[i].info, name_of(&inputs[i]), &err);
+        }
+        if (code != SHEAR_OK) {
+            message_error(&err);
+            inputs[i].failure = measure_failure_of(code, false);
+            continue;
+        }
+        inputs[i].field = field != NULL ? field : inputs[i].info.name;
+        inputs[i].duplicate = is_duplicate(inputs, i);
+    }
+}
+
+void measure_inputs_free(measure_input *inputs, size_t n) {
+    for (size_t i = 0; inputs != NULL && i < n; i++) {
+        free(inputs[i].catalog);
+    }
+    free(inputs);
+}
+
+bool measure_input_is_wanted(const measure_input *input) {
+    return input->failure == 0 && !input->duplicate;
+}
+
+int measure_failure_of(int shear_code, bool writing) {
+    switch (shear_code) {
+    case SHEAR_OK:
+        return EXIT_CODE_DONE;
+    case SHEAR_E_SETTING:
+        return EXIT_CODE_USAGE;
+    case SHEAR_E_IO:
+        return writing ? EXIT_CODE_OTHER : EXIT_CODE_INPUT;
+    case SHEAR_E_FORMAT:
+    case SHEAR_E_BETA:
+    case SHEAR_E_PSF:
+    case SHEAR_E_NEGATIVE:
+        return EXIT_CODE_INPUT;
+    default:
+        return EXIT_CODE_OTHER;
+    }
+}
+
+int measure_inputs_exit_code(const measure_input *inputs, size_t n) {
+    size_t done = 0;
+    size_t failed[EXIT_CODE_PARTLY] = {0}; /* by reason */
+    for (size_t i = 0; i < n; i++) {
+        if (inputs[i].failure != 0) {
+            failed[inputs[i].failure]++;
+        } else {
+            done++;
+        }
+    }
+    if (done == n) {
+        return EXIT_CODE_DONE;
+    }
+    if (done > 0) {
+        return EXIT_CODE_PARTLY;
+    }
+    return failed[EXIT_CODE_INPUT] != 0   ? EXIT_CODE_INPUT
+           : failed[EXIT_CODE_USAGE] != 0 ? EXIT_CODE_USAGE
+                                          : EXIT_CODE_OTHER;
+}

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "local/quality_text.h"
+
+#include "remote/report_text.h"
+#include "sheard/advice.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+static const double EFFECT_MIN = 1e-4;
+
+static const char *place_of(const char *band) {
+    return strcmp(band, "high") == 0      ? ", read off beyond 3/4 of Nyquist"
+           : strcmp(band, "corners") == 0 ? ", read off beyond Nyquist"
+                                          : "";
+}
+
+/* Why nothing was read off. */
+static void print_unchecked(const struct quality *q, FILE *out) {
+    if (q->r_psf_px < 1.0) {
+        shear_text_line(out, "level",
+                        "noise taken as that of the noise stamps: cannot be checked where R_PSF is "
+                        "below 1 px");
+    } else if (strcmp(q->interpolation, "none") != 0) {
+        shear_text_line(out, "level",
+                        "noise taken as that of the noise stamps: cannot be checked where stamps "
+                        "are interpolated");
+    } else {
+        shear_text_line(out, "level", "noise taken as that of the noise stamps, as asked for");
+    }
+}
+
+static void print_level(const struct quality *q, FILE *out) {
+    char effect[64];
+    char words[96] = "";
+    if (!isfinite(q->noise_level)) {
+        if (q->noise_share != 0.0) { /* there is some, and it is taken off */
+            print_unchecked(q, out);
+        }
+        return;
+    }
+    if (!q->symmetric && fabs(q->noise_effect) >= EFFECT_MIN) {
+        snprintf(words, sizeof words, "; without it %s",
+                 sheard_advice_without_level(q->noise_effect, effect, sizeof effect));
+    }
+    shear_text_line(out, "level", "noise %.4f +- %.2g times the noise stamps' variance%s%s",
+                    q->noise_level, q->noise_level_err, place_of(q->noise_band), words);
+}
+
+struct quality quality_text_of(const shear_result *r, const shear_plan_info *plan) {
+    return (struct quality){.noise_band = shear_noise_band_name(plan->noise_band),
+                            .interpolation = shear_interpolation_name(plan->interpolation),
+                            .r_psf_px = plan->r_psf_px,
+                            .symmetric = shear_estimator_is_symmetric(r->estimator),
+                            .noise_level = r->noise_level,
+                            .noise_level_err = r->noise_level_err,
+                            .noise_effect = r->noise_effect,
+                            .noise_share = r->noise_share,
+                            .n_eff = r->n_eff,
+                            .top_share = r->top_share,
+                            .n_used = r->n_used,
+                            .top_stamp = r->top_stamp};
+}
+
+void quality_text_print(const struct quality *q, FILE *out) {
+    if (!isfinite(q->n_eff)) {
+        return;
+    }
+    print_level(q, out);
+    if (q->top_stamp >= 0 && isfinite(q->top_share)) {
+        shear_text_line(out, "influence",
+                        "%" PRId64 " stamps count as %.1f equal ones; stamp %" PRId64
+                        "%s%s counts most, with %.3g %% of the sum of w D",
+                        q->n_used, q->n_eff, q->top_stamp, q->top_file != NULL ? " of " : "",
+                        q->top_file != NULL ? q->top_file : "", 100.0 * q->top_share);
+    } else {
+        shear_text_line(out, "influence", "%" PRId64 " stamps count as %.1f equal ones", q->n_used,
+                        q->n_eff);
+    }
+}

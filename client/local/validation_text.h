@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* verdict_text.h: what `shearctl validate` found, in words. */
+#ifndef CLIENT_LOCAL_VALIDATION_TEXT_H
+#define CLIENT_LOCAL_VALIDATION_TEXT_H
+
+#include "sheard/report.h"
+
+#include <stdio.h>
+
+void verdict_text_print(const sheard_verdict *v, FILE *out);
+
+#endif

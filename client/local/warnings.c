@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "local/warnings.h"
+
+#include "terminal/message.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+void warnings_add(struct warnings *w, const char *format, ...) {
+    char line[640];
+    char *kept = NULL;
+    char **text = NULL;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    if (asprintf(&kept, "%s", line) < 0) {
+        message_warning("%s", line);
+        return;
+    }
+    text = realloc(w->text, (w->n + 1) * sizeof *text);
+    if (text == NULL) {
+        message_warning("%s", line);
+        free(kept);
+        return;
+    }
+    w->text = text;
+    w->text[w->n++] = kept;
+}
+
+void warnings_print(const struct warnings *w, const char *field) {
+    for (size_t i = 0; i < w->n; i++) {
+        message_warning("field %s: %s", field, w->text[i]);
+    }
+}
+
+void warnings_deinit(struct warnings *w) {
+    for (size_t i = 0; i < w->n; i++) {
+        free(w->text[i]);
+    }
+    free(w->text);
+    *w = (struct warnings){NULL, 0};
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* warnings.h: the warnings that belong to one field's result: kept for its report, shown on
+ * standard error. */
+#ifndef CLIENT_LOCAL_WARNINGS_H
+#define CLIENT_LOCAL_WARNINGS_H
+
+#include <stddef.h>
+
+struct warnings {
+    char **text; /* [n], owned */
+    size_t n;
+};
+
+/* Add one line. Where there is no memory it is printed at once and not kept. */
+void warnings_add(struct warnings *w, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+/* Print all to standard error, after "field NAME: ". */
+void warnings_print(const struct warnings *w, const char *field);
+void warnings_deinit(struct warnings *w);
+
+#endif

@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The picture of a result catalog. */
+#include "plot/plot.h"
+#include "plot/text.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { WIDTH = 1280, HEIGHT = 840, BINS = 48, MAX_BARS = SHEAR_N_FLAGS + 1 };
+
+/* A column of numbers of the unflagged rows. */
+struct column {
+    size_t n;
+    double *values; /* owned */
+};
+
+static int column_new(struct column *c, const shear_catalog_table *t, shear_error *err) {
+    c->n = 0;
+    c->values = calloc((size_t)(t->n > 0 ? t->n : 1), sizeof *c->values);
+    return c->values != NULL
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", t->n);
+}
+
+/* The mean of D with the weights: what N_i is measured in. */
+static double mean_d(const shear_catalog_table *t) {
+    double sum_w = 0.0;
+    double sum_d = 0.0;
+    for (int64_t i = 0; i < t->n; i++) {
+        const shear_row *row = &t->rows[i];
+        if (row->flags == 0) {
+            const double w = isnan(row->weight) ? 1.0 : row->weight; /* a table without WEIGHT */
+            sum_w += w;
+            sum_d += w * row->d;
+        }
+    }
+    return sum_d / sum_w;
+}
+
+/* N_1 or N_2 over <D>. */
+static void take_terms(struct column *c, const shear_catalog_table *t, bool second) {
+    const double d = mean_d(t);
+    c->n = 0;
+    for (int64_t i = 0; i < t->n; i++) {
+        if (t->rows[i].flags == 0) {
+            c->values[c->n++] = (second ? t->rows[i].n2 : t->rows[i].n1) / d;
+        }
+    }
+}
+
+static void take_snr(struct column *c, const shear_catalog_table *t) {
+    c->n = 0;
+    for (int64_t i = 0; i < t->n; i++) {
+        if (t->rows[i].flags == 0 && isfinite(t->rows[i].snr)) {
+            c->values[c->n++] = t->rows[i].snr;
+        }
+    }
+}
+
+/* An empty pair of axes that says why. */
+static void draw_nothing(shear_figure *f, shear_rect cell, const char *title, const char *why) {
+    const shear_axes axes = {
+        .cell = cell, .title = title, .x = {.bare = true}, .y = {.bare = true}};
+    shear_axes_begin(f, &axes);
+    shear_axes_text(f, 0.5, 0.5, true, why, &(shear_text_style){.align = 0.5});
+    shear_axes_end(f);
+}
+
+/* As few bins as show the shape: about the square root of the number of values. */
+static int bins_for(size_t n) {
+    return (int)fmin(fmax(2.0 * sqrt((double)n), 8.0), BINS);
+}
+
+static void mark_shear(shear_figure *f, const shear_catalog_table *t, bool second) {
+    const double g = second ? t->result.g2 : t->result.g1;
+    const double error = second ? t->result.g2_err : t->result.g1_err;
+    const shear_colour colour = shear_palette(SHEAR_VERMILION);
+    shear_axes_vband(f, g - error, g + error, &(shear_style){.colour = colour, .fill = 0.3});
+    shear_axes_vline(f, g, &(shear_style){.colour = colour, .label = "measured"});
+    if (t->has_truth) {
+        const double truth = second ? t->sim_g2 : t->sim_g1;
+        shear_axes_vline(f, truth, &(shear_style){.dash = SHEAR_DASHED, .label = "truth"});
+    }
+}
+
+/* "g_1 = -0.0285 +- 0.0008" */
+static void shear_title(char title[PLOT_CELL], const shear_result *r, bool second) {
+    plot_print(title, PLOT_CELL, "g_{%d} = %.5f \xc2\xb1 %.5f", second ? 2 : 1,
+               second ? r->g2 : r->g1, second ? r->g2_err : r->g1_err);
+}
+
+/* Five robust sigmas about the middle, but no further than the values go: a few wild stamps must
+ * not squeeze the rest. */
+static int robust_range(shear_range *r, const struct column *c, shear_error *err) {
+    shear_range inner;
+    const int code = shear_range_percentile(&inner, c->values, c->n, 15.87, 84.13, err);
+    const shear_range all = shear_range_of(c->values, c->n);
+    const double middle = 0.5 * (inner.lo + inner.hi);
+    const double sigma = 0.5 * (inner.hi - inner.lo);
+    r->lo = fmax(middle - 5.0 * sigma, all.lo);
+    r->hi = fmin(middle + 5.0 * sigma, all.hi);
+    *r = shear_range_pad(*r, 0.02);
+    return code;
+}
+
+static void draw_beyond(shear_figure *f, size_t n) {
+    char text[32];
+    snprintf(text, sizeof text, "%zu beyond", n);
+    if (n > 0) {
+        shear_axes_text(f, 0.96, 0.83, true, text, &(shear_text_style){.size = 10.5, .align = 1.0});
+    }
+}
+
+static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_table *t, bool second,
+                      struct column *c, shear_error *err) {
+    double counts[BINS];
+    char title[PLOT_CELL];
+    char label[PLOT_CELL];
+    shear_range r;
+    take_terms(c, t, second);
+    const int code = robust_range(&r, c, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const int bins = bins_for(c->n);
+    const size_t beyond = shear_histogram(counts, bins, r, c->values, c->n);
+    const double top = shear_range_of(counts, (size_t)bins).hi;
+    snprintf(label, sizeof label,
+             "N_{%d} / \xe2\x9f\xa8"
+             "D\xe2\x9f\xa9",
+             second ? 2 : 1);
+    shear_title(title, &t->result, second);
+    const shear_axes axes = {.cell = cell,
+                             .title = title,
+                             .x = {.range = r, .label = label},
+                             .y = {.range = {0.0, 1.35 * fmax(top, 1.0)}, .label = "stamps"}};
+    shear_axes_begin(f, &axes);
+    shear_axes_histogram(f, bins, r, counts,
+                         &(shear_style){.colour = shear_palette(SHEAR_BLUE), .fill = 0.2});
+    mark_shear(f, t, second);
+    draw_beyond(f, beyond);
+    shear_axes_end(f);
+    return SHEAR_OK;
+}
+
+/* The same span on both axes, so that the ellipse has its true shape; two sigma and the truth
+ * inside. */
+static double plane_reach(const shear_catalog_table *t) {
+    const shear_result *r = &t->result;
+    double reach = 2.0 * fmax(r->g1_err, r->g2_err);
+    if (t->has_truth) {
+        reach = fmax(reach, fmax(fabs(t->sim_g1 - r->g1), fabs(t->sim_g2 - r->g2)));
+    }
+    return reach > 0.0 ? 1.7 * reach : 1e-4;
+}
+
+static void draw_plane(shear_figure *f, shear_rect cell, const shear_catalog_table *t) {
+    const shear_result *r = &t->result;
+    const double cov[3] = {r->g1_err * r->g1_err, r->cov12, r->g2_err * r->g2_err};
+    const double reach = plane_reach(t);
+    const shear_colour blue = shear_palette(SHEAR_BLUE);
+    const shear_axes axes = {.cell = cell,
+                             .title = "shear of the field",
+                             .equal = true,
+                             .x = {.range = {r->g1 - reach, r->g1 + reach}, .label = "g_{1}"},
+                             .y = {.range = {r->g2 - reach, r->g2 + reach}, .label = "g_{2}"}};
+    shear_axes_begin(f, &axes);
+    shear_axes_ellipse(f, r->g1, r->g2, cov, 2.0,
+                       &(shear_style){.colour = blue, .fill = 0.12, .label = "2\xcf\x83"});
+    shear_axes_ellipse(f, r->g1, r->g2, cov, 1.0,
+                       &(shear_style){.colour = blue, .fill = 0.30, .label = "1\xcf\x83"});
+    shear_axes_points(f, 1, &r->g1, &r->g2, NULL, NULL,
+                      &(shear_style){.colour = blue, .size = 5.0, .label = "measured"});
+    if (t->has_truth) {
+        shear_axes_points(f, 1, &t->sim_g1, &t->sim_g2, NULL, NULL,
+                          &(shear_style){.colour = shear_palette(SHEAR_VERMILION),
+                                         .marker = SHEAR_CROSS,
+                                         .size = 10.0,
+                                         .width = 2.0,
+                                         .label = "truth"});
+    }
+    shear_axes_end(f);
+}
+
+/* The flag's name with blanks. */
+static void flag_words(char name[PLOT_CELL], int bit) {
+    snprintf(name, PLOT_CELL, "%s", shear_flag_name(bit));
+    for (char *p = name; *p; p++) {
+        if (*p == '_') {
+            *p = ' ';
+        }
+    }
+}
+
+struct bars {
+    int n;
+    int64_t counts[MAX_BARS];
+    char words[MAX_BARS][PLOT_CELL];
+    const char *names[MAX_BARS];
+};
+
+/* From the bottom up: the flags that occur, the used stamps on top. */
+static void collect_bars(struct bars *b, const shear_catalog_table *t) {
+    int64_t counts[SHEAR_N_FLAGS + 1] = {0}; /* the last: without a flag */
+    for (int64_t i = 0; i < t->n; i++) {
+        for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
+            counts[bit] += t->rows[i].flags >> bit & 1;
+        }
+        counts[SHEAR_N_FLAGS] += t->rows[i].flags == 0;
+    }
+    b->n = 0;
+    for (int bit = SHEAR_N_FLAGS - 1; bit >= 0; bit--) {
+        if (counts[bit] > 0) {
+            flag_words(b->words[b->n], bit);
+            b->counts[b->n++] = counts[bit];
+        }
+    }
+    snprintf(b->words[b->n], PLOT_CELL, "used");
+    b->counts[b->n++] = counts[SHEAR_N_FLAGS];
+    for (int i = 0; i < b->n; i++) {
+        b->names[i] = b->words[i];
+    }
+}
+
+static void draw_flags(shear_figure *f, shear_rect cell, const shear_catalog_table *t) {
+    struct bars b;
+    collect_bars(&b, t);
+    const double most = fmax((double)t->n, 1.0);
+    const shear_axes axes = {
+        .cell = cell,
+        .title = b.n > 1 ? "stamps used, and left out by flag" : "stamps: all are used",
+        .x = {.range = {0.0, 1.2 * most}, .label = "stamps"},
+        .y = {.range = {fmin(-0.7, b.n - 4.3), b.n - 0.3}, .n_names = b.n, .names = b.names}};
+    shear_axes_begin(f, &axes);
+    for (int i = 0; i < b.n; i++) {
+        char text[32];
+        const int hue = i == b.n - 1 ? SHEAR_BLUE : SHEAR_VERMILION;
+        shear_axes_bar(f, true, i, 0.56, 0.0, (double)b.counts[i],
+                       &(shear_style){.colour = shear_palette(hue), .fill = 0.7});
+        snprintf(text, sizeof text, "%" PRId64, b.counts[i]);
+        shear_axes_text(f, (double)b.counts[i] + 0.015 * most, i, false, text,
+                        &(shear_text_style){.size = 10.5});
+    }
+    shear_axes_end(f);
+}
+
+static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table *t,
+                    struct column *c, shear_error *err) {
+    static const char title[] = "signal to noise of the stamps";
+    double counts[BINS];
+    char text[PLOT_CELL];
+    shear_range r;
+    shear_range median;
+    take_snr(c, t);
+    if (c->n == 0) {
+        draw_nothing(f, cell, title, "no noise: it has no S/N");
+        return SHEAR_OK;
+    }
+    int code = robust_range(&r, c, err);
+    if (code == SHEAR_OK) {
+        code = shear_range_percentile(&median, c->values, c->n, 50.0, 50.0, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (shear_range_of(c->values, c->n).lo >= 0.0) {
+        r.lo = fmax(r.lo, 0.0); /* no room for what cannot be */
+    }
+    const int bins = bins_for(c->n);
+    const size_t beyond = shear_histogram(counts, bins, r, c->values, c->n);
+    const double top = shear_range_of(counts, (size_t)bins).hi;
+    const shear_axes axes = {.cell = cell,
+                             .title = title,
+                             .x = {.range = r, .label = "S/N = flux / \xcf\x83(flux)"},
+                             .y = {.range = {0.0, 1.25 * fmax(top, 1.0)}, .label = "stamps"}};
+    shear_axes_begin(f, &axes);
+    shear_axes_histogram(f, bins, r, counts,
+                         &(shear_style){.colour = shear_palette(SHEAR_GREEN), .fill = 0.2});
+    plot_print(text, sizeof text, "median %.3g", median.lo);
+    shear_axes_vline(f, median.lo, &(shear_style){.dash = SHEAR_DASHED, .label = text});
+    draw_beyond(f, beyond);
+    shear_axes_end(f);
+    return SHEAR_OK;
+}
+
+static void add_component(plot_table *table, const char *key, double g, double error,
+                          bool has_truth, double truth) {
+    plot_table_add(table, key, "%.5f \xc2\xb1 %.5f", g, error);
+    if (has_truth) {
+        plot_table_add(table, "", "truth %.5f, pull %+.2f", truth, (g - truth) / error);
+    }
+}
+
+static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_table *t) {
+    const shear_result *r = &t->result;
+    plot_table table = {0};
+    plot_table_add(&table, "field", "%s", t->field);
+    plot_table_add(&table, "stamps", "%" PRId64 ", %" PRId64 " used", r->n_stamps, r->n_used);
+    if (r->valid) {
+        add_component(&table, "g_{1}", r->g1, r->g1_err, t->has_truth, t->sim_g1);
+        add_component(&table, "g_{2}", r->g2, r->g2_err, t->has_truth, t->sim_g2);
+        plot_table_add(&table, "correlation", "%.2f", r->cov12 / (r->g1_err * r->g2_err));
+        if (r->jackknife != 0) {
+            plot_table_add(&table, "errors", "jackknife, %d groups", r->jackknife);
+        } else {
+            plot_table_add(&table, "errors", "%s", shear_error_method(r));
+        }
+        plot_table_add(&table, "estimator", "%s", shear_estimator_name(r->estimator));
+    }
+    if (isfinite(t->r_psf_px)) {
+        plot_table_add(&table, "R_{PSF}", "%.3f px", t->r_psf_px);
+    }
+    if (isfinite(t->beta_px)) {
+        plot_table_add(&table, "\xce\xb2", "%.3f px", t->beta_px);
+    }
+    cell.x += 24.0;
+    plot_table_draw(&table, f, cell, "Result");
+}
+
+static int draw_panels(shear_figure *f, const shear_catalog_table *t, struct column *c,
+                       shear_error *err) {
+    static const char no_shear[] = "fewer than two usable stamps: no shear";
+    const shear_grid grid = {.area = {14.0, 12.0, WIDTH - 28.0, HEIGHT - 24.0},
+                             .rows = 2,
+                             .columns = 3,
+                             .gap_x = 18.0,
+                             .gap_y = 22.0};
+    int code = SHEAR_OK;
+    for (int i = 0; i < 2 && code == SHEAR_OK; i++) {
+        const shear_rect cell = shear_grid_cell(&grid, 0, i, 1, 1);
+        if (t->result.valid) {
+            code = draw_terms(f, cell, t, i == 1, c, err);
+        } else {
+            draw_nothing(f, cell, i != 0 ? "second component" : "first component", no_shear);
+        }
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (t->result.valid) {
+        draw_plane(f, shear_grid_cell(&grid, 0, 2, 1, 1), t);
+    } else {
+        draw_nothing(f, shear_grid_cell(&grid, 0, 2, 1, 1), "shear of the field", no_shear);
+    }
+    draw_flags(f, shear_grid_cell(&grid, 1, 0, 1, 1), t);
+    draw_summary(f, shear_grid_cell(&grid, 1, 2, 1, 1), t);
+    return draw_snr(f, shear_grid_cell(&grid, 1, 1, 1, 1), t, c, err);
+}
+
+int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_error *err) {
+    struct column column = {0};
+    int code = shear_figure_new(figure, WIDTH, HEIGHT, err);
+    if (code == SHEAR_OK) {
+        code = column_new(&column, table, err);
+    }
+    if (code == SHEAR_OK) {
+        code = draw_panels(*figure, table, &column, err);
+    }
+    free(column.values);
+    if (code != SHEAR_OK) {
+        shear_figure_free(*figure);
+        *figure = NULL;
+    }
+    return code;
+}

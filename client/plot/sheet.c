@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The sheet of a field file: rows of stamps, and the plan below. */
+#include "plot/sheet.h"
+
+#include "plot/text.h"
+
+#include <inttypes.h>
+
+enum { WIDTH = 1330, LEFT = 34, TOP = 96, STAMP_ROW = 172, ROW_GAP = 8, PLAN_ROW = 300, PAD = 14 };
+
+static void draw_title(shear_figure *f, const plot_bench *b) {
+    char text[160];
+    const shear_field_info *info = b->info;
+    const double width = shear_figure_text_width(f, info->name, 16.0) * 1.12; /* bold is wider */
+    shear_figure_text(f, PAD, 24.0, info->name, &(shear_text_style){.size = 16.0, .bold = true});
+    plot_print(text, sizeof text, "%" PRId64 " stamps of %d \xc3\x97 %d px", info->n_stamps,
+               info->geometry.nx, info->geometry.ny);
+    shear_figure_text(f, PAD + width + 16.0, 24.0, text, &(shear_text_style){.size = 13.0});
+}
+
+static int draw_stamps(shear_figure *f, plot_bench *b, const int64_t *index, int n,
+                       shear_error *err) {
+    const shear_grid grid = {
+        .area = {LEFT, TOP, WIDTH - LEFT - PAD, n * STAMP_ROW + (n - 1) * ROW_GAP},
+        .rows = n,
+        .columns = SHEET_COLUMNS,
+        .gap_x = 4.0,
+        .gap_y = ROW_GAP};
+    const shear_rect below = {PAD, grid.area.y + grid.area.h + 22.0, WIDTH - 2.0 * PAD,
+                              PLAN_ROW - 22.0 - PAD};
+    int code = SHEAR_OK;
+    draw_title(f, b);
+    sheet_draw_headings(f, &grid, TOP - 38.0, b);
+    for (int i = n - 1; i >= 0 && code == SHEAR_OK;
+         i--) { /* the first last: the plan's row shows its spectra */
+        plot_stamp stamp;
+        code = plot_stamp_read(&stamp, b, index[i], err);
+        if (code == SHEAR_OK) {
+            code = sheet_draw_stamp(f, &grid, i, b, &stamp, err);
+        }
+        if (code == SHEAR_OK && i == 0) {
+            code = sheet_draw_plan(f, below, b, &stamp, err);
+        }
+        plot_stamp_deinit(&stamp);
+    }
+    return code;
+}
+
+int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *options,
+               shear_error *err) {
+    plot_bench bench;
+    int64_t index[PLOT_MAX_STAMPS];
+    int n = 0;
+    *figure = NULL;
+    int code = plot_bench_init(&bench, field, &options->settings, err);
+    if (code == SHEAR_OK) {
+        code = plot_stamps_choose(&bench, options, index, &n, err);
+    }
+    if (code == SHEAR_OK) {
+        const int height = TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW;
+        code = shear_figure_new(figure, WIDTH, height, err);
+    }
+    if (code == SHEAR_OK) {
+        code = draw_stamps(*figure, &bench, index, n, err);
+    }
+    plot_bench_deinit(&bench);
+    if (code != SHEAR_OK) {
+        shear_figure_free(*figure);
+        *figure = NULL;
+    }
+    return code;
+}

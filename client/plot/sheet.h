@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* plot_sheet.h: the parts of a field file's sheet. */
+#ifndef CLIENT_PLOT_SHEET_H
+#define CLIENT_PLOT_SHEET_H
+
+#include "plot/array.h"
+#include "plot/stamps.h"
+
+enum { SHEET_COLUMNS = 6 };
+
+/* The headings of the columns; `y` is the middle of their first line. */
+void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, const plot_bench *b);
+/* One stamp through all steps, in row `row` of the grid. */
+int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const plot_bench *b,
+                     const plot_stamp *stamp, shear_error *err);
+/* The PSF, its transfer, the spectra's profiles and the plan, beside each other. `stamp` is the one
+ * that was read last. */
+int sheet_draw_plan(shear_figure *f, shear_rect area, const plot_bench *b, const plot_stamp *stamp,
+                    shear_error *err);
+
+/* Where the modes of an inspection lie: k in radians per galaxy pixel. */
+plot_lattice sheet_modes(const plot_bench *b, const shear_inspection *steps);
+/* The modes that count, up to k_cut; the others NaN. */
+int sheet_cut_modes(plot_cut *cut, const double *modes, const plot_bench *b,
+                    const shear_inspection *steps, shear_error *err);
+/* What those NaN are painted with. */
+shear_colour sheet_left_out(void);
+
+#endif

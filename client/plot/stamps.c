@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "plot/stamps.h"
+
+#include "shear/run.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A part of the file without usable stamps is given up after so many. */
+enum { MAX_TRIES = 64 };
+
+int plot_bench_init(plot_bench *b, shear_field *field, const shear_settings *settings,
+                    shear_error *err) {
+    *b = (plot_bench){.field = field, .info = shear_field_get_info(field)};
+    int code = shear_plan_for_field(&b->plan, settings, field, err);
+    if (code == SHEAR_OK) {
+        b->chosen = shear_plan_get_info(b->plan);
+        code = shear_workspace_new(&b->ws, b->plan, err);
+    }
+    if (code == SHEAR_OK) {
+        code = shear_block_new(&b->block, b->info, 1, err);
+    }
+    return code;
+}
+
+void plot_bench_deinit(plot_bench *b) {
+    shear_block_free(b->block);
+    shear_workspace_free(b->ws);
+    shear_plan_free(b->plan);
+    *b = (plot_bench){0};
+}
+
+static int measure(plot_bench *b, int64_t index, shear_row *row, shear_error *err) {
+    const int code = shear_field_read(b->field, index, 1, b->block, err);
+    return code != SHEAR_OK ? code : shear_measure(b->plan, b->ws, &b->block->stamps, 0, row, err);
+}
+
+/* A usable stamp of [first, end): the middle one, or the next after it, or from the beginning.
+ * *found = -1 where there is none. */
+static int find_usable(plot_bench *b, int64_t first, int64_t end, int64_t *found,
+                       shear_error *err) {
+    const int64_t length = end - first;
+    *found = -1;
+    for (int64_t try = 0; try < length && try < MAX_TRIES; try++) {
+        const int64_t index = first + (length / 2 + try) % length;
+        shear_row row;
+        const int code = measure(b, index, &row, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        if (row.flags == 0) {
+            *found = index;
+            break;
+        }
+    }
+    return SHEAR_OK;
+}
+
+/* Beginning of part k of n stamps in `parts` parts, without overflow. */
+static int64_t part_start(int64_t n, int parts, int k) {
+    return n / parts * k + n % parts * k / parts;
+}
+
+int plot_stamps_choose(plot_bench *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
+                       int *n, shear_error *err) {
+    const int64_t total = b->info->n_stamps;
+    *n = 0;
+    if (options->stamp >= total) {
+        return shear_fail(err, SHEAR_E_SETTING, "stamps are counted from 0",
+                          "there is no stamp %" PRId64 ": the file has %" PRId64, options->stamp,
+                          total);
+    }
+    if (options->stamp >= 0) {
+        index[(*n)++] = options->stamp;
+        return SHEAR_OK;
+    }
+    const int parts = total < options->n_stamps ? (int)total : options->n_stamps;
+    for (int k = 0; k < parts; k++) {
+        int64_t found = -1;
+        const int code = find_usable(b, part_start(total, parts, k),
+                                     part_start(total, parts, k + 1), &found, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        if (found >= 0) {
+            index[(*n)++] = found;
+        }
+    }
+    if (*n == 0) {
+        index[(*n)++] = total / 2;
+    }
+    return SHEAR_OK;
+}
+
+int plot_stamp_read(plot_stamp *stamp, plot_bench *b, int64_t index, shear_error *err) {
+    *stamp = (plot_stamp){.index = index};
+    int code = measure(b, index, &stamp->row, err);
+    if (code == SHEAR_OK && stamp->row.flags == 0) {
+        code = shear_inspect(b->plan, b->ws, &b->block->stamps, 0, &stamp->steps, err);
+        stamp->measured = code == SHEAR_OK;
+    }
+    stamp->galaxy = b->block->galaxy;
+    stamp->noise = b->block->noise;
+    return code;
+}
+
+void plot_stamp_deinit(plot_stamp *stamp) {
+    shear_inspection_free(&stamp->steps);
+    *stamp = (plot_stamp){0};
+}
+
+int plot_stamp_psf(double **psf, const plot_bench *b, shear_error *err) {
+    const shear_geometry *g = &b->info->geometry;
+    const size_t pixels = (size_t)g->psf_nx * (size_t)g->psf_ny;
+    const shear_stamps *stamps = &b->block->stamps;
+    *psf = calloc(pixels, sizeof **psf);
+    if (*psf == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for a PSF image");
+    }
+    if (b->info->psf_layout == SHEAR_PSF_ONE) {
+        return shear_field_read_psf(b->field, 0, *psf, err);
+    }
+    const int which = stamps->psf_index != NULL ? stamps->psf_index[0] : 0;
+    if (which >= 0 && which < stamps->n_psf) {
+        memcpy(*psf, stamps->psf + (size_t)which * pixels, pixels * sizeof **psf);
+    }
+    return SHEAR_OK;
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* plot_stamps.h: the stamps of a sheet: which ones, and each with the steps of its measurement. */
+#ifndef CLIENT_PLOT_STAMPS_H
+#define CLIENT_PLOT_STAMPS_H
+
+#include "plot/plot.h"
+#include "shear/plan.h"
+
+/* A field file opened for measuring one stamp after the other. */
+typedef struct plot_bench {
+    shear_field *field; /* borrowed */
+    const shear_field_info *info;
+    shear_plan *plan;
+    const shear_plan_info *chosen; /* what the plan decided */
+    shear_workspace *ws;
+    shear_block *block; /* room for one pair: the one that was read last */
+} plot_bench;
+
+int plot_bench_init(plot_bench *b, shear_field *field, const shear_settings *settings,
+                    shear_error *err);
+void plot_bench_deinit(plot_bench *b);
+
+/* The stamps that the options ask for; *n becomes their number, at least 1. Where none of the file
+ * is usable, one that is not. */
+int plot_stamps_choose(plot_bench *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
+                       int *n, shear_error *err);
+
+/* One stamp. Views go into the bench's block and are good until the next is read. */
+typedef struct plot_stamp {
+    int64_t index;
+    shear_row row;
+    const double *galaxy, *noise; /* [ny][nx] */
+    bool measured;                /* row.flags is 0, and `steps` is there */
+    shear_inspection steps;
+} plot_stamp;
+int plot_stamp_read(plot_stamp *stamp, plot_bench *b, int64_t index, shear_error *err);
+void plot_stamp_deinit(plot_stamp *stamp);
+
+/* The PSF of the stamp that was read last: [psf_ny][psf_nx] in *psf, the caller's to free. */
+int plot_stamp_psf(double **psf, const plot_bench *b, shear_error *err);
+
+#endif

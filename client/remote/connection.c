@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "remote/connection.h"
+
+#include "remote/socket_io.h"
+#include "shear/version.h"
+#include "sheard/frame.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { INPUT_SIZE = 65536 };
+
+struct connection {
+    int fd;
+    int64_t last_id;
+    sheard_frame frame;
+    const char *at; /* what is left of `input` for the frame */
+    size_t left;
+    connection_listener *listener;
+    void *context;
+    sheard_reply welcome; /* of hello */
+    char input[INPUT_SIZE];
+};
+
+const char *connection_default_path(void) {
+    const char *path = getenv("SHEARD_SOCKET");
+    return path != NULL && *path ? path : CONNECTION_DEFAULT_SOCKET;
+}
+
+const sheard_msg_welcome *connection_welcome(const struct connection *c) {
+    return &c->welcome.hello;
+}
+
+void connection_listen(struct connection *c, connection_listener *listener, void *context) {
+    c->listener = listener;
+    c->context = context;
+}
+
+void connection_close(struct connection *c) {
+    if (c == NULL) {
+        return;
+    }
+    if (c->fd >= 0) {
+        close(c->fd);
+    }
+    sheard_reply_deinit(&c->welcome, SHEARD_METHOD_HELLO);
+    sheard_frame_deinit(&c->frame);
+    free(c);
+}
+
+/* An error of the protocol's layer: no memory is ours, the rest is what the peer sent. */
+static int bad_message(const sheard_rpc_error *error) {
+    return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_MISMATCH;
+}
+
+static int bad_line(int event, sheard_rpc_error *error) {
+    switch (event) {
+    case SHEARD_FRAME_NOMEM:
+        return dial_fail(error, CONNECTION_FAILED, NULL, "out of memory for the service's answer");
+    case SHEARD_FRAME_NUL:
+        return dial_fail(error, CONNECTION_MISMATCH, "use a client and a service of one release",
+                         "the service's answer is not text");
+    default:
+        return dial_fail(error, CONNECTION_MISMATCH, "ask for less with --limit",
+                         "the service's answer is longer than %zu bytes",
+                         sheard_rpc_reply_limits.line);
+    }
+}
+
+/* The next message of any kind. */
+static int receive(struct connection *c, double deadline, sheard_message *m,
+                   sheard_rpc_error *error) {
+    for (;;) {
+        const char *line = NULL;
+        size_t n = 0;
+        const int event = sheard_frame_next(&c->frame, &c->at, &c->left, &line, &n);
+        if (event == SHEARD_FRAME_LINE) {
+            return sheard_message_parse(m, line, n, error) != 0 ? bad_message(error)
+                                                                : CONNECTION_OK;
+        }
+        if (event != SHEARD_FRAME_MORE) {
+            return bad_line(event, error);
+        }
+        c->at = c->input;
+        const int status =
+            dial_receive(c->fd, c->input, sizeof c->input, &c->left, deadline, error);
+        if (status != CONNECTION_OK) {
+            return status;
+        }
+    }
+}
+
+/* The answer to request `id`; notifications on the way go to the listener. An error without an id
+ * is about the connection (too many of them, the service stops) and is an answer, too. */
+static int receive_answer(struct connection *c, int64_t id, double deadline, sheard_message *m,
+                          sheard_rpc_error *error) {
+    for (;;) {
+        const int status = receive(c, deadline, m, error);
+        if (status != CONNECTION_OK) {
+            return status;
+        }
+        if (m->kind == SHEARD_MESSAGE_NOTICE) {
+            if (c->listener != NULL && m->notice >= 0) {
+                c->listener(c->context, m);
+            }
+        } else if ((m->id.type == SHEARD_ID_INTEGER && m->id.integer == id) ||
+                   (m->kind == SHEARD_MESSAGE_ERROR && m->id.type == SHEARD_ID_NULL)) {
+            return CONNECTION_OK;
+        } else {
+            sheard_message_deinit(m);
+            return dial_fail(error, CONNECTION_MISMATCH,
+                             "use a client and a service of one release",
+                             "the service answers what was not asked");
+        }
+        sheard_message_deinit(m);
+    }
+}
+
+static int take_answer(const sheard_message *m, int method, sheard_reply *reply, char **text,
+                       sheard_rpc_error *error) {
+    if (m->kind == SHEARD_MESSAGE_ERROR) {
+        *error = m->error;
+        return CONNECTION_REFUSED;
+    }
+    if (reply != NULL && sheard_message_reply(m, method, reply, error) != 0) {
+        return bad_message(error);
+    }
+    if (text != NULL && sheard_message_text(m, text, error) != 0) {
+        if (reply != NULL) {
+            sheard_reply_deinit(reply, method);
+        }
+        return bad_message(error);
+    }
+    return CONNECTION_OK;
+}
+
+static int send_request(struct connection *c, int method, const sheard_params *params,
+                        double deadline, sheard_rpc_error *error) {
+    char *line = NULL;
+    size_t n = 0;
+    const sheard_rpc_id id = {.type = SHEARD_ID_INTEGER, .integer = ++c->last_id};
+    if (sheard_request_line(&line, &n, &id, method, params, error) != 0) {
+        /* What the service would refuse is refused here, in the same words. */
+        return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_REFUSED;
+    }
+    const int status = dial_send(c->fd, line, n, deadline, error);
+    free(line);
+    return status;
+}
+
+int connection_call(struct connection *c, int method, const sheard_params *params, double timeout_s,
+                    sheard_reply *reply, char **text, sheard_rpc_error *error) {
+    const double deadline = dial_now() + timeout_s;
+    sheard_message m = {.notice = -1};
+    int status = send_request(c, method, params, deadline, error);
+    if (status != CONNECTION_OK) {
+        return status;
+    }
+    status = receive_answer(c, c->last_id, deadline, &m, error);
+    if (status == CONNECTION_OK) {
+        status = take_answer(&m, method, reply, text, error);
+        sheard_message_deinit(&m);
+    }
+    return status;
+}
+
+static int greet(struct connection *c, const char *path, double timeout_s,
+                 sheard_rpc_error *error) {
+    sheard_params params;
+    sheard_params_init(&params, SHEARD_METHOD_HELLO);
+    params.hello = (sheard_msg_hello){.oldest = SHEARD_PROTOCOL_OLDEST,
+                                      .newest = SHEARD_PROTOCOL_VERSION,
+                                      .client = "shearctl " SHEAR_VERSION_STRING};
+    const int status =
+        connection_call(c, SHEARD_METHOD_HELLO, &params, timeout_s, &c->welcome, NULL, error);
+    if (status == CONNECTION_MISMATCH) {
+        char why[300];
+        snprintf(why, sizeof why, "%.290s", error->message);
+        return dial_fail(error, status, "is this the socket of sheard?",
+                         "what listens at %s is not a service that this client knows: %s", path,
+                         why);
+    }
+    if (status == CONNECTION_REFUSED && error->code == SHEARD_RPC_UNSUPPORTED_VERSION) {
+        return CONNECTION_MISMATCH;
+    }
+    const int64_t version = c->welcome.hello.protocol;
+    if (status == CONNECTION_OK &&
+        (version < SHEARD_PROTOCOL_OLDEST || version > SHEARD_PROTOCOL_VERSION)) {
+        return dial_fail(error, CONNECTION_MISMATCH,
+                         "use a client and a service of the same release",
+                         "the service speaks version %" PRId64 " of the protocol, this client %d "
+                         "to %d",
+                         version, SHEARD_PROTOCOL_OLDEST, SHEARD_PROTOCOL_VERSION);
+    }
+    return status;
+}
+
+int connection_open(struct connection **out, const char *path, double timeout_s,
+                    sheard_rpc_error *error) {
+    const double deadline = dial_now() + timeout_s;
+    *out = NULL;
+    struct connection *c = calloc(1, sizeof *c);
+    if (c == NULL) {
+        return dial_fail(error, CONNECTION_FAILED, NULL, "out of memory");
+    }
+    sheard_frame_init(&c->frame, sheard_rpc_reply_limits.line);
+    int status = dial_connect(path, deadline, &c->fd, error);
+    if (status == CONNECTION_OK) {
+        status = greet(c, path, deadline - dial_now(), error);
+    }
+    if (status != CONNECTION_OK) {
+        connection_close(c);
+        return status;
+    }
+    *out = c;
+    return CONNECTION_OK;
+}

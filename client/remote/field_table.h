@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* field_table.h: fields for people, a row each. */
+#ifndef CLIENT_REMOTE_FIELD_TABLE_H
+#define CLIENT_REMOTE_FIELD_TABLE_H
+
+#include "sheard/messages.h"
+#include "terminal/text_table.h"
+
+text_table *field_table_new(void);
+void field_table_add(text_table *table, const sheard_msg_summary *field, int64_t now_ms);
+
+#endif

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* follow.h: wait until jobs are finished, with a progress bar on a terminal (submit --wait, wait).
+ */
+#ifndef CLIENT_REMOTE_FOLLOW_H
+#define CLIENT_REMOTE_FOLLOW_H
+
+#include "remote/follow_sum.h"
+#include "remote/service.h"
+
+#include <stddef.h>
+
+typedef struct follow_options {
+    double timeout_s; /* NAN: as long as it takes */
+    bool quiet;       /* no progress bar */
+    bool print;       /* with service.json, print the answers to wait */
+    /* Called for each job in the order of the ids, when all are finished or the time is over. */
+    void (*ended)(void *context, const sheard_msg_job *job);
+    void *context;
+} follow_options;
+
+/* Wait for ids[n]. Returns follow_exit_code; or another one, with an error printed. */
+int follow_jobs(struct service *s, const int64_t *ids, size_t n, const follow_options *options);
+
+#endif

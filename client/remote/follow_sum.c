@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "remote/follow_sum.h"
+
+#include "cmdline/command.h"
+
+#include <math.h>
+
+struct follow_sum follow_sum(const follow_entry *entries, size_t n) {
+    struct follow_sum sum = {.total = -1};
+    double known = 0.0;
+    size_t n_known = 0;
+    for (size_t i = 0; i < n; i++) {
+        const follow_entry *e = &entries[i];
+        const bool final = sheard_job_state_is_final(e->state);
+        sum.finished += final;
+        if (e->progress.total >= 0) {
+            known += (double)e->progress.total;
+            n_known++;
+            sum.done += final ? e->progress.total : e->progress.done;
+        }
+        if (e->state == SHEARD_JOB_RUNNING && isfinite(e->progress.rate)) {
+            sum.rate += e->progress.rate;
+        }
+    }
+    if (n_known > 0) {
+        sum.total = (int64_t)(known / (double)n_known * (double)n + 0.5);
+    }
+    return sum;
+}
+
+static follow_entry *find(follow_entry *entries, size_t n, int64_t id) {
+    for (size_t i = 0; i < n; i++) {
+        if (entries[i].id == id) {
+            return &entries[i];
+        }
+    }
+    return NULL;
+}
+
+void follow_note_job(follow_entry *entries, size_t n, const sheard_msg_job *job) {
+    follow_entry *e = find(entries, n, job->id);
+    if (e != NULL && !sheard_job_state_is_final(e->state)) {
+        e->state = job->state;
+        e->progress = job->progress;
+    }
+}
+
+void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
+                          const sheard_msg_progress *progress) {
+    follow_entry *e = find(entries, n, id);
+    if (e != NULL && !sheard_job_state_is_final(e->state)) {
+        e->state = SHEARD_JOB_RUNNING;
+        e->progress = *progress;
+    }
+}
+
+int follow_exit_code(const follow_tally *t) {
+    if (t->unfinished > 0) {
+        return EXIT_CODE_TIMED_OUT;
+    }
+    if (t->failed + t->cancelled == 0) {
+        return EXIT_CODE_DONE;
+    }
+    if (t->done > 0) {
+        return EXIT_CODE_PARTLY;
+    }
+    return t->failed > 0 ? EXIT_CODE_JOB_FAILED : EXIT_CODE_CANCELLED;
+}

@@ -1,0 +1,321 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "remote/job_text.h"
+
+#include "remote/report_text.h"
+#include "sheard/report_summary.h"
+#include "terminal/bar.h"
+#include "terminal/human.h"
+#include "terminal/message.h"
+#include "terminal/style.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+static const char *or_dash(const char *text) {
+    return text != NULL && *text ? text : "-";
+}
+
+static void image_text(const sheard_msg_image *image, char *buf, size_t size) {
+    if (image->extname != NULL) {
+        snprintf(buf, size, "%s:%s", or_dash(image->path), image->extname);
+    } else if (image->hdu >= 0) {
+        snprintf(buf, size, "%s:%" PRId64, or_dash(image->path), image->hdu);
+    } else {
+        snprintf(buf, size, "%s", or_dash(image->path));
+    }
+}
+
+/* A job file asks for files of a client's; other dropped files are themselves what is measured. */
+static bool is_dropped(const sheard_msg_job *job) {
+    const char *dot = job->dropped_name != NULL ? strrchr(job->dropped_name, '.') : NULL;
+    return job->dropped_name != NULL && !(dot != NULL && strcmp(dot, ".json") == 0);
+}
+
+/* "failed/a.1.fits"; "active" alone, where names are long and tell nothing. */
+static const char *where_now(const sheard_msg_job *job, char *buf, size_t size) {
+    const char *name = job->file_now != NULL ? strrchr(job->file_now, '/') : NULL;
+    const char *folder = name;
+    while (folder != NULL && folder > job->file_now && folder[-1] != '/') {
+        folder--;
+    }
+    if (name == NULL) {
+        return "gone";
+    }
+    const bool active = strncmp(folder, "active/", strlen("active/")) == 0;
+    snprintf(buf, size, "%.*s", (int)(active ? name - folder : (ptrdiff_t)strlen(folder)), folder);
+    return buf;
+}
+
+char *job_source_text(const sheard_msg_job *job, char *buf, size_t size) {
+    const sheard_msg_source *source = &job->source;
+    char galaxy[4180];
+    if (is_dropped(job)) {
+        snprintf(buf, size, "%s (%s)", job->dropped_name, where_now(job, galaxy, sizeof galaxy));
+    } else if (source->galaxy.path != NULL) {
+        image_text(&source->galaxy, galaxy, sizeof galaxy);
+        snprintf(buf, size, "%s + noise, psf", galaxy);
+    } else {
+        snprintf(buf, size, "%s", or_dash(source->path));
+    }
+    return buf;
+}
+
+/* ---- Tables ---- */
+
+text_table *job_table_new(void) {
+    static const text_column columns[] = {{"ID", 'r'},   {"STATE", 'l'}, {"FIELD", 'l'},
+                                          {"DONE", 'r'}, {"PRIO", 'r'},  {"USER", 'l'},
+                                          {"AGE", 'r'},  {"TOOK", 'r'},  {"SOURCE", 'l'}};
+    return text_table_new(columns, sizeof columns / sizeof *columns);
+}
+
+bool job_is_before_measuring(const sheard_msg_job *job) {
+    const int phase = job->progress.phase;
+    return job->state == SHEARD_JOB_RUNNING && phase > SHEARD_PHASE_NONE &&
+           phase < SHEARD_PHASE_MEASURING;
+}
+
+const char *job_phase_text(const sheard_msg_progress *p, char *buf, size_t size) {
+    const char *name = sheard_job_phase_name(p->phase);
+    if (p->phase == SHEARD_PHASE_WAITING_MEMORY) {
+        snprintf(buf, size, "waiting for memory");
+    } else if (p->bytes_total > 0 && p->bytes_done >= 0) {
+        snprintf(buf, size, "%s, %d%% of %.1f MB", name,
+                 (int)(100.0 * bar_part((double)p->bytes_done, (double)p->bytes_total)),
+                 1e-6 * (double)p->bytes_total);
+    } else {
+        snprintf(buf, size, "%s", name);
+    }
+    return buf;
+}
+
+/* "42%"; "duplicate" and the code of a failure say more than 100 % and 0 %. */
+static void add_part(text_table *t, const sheard_msg_job *job) {
+    if (job->outcome == SHEARD_OUTCOME_DUPLICATE) {
+        text_table_cell(t, STYLE_DIM, "duplicate");
+    } else if (job->state == SHEARD_JOB_FAILED || job->state == SHEARD_JOB_WAITING) {
+        text_table_cell(t, NULL, "%s", or_dash(job->code));
+    } else if (job_is_before_measuring(job)) {
+        text_table_cell(t, STYLE_DIM, "%s", sheard_job_phase_name(job->progress.phase));
+    } else if (job->progress.total >= 0 && job->state != SHEARD_JOB_QUEUED) {
+        text_table_cell(
+            t, NULL, "%d%%",
+            (int)(100.0 * bar_part((double)job->progress.done, (double)job->progress.total)));
+    } else {
+        text_table_cell(t, NULL, "%s", job->state == SHEARD_JOB_DONE ? "100%" : "-");
+    }
+}
+
+static double took(const sheard_msg_job *job, int64_t now_ms) {
+    const int64_t end = job->finished_ms != 0 ? job->finished_ms : now_ms;
+    return job->started_ms != 0 ? (double)(end - job->started_ms) / 1000.0 : (double)NAN;
+}
+
+void job_table_add(text_table *t, const sheard_msg_job *job, int64_t now_ms) {
+    char text[4200];
+    char duration[HUMAN_SIZE];
+    text_table_cell(t, NULL, "%" PRId64, job->id);
+    text_table_cell(t, style_of_state(job->state), "%s", sheard_job_state_name(job->state));
+    text_table_cell(t, NULL, "%s", or_dash(job->field));
+    add_part(t, job);
+    text_table_cell(t, NULL, "%" PRId64, job->priority);
+    text_table_cell(t, NULL, "%s", or_dash(job->user));
+    text_table_cell(t, NULL, "%s", human_age(job->created_ms, now_ms, duration));
+    text_table_cell(t, NULL, "%s", human_duration(took(job, now_ms), duration));
+    text_table_cell(t, NULL, "%s", job_source_text(job, text, sizeof text));
+}
+
+text_table *job_results_new(void) {
+    static const text_column columns[] = {{"ID", 'r'}, {"STATE", 'l'}, {"FIELD", 'l'},
+                                          {"G1", 'l'}, {"G2", 'l'},    {"USED", 'r'},
+                                          {"OF", 'r'}, {"SOURCE", 'l'}};
+    return text_table_new(columns, sizeof columns / sizeof *columns);
+}
+
+void job_results_add(text_table *t, const sheard_msg_job *job) {
+    char text[4200];
+    sheard_report_summary s = {.g1 = NAN, .g2 = NAN};
+    shear_error err = {0};
+    const bool has = job->result != NULL && sheard_report_summary_parse(&s, job->result, &err) == 0;
+    text_table_cell(t, NULL, "%" PRId64, job->id);
+    text_table_cell(t, style_of_state(job->state), "%s%s", sheard_job_state_name(job->state),
+                    job->outcome == SHEARD_OUTCOME_DUPLICATE ? " (duplicate)" : "");
+    text_table_cell(t, NULL, "%s", or_dash(job->field));
+    text_table_cell(t, NULL, "%s", has ? shear_text_value(s.g1, s.g1_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s", has ? shear_text_value(s.g2, s.g2_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%" PRId64, s.n_used);
+    text_table_cell(t, NULL, "%" PRId64, s.n_stamps);
+    text_table_cell(t, NULL, "%s", job_source_text(job, text, sizeof text));
+    if (has) {
+        sheard_report_summary_deinit(&s);
+    }
+}
+
+/* ---- One job ---- */
+
+static void print_source(const sheard_msg_job *job, FILE *out) {
+    const sheard_msg_source *s = &job->source;
+    const struct {
+        const char *name;
+        const sheard_msg_image *image;
+    } images[] = {
+        {"galaxy", &s->galaxy}, {"noise", &s->noise}, {"psf", &s->psf}, {"catalog", &s->catalog}};
+    if (job->dropped_name != NULL) {
+        shear_text_line(out, "dropped", "%s", job->dropped_name);
+        shear_text_line(out, "now at", "%s",
+                        job->file_now != NULL ? job->file_now : "- (it was taken away)");
+    }
+    if (s->path != NULL && !is_dropped(job)) {
+        shear_text_line(out, "file", "%s", s->path);
+    }
+    for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
+        if (images[i].image->path != NULL) {
+            char text[4200];
+            image_text(images[i].image, text, sizeof text);
+            shear_text_line(out, images[i].name, "%s", text);
+        }
+    }
+}
+
+static void print_failure(const sheard_msg_job *job, bool utc, FILE *out) {
+    char time[HUMAN_SIZE];
+    if (job->code != NULL) {
+        const char *class = sheard_job_class_name(job->job_class);
+        shear_text_line(out, "failure", "%s%s%s%s: %s", job->code, *class ? " (" : "", class,
+                        *class ? ")" : "", or_dash(job->message));
+    }
+    if (job->code != NULL && job->advice != NULL && *job->advice) {
+        shear_text_line(out, "advice", "%s", job->advice);
+    }
+    if (job->not_before_ms != 0 && job->state == SHEARD_JOB_WAITING) {
+        shear_text_line(out, "retry", "not before %s", human_time(job->not_before_ms, utc, time));
+    }
+}
+
+static void print_times(const sheard_msg_job *job, bool utc, FILE *out) {
+    char time[HUMAN_SIZE];
+    char duration[HUMAN_SIZE];
+    shear_text_line(out, "submitted", "%s by %s (%s)", human_time(job->created_ms, utc, time),
+                    or_dash(job->user), sheard_job_origin_name(job->origin));
+    if (job->started_ms != 0) {
+        shear_text_line(out, "started", "%s", human_time(job->started_ms, utc, time));
+    }
+    if (job->finished_ms != 0) {
+        shear_text_line(out, "finished", "%s (took %s)", human_time(job->finished_ms, utc, time),
+                        human_duration(took(job, job->finished_ms), duration));
+    }
+}
+
+static void print_progress(const sheard_msg_job *job, FILE *out) {
+    char bar[48];
+    char figures[96];
+    if (job_is_before_measuring(job)) {
+        shear_text_line(out, "progress", "%s",
+                        job_phase_text(&job->progress, figures, sizeof figures));
+    } else if (job->state == SHEARD_JOB_RUNNING && job->progress.total >= 0) {
+        const double part = bar_part((double)job->progress.done, (double)job->progress.total);
+        shear_text_line(
+            out, "progress", "%s%s", bar_text(part, 32, bar, sizeof bar),
+            bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));
+    }
+}
+
+/* Those that are not at their built-in defaults, as "NAME=VALUE NAME=VALUE". */
+static void print_settings(const char *settings, FILE *out) {
+    char text[SHEARD_MSG_SETTINGS_SIZE] = "";
+    size_t n = 0;
+    size_t used = 0;
+    shear_settings theirs;
+    shear_settings defaults;
+    const shear_setting_def *table = shear_settings_table(&n);
+    shear_settings_init(&theirs);
+    shear_settings_init(&defaults);
+    if (settings == NULL || sheard_settings_apply(&theirs, settings, NULL) != 0) {
+        return;
+    }
+    for (size_t i = 0; i < n && used < sizeof text; i++) {
+        char a[64];
+        char b[64];
+        shear_settings_format(&theirs, &table[i], a, sizeof a);
+        if (strcmp(a, shear_settings_format(&defaults, &table[i], b, sizeof b)) != 0) {
+            const int more = snprintf(text + used, sizeof text - used, "%s%s=%s",
+                                      used != 0 ? " " : "", table[i].name, a);
+            used += more > 0 ? (size_t)more : 0;
+        }
+    }
+    shear_text_line(out, "settings", "%s", used != 0 ? text : "all at their defaults");
+}
+
+static void print_outcome(const sheard_msg_job *job, FILE *out) {
+    if (job->outcome == SHEARD_OUTCOME_DUPLICATE) {
+        shear_text_line(out, "outcome",
+                        "duplicate of job %" PRId64 ": not counted again (--force counts it)",
+                        job->duplicate_of);
+    } else if (job->outcome == SHEARD_OUTCOME_COUNTED) {
+        shear_text_line(out, "outcome", "counted to the field");
+    } else if (job->state == SHEARD_JOB_RETRACTED) {
+        shear_text_line(out, "outcome", "was counted, and is taken back");
+    }
+    if (job->catalog != NULL) {
+        shear_text_line(out, "catalog", "%s", job->catalog);
+    }
+    shear_text_print(job->result, NULL, out);
+}
+
+static void print_history(const sheard_msg_shown *shown, bool utc, FILE *out) {
+    for (size_t i = 0; i < shown->n_history; i++) {
+        const sheard_msg_attempt *a = &shown->history[i];
+        char time[HUMAN_SIZE];
+        char duration[HUMAN_SIZE];
+        const double s =
+            a->ended_ms != 0 ? (double)(a->ended_ms - a->started_ms) / 1000.0 : (double)NAN;
+        const char *ending = sheard_job_ending_name(a->ending);
+        shear_text_line(out, "attempt", "%" PRId64 ": %s, %s%s%s%s%s", a->number,
+                        human_time(a->started_ms, utc, time), *ending ? ending : "running",
+                        a->ended_ms != 0 ? " after " : "",
+                        a->ended_ms != 0 ? human_duration(s, duration) : "",
+                        a->code != NULL ? ", " : "", a->code != NULL ? a->code : "");
+    }
+}
+
+void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out) {
+    const sheard_msg_job *job = &shown->job;
+    const char *style = style_on(out) ? style_of_state(job->state) : NULL;
+    fprintf(out, "job %" PRId64 "  %s%s%s%s\n", job->id, style != NULL ? style : "",
+            sheard_job_state_name(job->state), style != NULL ? STYLE_END : "",
+            job->cancel_asked && !sheard_job_state_is_final(job->state) ? " (being cancelled)"
+                                                                        : "");
+    shear_text_line(out, "field", "%s", or_dash(job->field));
+    print_source(job, out);
+    print_failure(job, utc, out);
+    print_progress(job, out);
+    print_outcome(job, out);
+    print_times(job, utc, out);
+    if (job->priority != 0) {
+        shear_text_line(out, "priority", "%" PRId64, job->priority);
+    }
+    if (job->key != NULL) {
+        shear_text_line(out, "key", "%s", job->key);
+    }
+    print_settings(job->settings, out);
+    if (job->checksum != NULL) {
+        shear_text_line(out, "checksum", "%s", job->checksum);
+    }
+    print_history(shown, utc, out);
+}
+
+void job_complain(const sheard_msg_job *job) {
+    if (job->state == SHEARD_JOB_FAILED) {
+        message_fail(job->advice != NULL && *job->advice ? job->advice : NULL,
+                     "job %" PRId64 " failed: %s [%s]", job->id, or_dash(job->message),
+                     or_dash(job->code));
+    } else if (job->state == SHEARD_JOB_CANCELLED) {
+        message_fail(NULL, "job %" PRId64 " was cancelled", job->id);
+    } else if (job->state == SHEARD_JOB_RETRACTED) {
+        message_fail(NULL, "job %" PRId64 " was retracted", job->id);
+    } else if (!sheard_job_state_is_final(job->state)) {
+        message_fail(NULL, "job %" PRId64 " is not finished: %s", job->id,
+                     sheard_job_state_name(job->state));
+    }
+}

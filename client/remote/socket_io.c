@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "remote/socket_io.h"
+
+#include "terminal/progress.h"
+
+#include <errno.h>
+#include <grp.h>
+#include <math.h>
+#include <poll.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <time.h>
+#include <unistd.h>
+
+/* A signal that comes between the look at its flag and poll() is noticed after this time. */
+enum { SLICE_MS = 200, BACKLOG_MS = 20 };
+
+#define HOW_TO_START                                                                               \
+    "start the service (systemctl start sheard), or name its socket with --socket or "             \
+    "SHEARD_SOCKET"
+
+double dial_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+int dial_fail(sheard_rpc_error *error, int status, const char *advice, const char *format, ...) {
+    memset(error, 0, sizeof *error);
+    error->code = SHEARD_RPC_UNKNOWN;
+    snprintf(error->advice, sizeof error->advice, "%s", advice != NULL ? advice : "");
+    va_list args;
+    va_start(args, format);
+    vsnprintf(error->message, sizeof error->message, format, args);
+    va_end(args);
+    return status;
+}
+
+static int interrupted(sheard_rpc_error *error) {
+    return dial_fail(error, CONNECTION_INTERRUPTED, NULL, "interrupted");
+}
+
+/* Until `events` (or a hang-up) on fd; fd -1: only time passes. */
+static int wait_for(int fd, short events, double deadline, sheard_rpc_error *error) {
+    for (;;) {
+        if (progress_interrupted()) {
+            return interrupted(error);
+        }
+        const double left_ms = ceil(1000.0 * (deadline - dial_now()));
+        if (left_ms <= 0.0) {
+            return dial_fail(error, CONNECTION_SILENT,
+                             "the service is stuck or very busy: systemctl status sheard; "
+                             "--reply-timeout waits longer",
+                             "the service does not answer");
+        }
+        struct pollfd p = {.fd = fd, .events = events};
+        const int n = poll(&p, 1, left_ms < SLICE_MS ? (int)left_ms : SLICE_MS);
+        if (n > 0) {
+            return CONNECTION_OK;
+        }
+        if (n < 0 && errno != EINTR) {
+            return dial_fail(error, CONNECTION_FAILED, NULL, "cannot wait: %s", strerror(errno));
+        }
+    }
+}
+
+/* "group sheard", the group that may connect; "" where it is not known. */
+static void name_group(const char *path, char *buf, size_t size) {
+    struct stat st;
+    buf[0] = '\0';
+    if (stat(path, &st) == 0) {
+        const struct group *g = getgrgid(st.st_gid);
+        if (g != NULL) {
+            snprintf(buf, size, " (%s)", g->gr_name);
+        }
+    }
+}
+
+static int say_why(const char *path, int why, sheard_rpc_error *error) {
+    char group[96];
+    char advice[240];
+    switch (why) {
+    case ENOENT:
+    case ENOTDIR:
+        return dial_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "there is no socket %s",
+                         path);
+    case ECONNREFUSED:
+        return dial_fail(error, CONNECTION_UNREACHABLE,
+                         "the service has stopped: systemctl start sheard; systemctl status sheard "
+                         "tells why",
+                         "nobody listens at the socket %s", path);
+    case EACCES:
+    case EPERM:
+        name_group(path, group, sizeof group);
+        snprintf(advice, sizeof advice,
+                 "become a member of the socket's group%s: an administrator does usermod -aG, then "
+                 "log in again",
+                 group);
+        return dial_fail(error, CONNECTION_DENIED, advice, "you may not connect to %s", path);
+    default:
+        return dial_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "cannot connect to %s: %s",
+                         path, strerror(why));
+    }
+}
+
+int dial_connect(const char *path, double deadline, int *fd, sheard_rpc_error *error) {
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    *fd = -1;
+    if (strlen(path) >= sizeof address.sun_path) {
+        return dial_fail(error, CONNECTION_UNREACHABLE, "give a shorter path",
+                         "the path of a socket has at most %zu bytes: %s",
+                         sizeof address.sun_path - 1, path);
+    }
+    memcpy(address.sun_path, path, strlen(path) + 1);
+    const int s = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    if (s < 0) {
+        return dial_fail(error, CONNECTION_FAILED, NULL, "cannot make a socket: %s",
+                         strerror(errno));
+    }
+    int status = CONNECTION_OK;
+    while (status == CONNECTION_OK &&
+           connect(s, (const struct sockaddr *)&address, sizeof address) != 0) {
+        if (errno != EAGAIN && errno != EINTR) {
+            status = say_why(path, errno, error);
+        } else if (progress_interrupted()) {
+            status = interrupted(error);
+        } else if (dial_now() >= deadline) {
+            status = dial_fail(error, CONNECTION_SILENT,
+                               "the service is stuck or very busy: systemctl status sheard",
+                               "the service does not accept connections at %s", path);
+        } else { /* the listener's backlog is full: there is no event to wait for */
+            poll(NULL, 0, BACKLOG_MS);
+        }
+    }
+    if (status != CONNECTION_OK) {
+        close(s);
+        return status;
+    }
+    *fd = s;
+    return CONNECTION_OK;
+}
+
+int dial_send(int fd, const char *bytes, size_t n, double deadline, sheard_rpc_error *error) {
+    while (n > 0) {
+        const ssize_t sent = send(fd, bytes, n, MSG_NOSIGNAL);
+        if (sent > 0) {
+            bytes += sent;
+            n -= (size_t)sent;
+        } else if (errno == EPIPE || errno == ECONNRESET) {
+            return CONNECTION_OK;
+        } else if (errno == EAGAIN) {
+            const int status = wait_for(fd, POLLOUT, deadline, error);
+            if (status != CONNECTION_OK) {
+                return status;
+            }
+        } else if (errno != EINTR) {
+            return dial_fail(error, CONNECTION_UNREACHABLE, NULL, "cannot write to the service: %s",
+                             strerror(errno));
+        }
+    }
+    return CONNECTION_OK;
+}
+
+int dial_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
+                 sheard_rpc_error *error) {
+    for (;;) {
+        const ssize_t got = recv(fd, buf, size, 0);
+        if (got > 0) {
+            *n = (size_t)got;
+            return CONNECTION_OK;
+        }
+        if (got == 0 || errno == ECONNRESET) {
+            return dial_fail(error, CONNECTION_UNREACHABLE,
+                             "systemctl status sheard tells whether it was stopped; accepted jobs "
+                             "go on when it is started again",
+                             "the service has closed the connection");
+        }
+        if (errno != EAGAIN && errno != EINTR) {
+            return dial_fail(error, CONNECTION_UNREACHABLE, NULL,
+                             "cannot read from the service: %s", strerror(errno));
+        }
+        const int status = wait_for(fd, POLLIN, deadline, error);
+        if (status != CONNECTION_OK) {
+            return status;
+        }
+    }
+}

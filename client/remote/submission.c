@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "remote/submission.h"
+
+#include "cmdline/command.h"
+#include "cmdline/input_path.h"
+#include "terminal/message.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int input_error(const shear_error *err) {
+    message_error(err);
+    return err->code == SHEAR_E_SETTING ? EXIT_CODE_USAGE
+           : err->code == SHEAR_E_NOMEM ? EXIT_CODE_OTHER
+                                        : EXIT_CODE_INPUT;
+}
+
+/* ---- Job files ---- */
+
+static int read_all(FILE *in, const char *name, char *buf, size_t size, size_t *n) {
+    *n = fread(buf, 1, size, in);
+    if (ferror(in) != 0) {
+        message_fail(NULL, "cannot read %s: %s", name, strerror(errno));
+        return EXIT_CODE_INPUT;
+    }
+    if (*n == size) {
+        message_fail(NULL, "%s is no job file: it has more than %d bytes", name,
+                     SHEARD_MSG_JOB_FILE_MAX);
+        return EXIT_CODE_INPUT;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int parse_job(struct submission *s, const char *name, const char *text, size_t n) {
+    sheard_rpc_error error = {0};
+    if (sheard_job_file_parse(&s->parsed, text, n, NULL, &error) != 0) {
+        message_fail(error.advice[0] ? error.advice : NULL, "%s: %s [%s]", name, error.message,
+                     error.name);
+        return error.code == SHEARD_RPC_OUT_OF_MEMORY ? EXIT_CODE_OTHER : EXIT_CODE_INPUT;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int read_job_file(struct submission *s, const char *name) {
+    const bool standard = strcmp(name, "-") == 0;
+    const char *shown = standard ? "standard input" : name;
+    const size_t size = SHEARD_MSG_JOB_FILE_MAX + 1;
+    size_t n = 0;
+    char *text = malloc(size);
+    FILE *in = standard ? stdin : fopen(name, "re");
+    int code = EXIT_CODE_INPUT;
+    if (text == NULL) {
+        message_fail(NULL, "out of memory");
+        code = EXIT_CODE_OTHER;
+    } else if (in == NULL) {
+        message_fail(NULL, "cannot open %s: %s", name, strerror(errno));
+    } else {
+        code = read_all(in, shown, text, size, &n);
+    }
+    if (code == SHEAR_OK) {
+        code = parse_job(s, shown, text, n);
+    }
+    if (in != NULL && !standard) {
+        fclose(in);
+    }
+    free(text);
+    s->params.submit = s->parsed; /* which owns the texts */
+    return code;
+}
+
+/* ---- Options ---- */
+
+static int set_images(struct submission *s, const submission_options *o) {
+    shear_error err = {0};
+    sheard_msg_source *source = &s->params.submit.source;
+    sheard_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
+                                        &source->catalog};
+    if (part_input_init(&s->parts, &o->parts, true, &err) != 0) {
+        return input_error(&err);
+    }
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const shear_input_part *part = &s->parts.input.parts[i];
+        *images[i] = (sheard_msg_image){part->path, part->hdu, part->extname};
+    }
+    return EXIT_CODE_DONE;
+}
+
+static int set_file(struct submission *s, const char *name) {
+    shear_error err = {0};
+    if (input_path_absolute(name, &s->path, &err) != 0) {
+        return input_error(&err);
+    }
+    s->params.submit.source.path = s->path;
+    return EXIT_CODE_DONE;
+}
+
+/* The line of `text` (canonical settings, or NULL) that gives `name`, with its \n; or NULL. */
+static const char *find_line(const char *text, const char *name) {
+    const size_t n = strlen(name);
+    while (text != NULL && *text) {
+        if (strncmp(text, name, n) == 0 && text[n] == '=') {
+            return text;
+        }
+        const char *end = strchr(text, '\n');
+        text = end != NULL ? end + 1 : NULL;
+    }
+    return NULL;
+}
+
+/* The options' settings, and the job file's that no option beats. */
+static void set_settings(struct submission *s, const submission_options *o) {
+    size_t n = 0;
+    size_t used = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    const char *theirs = s->parsed.settings;
+    for (size_t i = 0; i < n && i < SETTINGS_OPTIONS_MAX && used < sizeof s->settings; i++) {
+        char value[64];
+        int more = 0;
+        const char *line = find_line(theirs, table[i].name);
+        if (o->given[i]) {
+            shear_settings_format(&o->settings, &table[i], value, sizeof value);
+            more = snprintf(s->settings + used, sizeof s->settings - used, "%s=%s\n", table[i].name,
+                            value);
+        } else if (line != NULL) {
+            more = snprintf(s->settings + used, sizeof s->settings - used, "%.*s\n",
+                            (int)strcspn(line, "\n"), line);
+        }
+        used += more > 0 ? (size_t)more : 0;
+    }
+    s->params.submit.settings = used != 0 ? s->settings : NULL;
+}
+
+static void set_options(struct submission *s, const submission_options *o) {
+    sheard_msg_submit *m = &s->params.submit;
+    m->field = o->field != NULL ? o->field : m->field;
+    m->key = o->key != NULL ? o->key : m->key;
+    m->priority = o->has_priority ? o->priority : m->priority;
+    m->force = m->force || o->force;
+    m->wait = false; /* waiting is ours: with progress, and an end to it */
+    set_settings(s, o);
+}
+
+static bool is_job_file(const char *name) {
+    const size_t n = strlen(name);
+    return strcmp(name, "-") == 0 || (n > 5 && strcmp(name + n - 5, ".json") == 0);
+}
+
+int submission_init(struct submission *s, const char *name, const submission_options *o) {
+    *s = (struct submission){0};
+    sheard_params_init(&s->params, SHEARD_METHOD_SUBMIT);
+    int code = EXIT_CODE_DONE;
+    if (name == NULL) {
+        code = set_images(s, o);
+    } else if (is_job_file(name)) {
+        code = read_job_file(s, name);
+    } else {
+        code = set_file(s, name);
+    }
+    if (code == SHEAR_OK) {
+        set_options(s, o);
+    }
+    return code;
+}
+
+void submission_deinit(struct submission *s) {
+    sheard_submit_deinit(&s->parsed);
+    part_input_deinit(&s->parts);
+    free(s->path);
+}

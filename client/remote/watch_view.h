@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* watch_view.h: a picture of the service at one moment (watch): what is asked for, and how it
+ * looks. */
+#ifndef CLIENT_REMOTE_WATCH_VIEW_H
+#define CLIENT_REMOTE_WATCH_VIEW_H
+
+#include "remote/service.h"
+
+#include <stdio.h>
+
+enum { WATCH_FIELDS = 12 };
+
+typedef struct watch_view {
+    sheard_reply status, active, finished;
+    sheard_reply fields[WATCH_FIELDS]; /* [n_fields] of the jobs above */
+    size_t n_fields;
+    char *text[3 + WATCH_FIELDS]; /* the same as they came, in this order, with service.json */
+} watch_view;
+
+/* Ask the service; nothing is printed on errors. Returns an enum connection_status. *view must be
+ * deinited either way. */
+int watch_view_init(watch_view *view, struct service *s, int64_t n_jobs, sheard_rpc_error *error);
+void watch_view_deinit(watch_view *view);
+
+/* Lines of at most `columns` (0: any), with colours or without. Returns an exit code. */
+int watch_view_print(const watch_view *view, FILE *out, bool colours, int columns);
+/* One JSON object on one line: status, active, finished, fields. */
+void watch_view_json(const watch_view *view, FILE *out);
+
+#endif

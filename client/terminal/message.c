@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "terminal/message.h"
+
+#include "shear/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* A terminal that does not speak UTF-8 takes its bytes for letters of its own, and for controls. */
+static void only_ascii(char *text) {
+    char *out = text;
+    for (const char *c = text; *c;) {
+        const size_t n = shear_text_shown(c);
+        *out++ = '?';
+        if (n == 1) {
+            out[-1] = *c;
+        }
+        c += n > 0 ? n : 1;
+    }
+    *out = '\0';
+}
+
+char *message_clean(const char *text, char *buf, size_t size) {
+    shear_text_clean(text, buf, size);
+    if (MB_CUR_MAX == 1) {
+        only_ascii(buf);
+    }
+    return buf;
+}
+
+static void say(const char *kind, const char *text) {
+    char clean[1024];
+    fprintf(stderr, "shearctl: %s: %s\n", kind, message_clean(text, clean, sizeof clean));
+}
+
+void message_error(const shear_error *err) {
+    say("error", err->message);
+    if (err->advice[0]) {
+        say("advice", err->advice);
+    }
+}
+
+void message_fail(const char *hint, const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    say("error", text);
+    if (hint != NULL) {
+        say("advice", hint);
+    }
+}
+
+void message_warning(const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    say("warning", text);
+}
+
+void message_note(const char *format, ...) {
+    char text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    say("note", text);
+}

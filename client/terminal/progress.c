@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "terminal/progress.h"
+
+#include "terminal/bar.h"
+#include "terminal/message.h"
+
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { REFRESH_MS = 100, DEFAULT_WIDTH = 80, MAX_WIDTH = 200, MIN_BAR = 4 };
+
+struct progress {
+    char label[40];
+    bool visible; /* standard error is a terminal that can redraw a line */
+    bool drawn;
+    double begun, refreshed; /* monotonic seconds */
+    struct sigaction old_int, old_term;
+};
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number) {
+    (void)number;
+    interrupted = 1;
+}
+
+void progress_interrupt(void) {
+    interrupted = 1;
+}
+
+bool progress_interrupted(void) {
+    return interrupted != 0;
+}
+
+static double now_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void take_signals(struct progress *p) {
+    struct sigaction action = {.sa_handler = on_signal};
+    /* SA_RESETHAND: a second signal ends a process that does not get round to the first one. */
+    action.sa_flags = (int)SA_RESETHAND | SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, NULL, &p->old_int);
+    sigaction(SIGTERM, NULL, &p->old_term);
+    /* Who starts us with a signal ignored (nohup, a shell's background job) wants it ignored. */
+    if (p->old_int.sa_handler != SIG_IGN) {
+        sigaction(SIGINT, &action, NULL);
+    }
+    if (p->old_term.sa_handler != SIG_IGN) {
+        sigaction(SIGTERM, &action, NULL);
+    }
+}
+
+struct progress *progress_begin_quiet(void) {
+    struct progress *p = calloc(1, sizeof *p);
+    if (p != NULL) {
+        p->begun = now_seconds();
+        take_signals(p);
+    }
+    return p;
+}
+
+struct progress *progress_begin(const char *label) {
+    struct progress *p = progress_begin_quiet();
+    if (p != NULL) {
+        const char *term = getenv("TERM");
+        p->visible = isatty(STDERR_FILENO) && term != NULL && strcmp(term, "dumb") != 0;
+        message_clean(label, p->label, sizeof p->label);
+    }
+    return p;
+}
+
+static int terminal_width(void) {
+    struct winsize size;
+    if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) {
+        return DEFAULT_WIDTH;
+    }
+    return size.ws_col < MAX_WIDTH ? size.ws_col : MAX_WIDTH;
+}
+
+/* "label [####....] figures", or as much of the figures as fits. */
+static void paint(struct progress *p, double part, const char *figures, double now) {
+    const int width = terminal_width() - 1; /* a full line would wrap on some terminals */
+    const int bar = width - (int)strlen(p->label) - (int)strlen(figures) - 1;
+    if (bar >= MIN_BAR + 2) {
+        char text[MAX_WIDTH + 1];
+        fprintf(stderr, "\r%s %s%s", p->label, bar_text(part, bar, text, sizeof text), figures);
+    } else {
+        fprintf(stderr, "\r%.*s", width, figures + 1);
+    }
+    fputs("\x1b[K", stderr); /* erase what a longer line left */
+    fflush(stderr);
+    p->drawn = true;
+    p->refreshed = now;
+}
+
+static bool is_due(const struct progress *p, double now) {
+    return p != NULL && p->visible && 1000.0 * (now - p->refreshed) >= REFRESH_MS;
+}
+
+static void draw(struct progress *p, int64_t done, int64_t total, double rate, double now) {
+    char figures[96];
+    const double part = bar_part((double)done, (double)total);
+    if (total < 0) {
+        snprintf(figures, sizeof figures, " waiting");
+    } else {
+        bar_figures(part, rate, (double)(total - done) / rate, figures, sizeof figures);
+    }
+    paint(p, part, figures, now);
+}
+
+int progress_callback(void *progress, int64_t done, int64_t total) {
+    struct progress *p = progress;
+    const double now = now_seconds();
+    if (is_due(p, now)) {
+        draw(p, done, total, now > p->begun ? (double)done / (now - p->begun) : 0.0, now);
+    }
+    return interrupted != 0;
+}
+
+void progress_show(struct progress *p, const char *label, int64_t done, int64_t total,
+                   double rate) {
+    const double now = now_seconds();
+    if (is_due(p, now)) {
+        message_clean(label, p->label, sizeof p->label);
+        draw(p, done, total, rate, now);
+    }
+}
+
+bool progress_visible(const struct progress *p) {
+    return p != NULL && p->visible;
+}
+
+void progress_end(struct progress *p) {
+    if (p == NULL) {
+        return;
+    }
+    if (p->drawn) {
+        fputs("\r\x1b[K", stderr);
+        fflush(stderr);
+    }
+    sigaction(SIGINT, &p->old_int, NULL);
+    sigaction(SIGTERM, &p->old_term, NULL);
+    free(p);
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "terminal/style.h"
+
+#include "sheard/messages.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+#include <wchar.h>
+
+enum { MIN_COLUMNS = 20, MAX_COLUMNS = 400 };
+
+bool style_on(FILE *out) {
+    const char *term = getenv("TERM");
+    const char *no_color = getenv("NO_COLOR");
+    return isatty(fileno(out)) && term != NULL && strcmp(term, "dumb") != 0 &&
+           !(no_color != NULL && *no_color);
+}
+
+const char *style_of_state(int state) {
+    switch (state) {
+    case SHEARD_JOB_RUNNING:
+        return STYLE_ACTIVE;
+    case SHEARD_JOB_DONE:
+        return STYLE_GOOD;
+    case SHEARD_JOB_FAILED:
+        return STYLE_BAD;
+    case SHEARD_JOB_WAITING:
+    case SHEARD_JOB_CANCELLED:
+    case SHEARD_JOB_RETRACTED:
+        return STYLE_DOUBT;
+    default:
+        return NULL;
+    }
+}
+
+static int clamp_columns(int n) {
+    return n < MIN_COLUMNS ? MIN_COLUMNS : n > MAX_COLUMNS ? MAX_COLUMNS : n;
+}
+
+int style_columns(int fd, int otherwise) {
+    struct winsize size;
+    return ioctl(fd, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 ? otherwise
+                                                                 : clamp_columns(size.ws_col);
+}
+
+int style_rows(int fd, int otherwise) {
+    struct winsize size;
+    return ioctl(fd, TIOCGWINSZ, &size) != 0 || size.ws_row == 0 ? otherwise : size.ws_row;
+}
+
+/* Bytes of the escape sequence that `text` begins with; 0: it does not. */
+static size_t escape_length(const char *text) {
+    if (text[0] != '\x1b' || text[1] != '[') {
+        return 0;
+    }
+    size_t n = 2;
+    while (text[n] && (text[n] < '@' || text[n] > '~')) {
+        n++;
+    }
+    return text[n] ? n + 1 : n;
+}
+
+/* The character that `text` begins with: its bytes, and its columns. */
+static size_t step(const char *text, int *columns) {
+    wchar_t c = 0;
+    mbstate_t state = {0};
+    const size_t n = mbrtowc(&c, text, MB_CUR_MAX, &state);
+    if (n == 0 || n > MB_CUR_MAX) {
+        *columns = 1;
+        return 1;
+    }
+    const int width = wcwidth(c);
+    *columns = width < 0 ? 1 : width;
+    return n;
+}
+
+size_t style_fit(const char *text, int columns) {
+    size_t at = 0;
+    while (text[at]) {
+        const size_t escape = escape_length(text + at);
+        int width = 0;
+        const size_t n = escape != 0 ? escape : step(text + at, &width);
+        if (width > columns) {
+            break;
+        }
+        columns -= width;
+        at += n;
+    }
+    return at;
+}
+
+int style_width(const char *text) {
+    int sum = 0;
+    while (*text) {
+        const size_t escape = escape_length(text);
+        int width = 0;
+        text += escape != 0 ? escape : step(text, &width);
+        sum += width;
+    }
+    return sum;
+}

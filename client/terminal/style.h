@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* style.h: colours on a terminal, and how wide a text is there. */
+#ifndef CLIENT_TERMINAL_STYLE_H
+#define CLIENT_TERMINAL_STYLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+/* Escape sequences. A style is one of these, or NULL for none. */
+#define STYLE_BOLD   "\x1b[1m"
+#define STYLE_DIM    "\x1b[2m"
+#define STYLE_GOOD   "\x1b[32m"
+#define STYLE_BAD    "\x1b[31m"
+#define STYLE_DOUBT  "\x1b[33m"
+#define STYLE_ACTIVE "\x1b[36m"
+#define STYLE_END    "\x1b[0m"
+
+/* True where `out` is a terminal that knows colours and the user wants them (NO_COLOR is unset or
+ * empty). */
+bool style_on(FILE *out);
+/* The colour of a job's state (enum sheard_job_state). */
+const char *style_of_state(int state);
+
+/* Columns of the terminal behind `fd`, from 20 to 400; `otherwise` where it is none. */
+int style_columns(int fd, int otherwise);
+int style_rows(int fd, int otherwise);
+
+/* Columns that `text` takes, escape sequences not counted; bytes that are no character take 1. */
+int style_width(const char *text);
+/* How many bytes of `text` fit into `columns`, escape sequences included. */
+size_t style_fit(const char *text, int columns);
+
+#endif
