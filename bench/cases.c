@@ -79,8 +79,12 @@ int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *e
     /* The paper's filter, at the beta that the plan will choose. */
     settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
     if (code == SHEAR_OK) {
-        code = shear_plan_new(&d->plan, &settings, &g, c->psf_per_stamp ? NULL : d->psf,
-                              c->r_psf_px, false, err);
+        code = shear_plan_new(&d->plan,
+                              &(shear_plan_request){.settings = &settings,
+                                                    .geometry = g,
+                                                    .psf = c->psf_per_stamp ? NULL : d->psf,
+                                                    .r_psf_px = c->r_psf_px},
+                              err);
     }
     d->stamps = (shear_stamps){.count = count,
                                .nx = c->side,

@@ -83,7 +83,8 @@ static int make_plan(bright_stamps *s, const shear_settings *settings, shear_err
     int code = psf != NULL ? SHEAR_OK : no_memory(err);
     if (code == SHEAR_OK) {
         shear_mock_psf_image(s->bare, 0, psf);
-        code = shear_plan_new(&s->plan, settings, g, psf, NAN, false, err);
+        code = shear_plan_new(
+            &s->plan, &(shear_plan_request){.settings = settings, .geometry = *g, .psf = psf}, err);
     }
     free(psf);
     return code;

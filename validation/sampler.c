@@ -96,7 +96,8 @@ static int make_plan(struct sampler *s, int series, shear_plan **plan, shear_err
         goto done;
     }
     shear_mock_psf_image(mock, 0, psf);
-    code = shear_plan_new(plan, &settings, g, psf, NAN, false, err);
+    code = shear_plan_new(
+        plan, &(shear_plan_request){.settings = &settings, .geometry = *g, .psf = psf}, err);
 done:
     free(psf);
     shear_mock_free(mock);

@@ -107,71 +107,50 @@ static int check_limit(shear_plan *plan, shear_error *err) {
     return SHEAR_OK;
 }
 
-int shear_plan_make(shear_plan **out, const shear_settings *settings,
-                    const shear_geometry *geometry, const shear_plan_basis *basis,
-                    shear_error *err) {
+int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_error *err) {
+    const shear_geometry *geometry = &request->geometry;
     *out = NULL;
     shear_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL) {
         return out_of_memory(err);
     }
-    plan->settings = *settings;
-    plan->info.geometry = *geometry;
+    plan->settings = plan_settings(request);
     int psf_factor = 1;
-    int code = plan_resolve(&plan->info, &plan->settings, basis, &psf_factor, err);
+    int code = plan_resolve(&plan->info, &plan->settings, request, &psf_factor, err);
     if (code == SHEAR_OK && !(make_grids(plan, psf_factor) && make_filter(plan) &&
                               make_high_band(plan) && make_plateau(plan))) {
         code = out_of_memory(err);
     }
     if (code == SHEAR_OK) {
-        code = basis->psf != NULL ? make_transfer(plan, basis->psf, err) : check_limit(plan, err);
+        code =
+            request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err);
     }
-    if (code == SHEAR_OK && basis->psf != NULL) {
-        plan->sharpness =
-            sharpness_of(basis->psf, geometry->psf_nx, geometry->psf_ny, geometry->psf_oversample);
+    if (code == SHEAR_OK && request->psf != NULL) {
+        plan->sharpness = sharpness_of(request->psf, geometry->psf_nx, geometry->psf_ny,
+                                       geometry->psf_oversample);
     }
     if (code != SHEAR_OK) {
         shear_plan_free(plan);
         return code;
     }
-    shear_plan_note_psfs(plan, basis->psfs, basis->n_psfs, basis->n_unusable);
+    shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
     *out = plan;
     return SHEAR_OK;
 }
 
-/* The basis only lends the PSF. */
-static shear_plan_basis basis_of(const double *psf, double r_psf_px, bool has_r_gal) {
-    return (shear_plan_basis){
-        .psf = (double *)psf, .r_psf_px = r_psf_px, .has_r_gal = has_r_gal, .core_px = NAN};
-}
-
-int shear_plan_new(shear_plan **out, const shear_settings *settings, const shear_geometry *geometry,
-                   const double *psf, double r_psf_px, bool has_r_gal, shear_error *err) {
-    const shear_plan_basis basis = basis_of(psf, r_psf_px, has_r_gal);
-    return shear_plan_make(out, settings, geometry, &basis, err);
-}
-
-int shear_plan_memory_of(shear_memory *memory, const shear_settings *settings,
-                         const shear_geometry *geometry, const shear_plan_basis *basis,
-                         shear_error *err) {
-    shear_plan plan = {.settings = *settings, .info = {.geometry = *geometry}};
+int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, shear_error *err) {
+    const shear_settings settings = plan_settings(request);
+    shear_plan_info info = {0};
     int psf_factor = 1;
-    const int code = plan_resolve(&plan.info, &plan.settings, basis, &psf_factor, err);
-    const memory_of m = {.settings = settings, .info = &plan.info, .has_psf = basis->psf != NULL};
+    const int code = plan_resolve(&info, &settings, request, &psf_factor, err);
+    const memory_of m = {.settings = &settings, .info = &info, .has_psf = request->psf != NULL};
     *memory = (shear_memory){0};
     if (code == SHEAR_OK) {
         memory->plan = memory_of_plan(&m);
         memory->planning = memory_of_planning(&m);
-        memory->workspace = memory_of_workspace(&m, memory_last_row(&plan.info));
+        memory->workspace = memory_of_workspace(&m, memory_last_row(&info));
     }
     return code;
-}
-
-int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
-                      const shear_geometry *geometry, const double *psf, double r_psf_px,
-                      bool has_r_gal, shear_error *err) {
-    const shear_plan_basis basis = basis_of(psf, r_psf_px, has_r_gal);
-    return shear_plan_memory_of(memory, settings, geometry, &basis, err);
 }
 
 static memory_of memory_of_made(const shear_plan *plan) {

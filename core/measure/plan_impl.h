@@ -31,9 +31,11 @@ struct shear_plan {
     sharpness sharpness;     /* of the one PSF, where there is one */
 };
 
-/* Fill *info, whose geometry is set; *psf_factor: how much finer the PSF's samples are made. */
-int plan_resolve(shear_plan_info *info, const shear_settings *set, const shear_plan_basis *basis,
-                 int *psf_factor, shear_error *err);
+/* The settings of the request, or the defaults. */
+shear_settings plan_settings(const shear_plan_request *request);
+/* Fill *info; *psf_factor: how much finer the PSF's samples are made. `set`: plan_settings. */
+int plan_resolve(shear_plan_info *info, const shear_settings *set,
+                 const shear_plan_request *request, int *psf_factor, shear_error *err);
 
 struct shear_workspace {
     image galaxy, noise;

@@ -104,8 +104,22 @@ static bool filter_by_rule(const shear_settings *set) {
     return set->filter == SHEAR_FILTER_AUTO || set->filter == SHEAR_FILTER_R_GAL;
 }
 
-bool shear_plan_wants_core(const shear_settings *settings, const shear_plan_basis *basis) {
-    return settings->filter == SHEAR_FILTER_AUTO && isnan(settings->core_px) && !basis->has_r_gal;
+shear_settings plan_settings(const shear_plan_request *request) {
+    shear_settings settings;
+    if (request->settings != NULL) {
+        return *request->settings;
+    }
+    shear_settings_init(&settings);
+    return settings;
+}
+
+static bool wants_core(const shear_settings *set, const shear_plan_request *request) {
+    return set->filter == SHEAR_FILTER_AUTO && isnan(set->core_px) && !request->has_r_gal;
+}
+
+bool shear_plan_wants_core(const shear_plan_request *request) {
+    const shear_settings settings = plan_settings(request);
+    return wants_core(&settings, request);
 }
 
 static double width_of(const shear_settings *set, int filter, double beta_px) {
@@ -115,10 +129,10 @@ static double width_of(const shear_settings *set, int filter, double beta_px) {
 }
 
 static int resolve_filter(const shear_settings *set, shear_plan_info *info,
-                          const shear_plan_basis *basis, shear_error *err) {
-    const bool has_r_gal = basis->has_r_gal;
-    const bool found = shear_plan_wants_core(set, basis) && !isnan(basis->core_px);
-    const double core = found ? basis->core_px : set->core_px;
+                          const shear_plan_request *request, shear_error *err) {
+    const bool has_r_gal = request->has_r_gal;
+    const bool found = wants_core(set, request) && request->core_px > 0.0;
+    const double core = found ? request->core_px : set->core_px;
     const bool core_given = !isnan(core);
     info->filter = set->filter;
     if (filter_by_rule(set)) {
@@ -162,12 +176,12 @@ static int resolve_noise_band(const shear_settings *set, const shear_plan_info *
 
 /* R_PSF and beta. */
 static int resolve_radii(const shear_settings *set, shear_plan_info *info,
-                         const shear_plan_basis *basis, shear_error *err) {
-    const shear_geometry *g = &info->geometry;
-    shear_psf_quality quality = {.r_psf_px = basis->r_psf_px};
-    const int code = basis->psf == NULL ? SHEAR_OK
-                                        : shear_psf_look(&quality, basis->psf, g->psf_nx, g->psf_ny,
-                                                         g->psf_oversample, err);
+                         const shear_plan_request *request, shear_error *err) {
+    const shear_geometry *g = &request->geometry;
+    shear_psf_quality quality = {.r_psf_px = request->r_psf_px};
+    const int code = request->psf == NULL ? SHEAR_OK
+                                          : shear_psf_look(&quality, request->psf, g->psf_nx,
+                                                           g->psf_ny, g->psf_oversample, err);
     info->r_psf_px = quality.r_psf_px;
     if (code != SHEAR_OK) {
         return code;
@@ -179,29 +193,30 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
     info->beta_px = !isnan(set->beta_px)
                         ? set->beta_px
                         : fmax(set->beta_ratio * info->r_psf_px, set->beta_floor_px);
-    if (basis->psf != NULL) {
+    if (request->psf != NULL) {
         shear_psf_summary_add(&info->psf, &quality, info->beta_px);
     }
     return SHEAR_OK;
 }
 
-int plan_resolve(shear_plan_info *info, const shear_settings *set, const shear_plan_basis *basis,
-                 int *psf_factor, shear_error *err) {
+int plan_resolve(shear_plan_info *info, const shear_settings *set,
+                 const shear_plan_request *request, int *psf_factor, shear_error *err) {
+    info->geometry = request->geometry;
     int code = shear_settings_check(set, err);
     code = code == SHEAR_OK ? check_geometry(&info->geometry, err) : code;
-    code = code == SHEAR_OK ? resolve_radii(set, info, basis, err) : code;
+    code = code == SHEAR_OK ? resolve_radii(set, info, request, err) : code;
     code = code == SHEAR_OK ? resolve_sampling(set, info, psf_factor, err) : code;
     info->noise_band = resolve_noise_band(set, info);
-    return code == SHEAR_OK ? resolve_filter(set, info, basis, err) : code;
+    return code == SHEAR_OK ? resolve_filter(set, info, request, err) : code;
 }
 
-int shear_plan_find_radii(shear_plan_radii *radii, const shear_settings *settings,
-                          const shear_geometry *geometry, const shear_plan_basis *basis,
+int shear_plan_find_radii(shear_plan_radii *radii, const shear_plan_request *request,
                           shear_error *err) {
-    shear_plan_info info = {.geometry = *geometry};
-    const int code = resolve_radii(settings, &info, basis, err);
+    const shear_settings settings = plan_settings(request);
+    shear_plan_info info = {.geometry = request->geometry};
+    const int code = resolve_radii(&settings, &info, request, err);
     *radii = (shear_plan_radii){.r_psf_px = info.r_psf_px,
                                 .beta_px = info.beta_px,
-                                .width_px = width_of(settings, settings->filter, info.beta_px)};
+                                .width_px = width_of(&settings, settings.filter, info.beta_px)};
     return code;
 }

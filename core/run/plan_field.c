@@ -15,7 +15,7 @@ static int compare_doubles(const void *a, const void *b) {
 
 /* Evenly spaced PSFs are looked at; `psf` is room for one. */
 static int look_at_some(shear_psf_source psfs, const shear_field_info *info, double *psf,
-                        shear_plan_basis *basis, shear_error *err) {
+                        shear_psf_quality *each, shear_plan_request *request, shear_error *err) {
     const shear_geometry *g = &info->geometry;
     const int64_t tries = info->n_psf < MAX_PSFS_FOR_RADIUS ? info->n_psf : MAX_PSFS_FOR_RADIUS;
     shear_error why = {0};
@@ -24,66 +24,67 @@ static int look_at_some(shear_psf_source psfs, const shear_field_info *info, dou
         if (code != SHEAR_OK) {
             return code;
         }
-        const bool usable = shear_psf_look(&basis->psfs[basis->n_psfs], psf, g->psf_nx, g->psf_ny,
+        const bool usable = shear_psf_look(&each[request->n_psfs], psf, g->psf_nx, g->psf_ny,
                                            g->psf_oversample, &why) == SHEAR_OK;
-        basis->n_psfs += usable;
-        basis->n_unusable += !usable;
+        request->n_psfs += usable;
+        request->n_unusable += !usable;
     }
-    return basis->n_psfs > 0
+    return request->n_psfs > 0
                ? SHEAR_OK
                : shear_fail(err, SHEAR_E_PSF, why.advice, "none of %lld PSFs is usable: %s",
                             (long long)tries, why.message);
 }
 
-static double median_radius(const shear_plan_basis *basis) {
+static double median_radius(const shear_plan_request *request) {
     double radius[MAX_PSFS_FOR_RADIUS];
-    for (int i = 0; i < basis->n_psfs; i++) {
-        radius[i] = basis->psfs[i].r_psf_px;
+    for (int i = 0; i < request->n_psfs; i++) {
+        radius[i] = request->psfs[i].r_psf_px;
     }
-    qsort(radius, (size_t)basis->n_psfs, sizeof *radius, compare_doubles);
-    return radius[basis->n_psfs / 2];
+    qsort(radius, (size_t)request->n_psfs, sizeof *radius, compare_doubles);
+    return radius[request->n_psfs / 2];
 }
 
 /* Of a field whose stamps have PSFs of their own; unusable ones do not count for the radius. */
-static int read_sample(shear_plan_basis *basis, const shear_field_info *info, shear_psf_source psfs,
-                       double *psf, shear_error *err) {
-    basis->psfs = calloc(MAX_PSFS_FOR_RADIUS, sizeof *basis->psfs);
-    if (basis->psfs == NULL) {
+static int read_sample(shear_plan_request *request, const shear_field_info *info,
+                       shear_psf_source psfs, double *psf, shear_error *err) {
+    shear_psf_quality *each = calloc(MAX_PSFS_FOR_RADIUS, sizeof *each);
+    request->psfs = each;
+    if (each == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     }
-    const int code = look_at_some(psfs, info, psf, basis, err);
-    basis->r_psf_px = code == SHEAR_OK ? median_radius(basis) : NAN;
+    const int code = look_at_some(psfs, info, psf, each, request, err);
+    request->r_psf_px = code == SHEAR_OK ? median_radius(request) : 0.0;
     return code;
 }
 
-int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
-                          shear_psf_source psfs, shear_error *err) {
+int shear_plan_request_read(shear_plan_request *request, const shear_settings *settings,
+                            const shear_field_info *info, shear_psf_source psfs, shear_error *err) {
     const bool one = info->psf_layout == SHEAR_PSF_ONE;
     const shear_geometry *g = &info->geometry;
-    *basis = (shear_plan_basis){
-        .r_psf_px = NAN, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0, .core_px = NAN};
+    *request = (shear_plan_request){
+        .settings = settings, .geometry = *g, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0};
     double *psf = malloc((size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *psf);
     if (psf == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF of %d x %d samples",
                           g->psf_nx, g->psf_ny);
     }
     const int code =
-        one ? psfs.read(psfs.self, 0, psf, err) : read_sample(basis, info, psfs, psf, err);
+        one ? psfs.read(psfs.self, 0, psf, err) : read_sample(request, info, psfs, psf, err);
     if (one && code == SHEAR_OK) {
-        basis->psf = psf;
+        request->psf = psf;
     } else {
         free(psf);
     }
     if (code != SHEAR_OK) {
-        shear_plan_basis_deinit(basis);
+        shear_plan_request_deinit(request);
     }
     return code;
 }
 
-void shear_plan_basis_deinit(shear_plan_basis *basis) {
-    free(basis->psf);
-    free(basis->psfs);
-    *basis = (shear_plan_basis){0};
+void shear_plan_request_deinit(shear_plan_request *request) {
+    free((void *)request->psf);
+    free((void *)request->psfs);
+    *request = (shear_plan_request){0};
 }
 
 static int read_from_file(void *self, int64_t index, double *out, shear_error *err) {
@@ -104,11 +105,10 @@ static int read_block(void *self, int slot, int64_t first, int count, const shea
     return shear_field_read(source->field, first, count, source->block, err);
 }
 
-static int sample_file(shear_plan_basis *basis, const shear_settings *settings, shear_field *field,
-                       shear_error *err) {
+static int sample_file(shear_plan_request *request, shear_field *field, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     one_slot slot = {.field = field};
-    if (!shear_plan_wants_core(settings, basis)) {
+    if (!shear_plan_wants_core(request)) {
         return SHEAR_OK;
     }
     const shear_turn_size size = shear_turn_size_for(info, 1);
@@ -116,7 +116,7 @@ static int sample_file(shear_plan_basis *basis, const shear_settings *settings, 
     int code = shear_block_new(&slot.block, info, capacity, err);
     if (code == SHEAR_OK) {
         const shear_source source = {.self = &slot, .read = read_block};
-        code = shear_plan_basis_sample(basis, settings, info, source, capacity, err);
+        code = shear_plan_request_sample(request, info, source, capacity, err);
     }
     shear_block_free(slot.block);
     return code;
@@ -126,16 +126,16 @@ int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shea
                          shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const shear_psf_source psfs = {.self = field, .read = read_from_file};
-    shear_plan_basis basis;
+    shear_plan_request request;
     *plan = NULL;
-    int code = shear_plan_basis_read(&basis, info, psfs, err);
+    int code = shear_plan_request_read(&request, settings, info, psfs, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    code = sample_file(&basis, settings, field, err);
+    code = sample_file(&request, field, err);
     if (code == SHEAR_OK) {
-        code = shear_plan_make(plan, settings, &info->geometry, &basis, err);
+        code = shear_plan_new(plan, &request, err);
     }
-    shear_plan_basis_deinit(&basis);
+    shear_plan_request_deinit(&request);
     return code;
 }

@@ -52,15 +52,14 @@ static int read_sample(reach *r, const shear_field_info *info, shear_source sour
     return code;
 }
 
-int shear_plan_basis_sample(shear_plan_basis *basis, const shear_settings *settings,
-                            const shear_field_info *info, shear_source source, int capacity,
-                            shear_error *err) {
+int shear_plan_request_sample(shear_plan_request *request, const shear_field_info *info,
+                              shear_source source, int capacity, shear_error *err) {
     const shear_geometry *g = &info->geometry;
     shear_plan_radii radii;
-    if (!shear_plan_wants_core(settings, basis)) {
+    if (!shear_plan_wants_core(request)) {
         return SHEAR_OK;
     }
-    int code = shear_plan_find_radii(&radii, settings, g, basis, err);
+    int code = shear_plan_find_radii(&radii, request, err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -70,7 +69,7 @@ int shear_plan_basis_sample(shear_plan_basis *basis, const shear_settings *setti
         code = read_sample(&r, info, source, capacity, err);
     }
     if (enough && code == SHEAR_OK) {
-        enough = reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &basis->core_px);
+        enough = reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &request->core_px);
     }
     reach_deinit(&r);
     return enough ? code : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a sample");

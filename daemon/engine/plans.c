@@ -32,12 +32,12 @@ struct plans {
 /* ---- keys ---- */
 
 /* All that a plan depends on, as bytes: equal keys, equal plans. */
-static bool key_make(key *k, const shear_settings *settings, const shear_geometry *g,
-                     const shear_plan_basis *basis) {
+static bool key_make(key *k, const shear_plan_request *request) {
+    const shear_geometry *g = &request->geometry;
     size_t n_settings = 0;
     const shear_setting_def *table = shear_settings_table(&n_settings);
     const size_t n_psf =
-        basis->psf != NULL ? (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *basis->psf : 0;
+        request->psf != NULL ? (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *request->psf : 0;
     char *text = NULL;
     size_t n = 0;
     FILE *out = open_memstream(&text, &n);
@@ -47,14 +47,15 @@ static bool key_make(key *k, const shear_settings *settings, const shear_geometr
     }
     for (size_t i = 0; i < n_settings; i++) {
         char value[64];
-        fprintf(out, "%s;", shear_settings_format(settings, &table[i], value, sizeof value));
+        fprintf(out, "%s;",
+                shear_settings_format(request->settings, &table[i], value, sizeof value));
     }
     fprintf(out, "%d;%d;%d;%d;%d;%d;%a;%a;", g->nx, g->ny, g->psf_nx, g->psf_ny, g->psf_oversample,
-            basis->has_r_gal, basis->psf != NULL ? 0.0 : basis->r_psf_px, basis->core_px);
-    fwrite(basis->psf != NULL ? (const void *)basis->psf : "", 1, n_psf, out);
-    fprintf(out, "%d;%d;", basis->n_psfs, basis->n_unusable);
-    for (int i = 0; i < basis->n_psfs; i++) {
-        fwrite(&basis->psfs[i], 1, sizeof basis->psfs[i], out);
+            request->has_r_gal, request->psf != NULL ? 0.0 : request->r_psf_px, request->core_px);
+    fwrite(request->psf != NULL ? (const void *)request->psf : "", 1, n_psf, out);
+    fprintf(out, "%d;%d;", request->n_psfs, request->n_unusable);
+    for (int i = 0; i < request->n_psfs; i++) {
+        fwrite(&request->psfs[i], 1, sizeof request->psfs[i], out);
     }
     if (fclose(out) != 0) {
         free(text);
@@ -141,10 +142,10 @@ void plans_free(plans *p) {
 }
 
 /* Make what was not found, and keep it, unless another thread has done so meanwhile. */
-static int make(plans *p, key *k, const shear_settings *settings, const shear_geometry *geometry,
-                const shear_plan_basis *basis, const shear_plan **plan, shear_error *err) {
+static int make(plans *p, key *k, const shear_plan_request *request, const shear_plan **plan,
+                shear_error *err) {
     kept_plan *fresh = calloc(1, sizeof *fresh);
-    int code = fresh != NULL ? shear_plan_make(&fresh->plan, settings, geometry, basis, err)
+    int code = fresh != NULL ? shear_plan_new(&fresh->plan, request, err)
                              : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     if (code != SHEAR_OK) {
         free(fresh);
@@ -184,18 +185,18 @@ static const shear_plan *take_kept(plans *p, const key *k) {
     return kept != NULL ? kept->plan : NULL;
 }
 
-int plans_take(plans *p, const shear_settings *settings, const shear_geometry *geometry,
-               const shear_plan_basis *basis, const shear_plan **plan, shear_error *err) {
+int plans_take(plans *p, const shear_plan_request *request, const shear_plan **plan,
+               shear_error *err) {
     key k = {0};
     int code = SHEAR_OK;
     *plan = NULL;
-    if (!key_make(&k, settings, geometry, basis)) {
+    if (!key_make(&k, request)) {
         code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     } else {
         *plan = take_kept(p, &k);
     }
     if (code == SHEAR_OK && *plan == NULL) {
-        code = make(p, &k, settings, geometry, basis, plan, err);
+        code = make(p, &k, request, plan, err);
     }
     free(k.bytes);
     return code;

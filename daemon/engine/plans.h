@@ -3,7 +3,7 @@
  * shape, one set of settings and often one PSF: such jobs share a plan (shear/plan.h: immutable,
  * any number of threads), and the next one need not make it again.
  *
- * Two jobs share a plan where the settings, the geometry and the basis (shear/run.h) are equal to
+ * Two jobs share a plan where their requests (shear/plan.h) are equal to
  * the last bit; the PSF is compared pixel by pixel, no hash stands for it. The plans that were used
  * longest ago are given up first; those in use are never, so that the bounds hold for what is kept
  * beyond its jobs. Thread-safe. */
@@ -32,8 +32,8 @@ int64_t plans_shrink_to(plans *p, int64_t bytes);
 
 /* The plan for these, kept or new. *plan is NULL on an error: those of shear_plan_new. To be given
  * back by plans_give_back, which NULL is accepted by. */
-int plans_take(plans *p, const shear_settings *settings, const shear_geometry *geometry,
-               const shear_plan_basis *basis, const shear_plan **plan, shear_error *err);
+int plans_take(plans *p, const shear_plan_request *request, const shear_plan **plan,
+               shear_error *err);
 void plans_give_back(plans *p, const shear_plan *plan);
 
 typedef struct plans_statistics {

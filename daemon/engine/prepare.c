@@ -66,15 +66,14 @@ static int reserve(job *j, int64_t bytes, shear_error *err) {
 
 /* Memory for planning, and the plan; then it is known what the rest takes. Where there is no room
  * for that now, the plan is given back, and both are waited for together. */
-static int plan_within_budget(job *j, const shear_plan_basis *basis, shear_error *err) {
-    const shear_geometry *g = &reader_get_info(j->reader)->geometry;
+static int plan_within_budget(job *j, const shear_plan_request *request, shear_error *err) {
     shear_memory memory;
-    int code = shear_plan_memory_of(&memory, &j->settings, g, basis, err);
+    int code = shear_plan_memory(&memory, request, err);
     const int64_t planning = memory.plan + memory.planning;
     for (int64_t bytes = planning; code == SHEAR_OK;) {
         code = reserve(j, bytes, err);
         if (code == SHEAR_OK) {
-            code = plans_take(j->engine->plans, &j->settings, g, basis, &j->plan, err);
+            code = plans_take(j->engine->plans, request, &j->plan, err);
         }
         if (code != SHEAR_OK) {
             return code;
@@ -97,19 +96,19 @@ static int plan_within_budget(job *j, const shear_plan_basis *basis, shear_error
 /* The PSF and the sample's rings are read into memory that is reserved only then: it is no more
  * than the shared memory. */
 static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
-    shear_plan_basis basis;
+    shear_plan_request request;
     const shear_psf_source psfs = {.self = j, .read = read_psf};
-    int code = shear_plan_basis_read(&basis, info, psfs, err);
+    int code = shear_plan_request_read(&request, &j->settings, info, psfs, err);
     if (code != SHEAR_OK) {
         return code;
     }
     const shear_source source = {.self = j->reader, .read = reader_read};
     const int capacity = j->size.stamps < SHEAR_BLOCK ? j->size.stamps : SHEAR_BLOCK;
-    code = shear_plan_basis_sample(&basis, &j->settings, info, source, capacity, err);
+    code = shear_plan_request_sample(&request, info, source, capacity, err);
     if (code == SHEAR_OK) {
-        code = plan_within_budget(j, &basis, err);
+        code = plan_within_budget(j, &request, err);
     }
-    shear_plan_basis_deinit(&basis);
+    shear_plan_request_deinit(&request);
     return code;
 }
 

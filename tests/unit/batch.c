@@ -79,7 +79,12 @@ shear_plan *batch_plan(const batch *b, const shear_settings *settings, bool own_
     assert_int_equal(shear_psf_radius(b->psf, b->geometry.psf_nx, b->geometry.psf_ny,
                                       b->geometry.psf_oversample, &r_psf, &err),
                      SHEAR_OK);
-    if (shear_plan_new(&plan, settings, &b->geometry, own_psf ? NULL : b->psf, r_psf, has_r_gal,
+    if (shear_plan_new(&plan,
+                       &(shear_plan_request){.settings = settings,
+                                             .geometry = b->geometry,
+                                             .psf = own_psf ? NULL : b->psf,
+                                             .r_psf_px = r_psf,
+                                             .has_r_gal = has_r_gal},
                        &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }

@@ -22,7 +22,10 @@ int catalog_setup(void **state) {
     shear_settings settings;
     shear_error err = {0};
     shear_settings_init(&settings);
-    if (shear_plan_new(&catalog_plan, &settings, &geometry, psf, 0.0, false, &err) != SHEAR_OK) {
+    if (shear_plan_new(
+            &catalog_plan,
+            &(shear_plan_request){.settings = &settings, .geometry = geometry, .psf = psf},
+            &err) != SHEAR_OK) {
         print_error("%s\n", err.message);
         return -1;
     }

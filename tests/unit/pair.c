@@ -59,7 +59,10 @@ void pair_draw(pair *p, double r_psf, uint64_t seed) {
 static int try_info(const pair *p, shear_row *row, shear_plan_info *info, shear_error *err) {
     shear_plan *plan = NULL;
     shear_workspace *ws = NULL;
-    int code = shear_plan_new(&plan, &p->settings, &p->geometry, p->psf, NAN, false, err);
+    int code = shear_plan_new(
+        &plan,
+        &(shear_plan_request){.settings = &p->settings, .geometry = p->geometry, .psf = p->psf},
+        err);
     if (code == SHEAR_OK) {
         code = shear_workspace_new(&ws, plan, err);
     }

@@ -82,7 +82,9 @@ static tool tool_new(const scene *s) {
     tool t;
     shear_error err = {0};
     const shear_geometry g = {s->nx, s->ny, 48, 48, 4};
-    if (shear_plan_new(&t.plan, &s->settings, &g, s->psf, 0.0, false, &err) != SHEAR_OK) {
+    if (shear_plan_new(
+            &t.plan, &(shear_plan_request){.settings = &s->settings, .geometry = g, .psf = s->psf},
+            &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     assert_int_equal(shear_workspace_new(&t.ws, t.plan, NULL), SHEAR_OK);
@@ -438,8 +440,12 @@ static void test_psf_per_stamp(void **state) {
     const shear_stamps stamps = {
         .count = 2, .nx = 24, .ny = 24, .galaxy = galaxy, .noise = noise, .n_psf = 2, .psf = psf};
     s->settings.beta_px = 2.25;
-    assert_int_equal(shear_plan_new(&plan, &s->settings, &geometry, NULL, 1.5, false, NULL),
-                     SHEAR_OK);
+    assert_int_equal(
+        shear_plan_new(
+            &plan,
+            &(shear_plan_request){.settings = &s->settings, .geometry = geometry, .r_psf_px = 1.5},
+            NULL),
+        SHEAR_OK);
     assert_int_equal(shear_measure_batch(plan, &stamps, 1, NULL, rows, NULL), SHEAR_OK);
     assert_int_equal(rows[0].flags, SHEAR_FLAG_ARTEFACT);
     assert_int_equal(rows[0].artefact_x, 5);

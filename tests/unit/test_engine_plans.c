@@ -53,11 +53,12 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
 }
 
 static int try_to_take(plans *p, fake_field *f, const shear_plan **plan, shear_error *err) {
-    shear_plan_basis basis;
+    shear_plan_request request;
     const shear_psf_source psfs = {.self = f, .read = read_psf};
-    assert_int_equal(shear_plan_basis_read(&basis, &f->info, psfs, err), SHEAR_OK);
-    const int code = plans_take(p, &f->settings, &f->info.geometry, &basis, plan, err);
-    shear_plan_basis_deinit(&basis);
+    assert_int_equal(shear_plan_request_read(&request, &f->settings, &f->info, psfs, err),
+                     SHEAR_OK);
+    const int code = plans_take(p, &request, plan, err);
+    shear_plan_request_deinit(&request);
     return code;
 }
 

@@ -68,8 +68,12 @@ static void test_chosen_points(void **state) {
 static shear_plan_info info_of(const pair *p, bool has_r_gal) {
     shear_plan *plan = NULL;
     shear_error err = {0};
-    if (shear_plan_new(&plan, &p->settings, &p->geometry, p->psf, NAN, has_r_gal, &err) !=
-        SHEAR_OK) {
+    if (shear_plan_new(&plan,
+                       &(shear_plan_request){.settings = &p->settings,
+                                             .geometry = p->geometry,
+                                             .psf = p->psf,
+                                             .has_r_gal = has_r_gal},
+                       &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     const shear_plan_info info = *shear_plan_get_info(plan);
@@ -149,7 +153,12 @@ static void test_core_per_stamp(void **state) {
     pair_set(&p, "beta", "1.75");
     shear_plan *plan = NULL;
     shear_workspace *ws = NULL;
-    assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, NAN, true, NULL),
+    assert_int_equal(shear_plan_new(&plan,
+                                    &(shear_plan_request){.settings = &p.settings,
+                                                          .geometry = p.geometry,
+                                                          .psf = p.psf,
+                                                          .has_r_gal = true},
+                                    NULL),
                      SHEAR_OK);
     assert_int_equal(shear_workspace_new(&ws, plan, NULL), SHEAR_OK);
     for (int i = 0; i < N; i++) {

@@ -95,9 +95,22 @@ static void check(const shape *s, bool warm) {
                               .psf_ny = s->psf,
                               .psf_oversample = s->psf_oversample};
     read_settings(&settings, s->settings);
-    assert_int_equal(shear_plan_memory(&memory, &settings, &g, psf, 1.4, s->r_gal, &err), SHEAR_OK);
+    assert_int_equal(shear_plan_memory(&memory,
+                                       &(shear_plan_request){.settings = &settings,
+                                                             .geometry = g,
+                                                             .psf = psf,
+                                                             .r_psf_px = 1.4,
+                                                             .has_r_gal = s->r_gal},
+                                       &err),
+                     SHEAR_OK);
     const int64_t before = in_use();
-    if (shear_plan_new(&plan, &settings, &g, psf, 1.4, s->r_gal, &err) != SHEAR_OK) {
+    if (shear_plan_new(&plan,
+                       &(shear_plan_request){.settings = &settings,
+                                             .geometry = g,
+                                             .psf = psf,
+                                             .r_psf_px = 1.4,
+                                             .has_r_gal = s->r_gal},
+                       &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     if (!warm) { /* FFTW keeps things of its own from the first time on */
@@ -130,8 +143,11 @@ static void test_refused(void **state) {
     shear_settings_init(&settings);
     assert_int_equal(shear_settings_set(&settings, "interpolation", "spline", NULL), SHEAR_OK);
     assert_int_equal(shear_settings_set(&settings, "oversample", "64", NULL), SHEAR_OK);
-    assert_int_equal(shear_plan_memory(&memory, &settings, &g, NULL, 1.4, false, &err),
-                     SHEAR_E_SETTING);
+    assert_int_equal(
+        shear_plan_memory(
+            &memory, &(shear_plan_request){.settings = &settings, .geometry = g, .r_psf_px = 1.4},
+            &err),
+        SHEAR_E_SETTING);
     assert_int_equal(memory.plan, 0);
 }
 

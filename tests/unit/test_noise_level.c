@@ -263,7 +263,11 @@ static void test_planes_are_averaged(void **state) {
             s.noise[1][pixel] += 3.0; /* a brighter sky there */
             s.noise[0][pixel] = k % 2 == 0 ? s.noise[0][pixel] : 0.0;
         }
-        assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, 0.0, false, NULL),
+        assert_int_equal(shear_plan_new(&plan,
+                                        &(shear_plan_request){.settings = &p.settings,
+                                                              .geometry = p.geometry,
+                                                              .psf = p.psf},
+                                        NULL),
                          0);
         for (int planes = 1; planes <= MOST; planes++) {
             check_planes(plan, &s, planes, k / 2 == 1);
@@ -294,7 +298,11 @@ static void test_every_plane_is_looked_at(void **state) {
                                      .galaxy = s.galaxy[0],
                                      .noise = s.noise[0],
                                      .noise_planes = 2};
-        assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, p.psf, 0.0, false, NULL),
+        assert_int_equal(shear_plan_new(&plan,
+                                        &(shear_plan_request){.settings = &p.settings,
+                                                              .geometry = p.geometry,
+                                                              .psf = p.psf},
+                                        NULL),
                          0);
         assert_int_equal(shear_measure_batch(plan, &stamps, 1, NULL, rows, NULL), SHEAR_OK);
         assert_int_equal(rows[0].flags, 0);

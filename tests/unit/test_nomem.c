@@ -139,8 +139,13 @@ static int new_plan(void *context) {
     const scene *s = context;
     shear_error err = {0};
     shear_plan *plan = NULL;
-    const int code = shear_plan_new(&plan, &s->settings, &geometry, s->own_psf ? NULL : s->b.psf,
-                                    1.0, true, &err);
+    const int code = shear_plan_new(&plan,
+                                    &(shear_plan_request){.settings = &s->settings,
+                                                          .geometry = geometry,
+                                                          .psf = s->own_psf ? NULL : s->b.psf,
+                                                          .r_psf_px = 1.0,
+                                                          .has_r_gal = true},
+                                    &err);
     assert_true((code == SHEAR_OK) == (plan != NULL));
     assert_int_equal(err.code, code);
     shear_plan_free(plan);

@@ -12,7 +12,10 @@ static shear_plan_info decide(const shear_settings *settings, const shear_geomet
                               double r_psf) {
     shear_plan *plan = NULL;
     shear_error err = {0};
-    if (shear_plan_new(&plan, settings, geometry, NULL, r_psf, false, &err) != SHEAR_OK) {
+    if (shear_plan_new(
+            &plan,
+            &(shear_plan_request){.settings = settings, .geometry = *geometry, .r_psf_px = r_psf},
+            &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     const shear_plan_info info = *shear_plan_get_info(plan);
@@ -126,10 +129,20 @@ static void check_refused(const shear_geometry *geometry, const char *oversample
     shear_settings_init(&settings);
     shear_settings_set(&settings, "interpolation", "bilinear", NULL);
     shear_settings_set(&settings, "oversample", oversample, NULL);
-    assert_int_equal(shear_plan_new(&plan, &settings, geometry, NULL, r_psf, false, &err), code);
+    assert_int_equal(
+        shear_plan_new(
+            &plan,
+            &(shear_plan_request){.settings = &settings, .geometry = *geometry, .r_psf_px = r_psf},
+            &err),
+        code);
     assert_null(plan);
     assert_non_null(strstr(err.message, word));
-    assert_int_equal(shear_plan_new(&plan, &settings, geometry, NULL, r_psf, false, NULL), code);
+    assert_int_equal(
+        shear_plan_new(
+            &plan,
+            &(shear_plan_request){.settings = &settings, .geometry = *geometry, .r_psf_px = r_psf},
+            NULL),
+        code);
 }
 
 static void test_refusals(void **state) {

@@ -415,8 +415,12 @@ static void test_plan(void **state) {
     assert_int_equal(info.psf.looked_at, 1);
     assert_int_equal(info.psf.flawed[SHEAR_PSF_PEDESTAL], 1);
     const shear_psf_quality q = look(p.psf, 33, 33, 1);
-    assert_int_equal(shear_plan_new(&plan, &p.settings, &p.geometry, NULL, 1.5, false, NULL),
-                     SHEAR_OK);
+    assert_int_equal(
+        shear_plan_new(
+            &plan,
+            &(shear_plan_request){.settings = &p.settings, .geometry = p.geometry, .r_psf_px = 1.5},
+            NULL),
+        SHEAR_OK);
     assert_int_equal(shear_plan_get_info(plan)->psf.looked_at, 0);
     shear_plan_note_psfs(plan, &q, 1, 2);
     assert_int_equal(shear_plan_get_info(plan)->psf.looked_at, 3);

@@ -139,7 +139,11 @@ static void *measure_with_new_plans(void *argument) {
         shear_settings settings;
         shear_settings_init(&settings);
         shear_settings_set(&settings, "interpolation", pair_methods[t->method], NULL);
-        t->code = shear_plan_new(&plan, &settings, &t->b->geometry, t->b->psf, NAN, false, NULL);
+        t->code =
+            shear_plan_new(&plan,
+                           &(shear_plan_request){
+                               .settings = &settings, .geometry = t->b->geometry, .psf = t->b->psf},
+                           NULL);
         t->code = t->code == SHEAR_OK ? shear_workspace_new(&ws, plan, NULL) : t->code;
         t->code = t->code == SHEAR_OK ? shear_measure_range(plan, ws, &stamps, 0, 10, t->rows, NULL)
                                       : t->code;

@@ -28,7 +28,10 @@ static void look(const pair *p, view *v) {
                                  .ny = p->geometry.ny,
                                  .galaxy = p->galaxy,
                                  .noise = p->noise};
-    if (shear_plan_new(&plan, &p->settings, &p->geometry, p->psf, NAN, false, &err) != SHEAR_OK) {
+    if (shear_plan_new(
+            &plan,
+            &(shear_plan_request){.settings = &p->settings, .geometry = p->geometry, .psf = p->psf},
+            &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     assert_int_equal(shear_workspace_new(&ws, plan, &err), SHEAR_OK);
@@ -248,7 +251,12 @@ static void check_advice(pair *p, double r_psf) {
     shear_plan *plan = NULL;
     const double *psf = r_psf > 0.0 ? NULL : p->psf;
     p->settings.beta_px = 0.05;
-    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err),
+    assert_int_equal(shear_plan_new(&plan,
+                                    &(shear_plan_request){.settings = &p->settings,
+                                                          .geometry = p->geometry,
+                                                          .psf = psf,
+                                                          .r_psf_px = r_psf},
+                                    &err),
                      SHEAR_E_BETA);
     assert_null(plan);
     assert_non_null(strstr(err.advice, "larger beta"));
@@ -256,11 +264,21 @@ static void check_advice(pair *p, double r_psf) {
     assert_non_null(number);
     p->settings.beta_px = strtod(number + strlen("works is "), NULL);
     assert_true(p->settings.beta_px > 0.05);
-    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err),
+    assert_int_equal(shear_plan_new(&plan,
+                                    &(shear_plan_request){.settings = &p->settings,
+                                                          .geometry = p->geometry,
+                                                          .psf = psf,
+                                                          .r_psf_px = r_psf},
+                                    &err),
                      SHEAR_OK);
     shear_plan_free(plan);
     p->settings.beta_px -= 1.01e-4;
-    assert_int_equal(shear_plan_new(&plan, &p->settings, &p->geometry, psf, r_psf, false, &err),
+    assert_int_equal(shear_plan_new(&plan,
+                                    &(shear_plan_request){.settings = &p->settings,
+                                                          .geometry = p->geometry,
+                                                          .psf = psf,
+                                                          .r_psf_px = r_psf},
+                                    &err),
                      SHEAR_E_BETA);
 }
 

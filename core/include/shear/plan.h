@@ -62,46 +62,39 @@ typedef struct shear_plan_info {
  * 3.2). Estimates above 0.1 are orders of magnitude only; a galaxy that is larger has more. */
 double shear_plan_periodic_bias(const shear_plan_info *plan);
 
-/* Make a plan.
- *   psf     [psf_ny][psf_nx]: the field's one PSF; or NULL where each stamp brings its own
- * (shear_stamps.psf) r_psf_px scale radius used for the automatic choices where psf is NULL (see
- * shear_psf_radius); ignored else has_r_gal whether stamps will come with R_GAL (decides
- * filter=auto) Errors: SHEAR_E_SETTING, SHEAR_E_BETA (names the smallest beta that works),
+/* What a plan is made from. Equal requests give equal plans. All pointers are borrowed while the
+ * call runs. A member that is zero is not given. */
+typedef struct shear_plan_request {
+    const shear_settings *settings; /* NULL: the defaults */
+    shear_geometry geometry;
+    const double *psf; /* [psf_ny][psf_nx] the field's one PSF; NULL: each stamp brings its own
+                          (shear_stamps.psf) */
+    double r_psf_px;   /* where psf is NULL: the scale radius for the automatic choices
+                          (shear_psf_radius) */
+    bool has_r_gal;    /* stamps will come with R_GAL, which decides filter = auto */
+    double core_px;    /* for filter = auto: found from the galaxies (shear/run.h); 0: none was */
+    const shear_psf_quality *psfs; /* [n_psfs] what a sample of the stamps' own PSFs is like */
+    int n_psfs, n_unusable;        /* usable and unusable PSFs of that sample */
+} shear_plan_request;
+
+/* Make a plan. Errors: SHEAR_E_SETTING, SHEAR_E_BETA (names the smallest beta that works),
  * SHEAR_E_PSF, SHEAR_E_NEGATIVE (a log method on a PSF with samples below -10^-4 of its peak),
  * SHEAR_E_NOMEM. *plan is NULL on error. Thread-safe (planning is serialised). */
-int shear_plan_new(shear_plan **plan, const shear_settings *settings,
-                   const shear_geometry *geometry, const double *psf, double r_psf_px,
-                   bool has_r_gal, shear_error *err);
+int shear_plan_new(shear_plan **plan, const shear_plan_request *request, shear_error *err);
 /* Of a plan that stamps bring their PSFs to: what a sample of these looked like, n usable ones and
  * some that are not, for shear_plan_info. Before the plan is shared with other threads. */
 void shear_plan_note_psfs(shear_plan *plan, const shear_psf_quality *each, int n, int unusable);
 void shear_plan_free(shear_plan *plan);
 
-/* What a field's plan is made from, beside the settings and the geometry: equal bases, settings and
- * geometries give equal plans. */
-typedef struct shear_plan_basis {
-    double *psf;     /* [psf_ny][psf_nx], the field's one PSF; NULL where each stamp has its own */
-    double r_psf_px; /* where psf is NULL: the median radius of up to 256 PSFs, evenly spaced */
-    bool has_r_gal;
-    double core_px; /* for filter=auto: found from the galaxies themselves; NaN: none was */
-    /* What those PSFs look like, [n_psfs]; and how many were unusable. NULL, 0, 0 where psf is not
-     * NULL. */
-    shear_psf_quality *psfs;
-    int n_psfs, n_unusable;
-} shear_plan_basis;
-int shear_plan_make(shear_plan **plan, const shear_settings *settings,
-                    const shear_geometry *geometry, const shear_plan_basis *basis,
-                    shear_error *err);
+/* Would the plan use request->core_px (filter = auto, no core of one's own, no R_GAL)? */
+bool shear_plan_wants_core(const shear_plan_request *request);
 
-/* Would the plan use basis.core_px (filter=auto, no core of one's own, no R_GAL)? And the radii
- * that it would have: R_PSF, beta, and the width of the filter's fall. Errors as of shear_plan_new.
- */
-bool shear_plan_wants_core(const shear_settings *settings, const shear_plan_basis *basis);
+/* The radii that the plan would have. */
 typedef struct shear_plan_radii {
-    double r_psf_px, beta_px, width_px;
+    double r_psf_px, beta_px, width_px; /* R_PSF, beta, the width of the filter's fall */
 } shear_plan_radii;
-int shear_plan_find_radii(shear_plan_radii *radii, const shear_settings *settings,
-                          const shear_geometry *geometry, const shear_plan_basis *basis,
+/* Errors as of shear_plan_new. */
+int shear_plan_find_radii(shear_plan_radii *radii, const shear_plan_request *request,
                           shear_error *err);
 
 const shear_plan_info *shear_plan_get_info(const shear_plan *plan);
@@ -121,12 +114,7 @@ typedef struct shear_memory {
     int64_t planning;  /* beside it, while it is made */
     int64_t workspace; /* at most */
 } shear_memory;
-int shear_plan_memory(shear_memory *memory, const shear_settings *settings,
-                      const shear_geometry *geometry, const double *psf, double r_psf_px,
-                      bool has_r_gal, shear_error *err);
-int shear_plan_memory_of(shear_memory *memory, const shear_settings *settings,
-                         const shear_geometry *geometry, const shear_plan_basis *basis,
-                         shear_error *err);
+int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, shear_error *err);
 
 /* Measure pair number i of `stamps` into *row. The shape must be the plan's.
  * Returns SHEAR_OK, also for a flagged row; SHEAR_E_NEGATIVE where a log method meets negative

@@ -18,21 +18,21 @@ typedef struct shear_psf_source {
     int (*read)(void *self, int64_t index, double *out, shear_error *err);
 } shear_psf_source;
 
-/* Read a field's PSF or PSFs for a plan's basis; core_px is NaN. On an error there is nothing to
- * free. */
-int shear_plan_basis_read(shear_plan_basis *basis, const shear_field_info *info,
-                          shear_psf_source psfs, shear_error *err);
-void shear_plan_basis_deinit(shear_plan_basis *basis);
+/* Make the request for a field's plan: its geometry, and its PSF or PSFs, which are read. The
+ * settings are borrowed. On an error there is nothing to free. */
+int shear_plan_request_read(shear_plan_request *request, const shear_settings *settings,
+                            const shear_field_info *info, shear_psf_source psfs, shear_error *err);
+/* Free what shear_plan_request_read has read; for requests from there only. */
+void shear_plan_request_deinit(shear_plan_request *request);
 
-/* Where the settings want it (shear_plan_wants_core), find basis->core_px: from up to 512 stamps
+/* Where the settings want it (shear_plan_wants_core), find request->core_px: from up to 512 stamps
  * in blocks that are evenly spaced in the file, read from slot 0 of the source, at most `capacity`
  * at a time; masked ones, those of weight 0 or a bad one, and those that are not finite do not
  * count. Depends on the field, the settings and the PSF only. METHOD section 2. */
-int shear_plan_basis_sample(shear_plan_basis *basis, const shear_settings *settings,
-                            const shear_field_info *info, shear_source source, int capacity,
-                            shear_error *err);
+int shear_plan_request_sample(shear_plan_request *request, const shear_field_info *info,
+                              shear_source source, int capacity, shear_error *err);
 
-/* The plan for an open field file: reads the basis and the sample. */
+/* The plan for an open field file: reads its PSFs and the sample. */
 int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,
                          shear_error *err);
 
