@@ -41,7 +41,7 @@ const char *sheard_config_default_path(void) {
 /* Put the value into its member in place of what is there. */
 static void replace(sheard_config *config, const sheard_setting *s, const union value *value) {
     void *member = config_member(config, s);
-    value_free(s, member);
+    value_deinit(s, member);
     memcpy(member, value, value_size(s));
 }
 
@@ -90,17 +90,17 @@ int sheard_config_init(sheard_config *config, shear_error *err) {
         code = config_set_at(config, i, config_row(i)->initial, ORIGIN_DEFAULT, err);
     }
     if (code != SHEAR_OK) {
-        sheard_config_free(config);
+        sheard_config_deinit(config);
     }
     return code;
 }
 
-void sheard_config_free(sheard_config *config) {
+void sheard_config_deinit(sheard_config *config) {
     if (config == NULL) {
         return;
     }
     for (size_t i = 0; i < config_n_rows(); i++) {
-        value_free(config_row(i), config_member(config, config_row(i)));
+        value_deinit(config_row(i), config_member(config, config_row(i)));
     }
     free(config->path);
     free(config->lines);

@@ -18,7 +18,7 @@ int sheard_list_append(sheard_list *list, const char *text, shear_error *err) {
     return SHEAR_OK;
 }
 
-void sheard_list_free(sheard_list *list) {
+void sheard_list_deinit(sheard_list *list) {
     if (list == NULL) {
         return;
     }

@@ -87,6 +87,6 @@ int sheard_config_print_manual(FILE *out, shear_error *err) {
         return code;
     }
     code = print_all(out, &defaults, err);
-    sheard_config_free(&defaults);
+    sheard_config_deinit(&defaults);
     return code == SHEAR_OK ? text_flushed(out, err) : code;
 }

@@ -99,6 +99,6 @@ int sheard_config_print_sample(FILE *out, shear_error *err) {
     for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++) {
         code = sample_setting(out, &defaults, i, err);
     }
-    sheard_config_free(&defaults);
+    sheard_config_deinit(&defaults);
     return code == SHEAR_OK ? text_flushed(out, err) : code;
 }

@@ -15,7 +15,7 @@ static void assign_all(sheard_config *config, const sheard_list *assignments,
 }
 
 /* The code of the first error, where there are more than `before`. */
-static int verdict(const sheard_problems *problems, size_t before) {
+static int first_code(const sheard_problems *problems, size_t before) {
     shear_error error;
     return problems->n_errors == before ? SHEAR_OK : sheard_problems_error(problems, &error);
 }
@@ -32,9 +32,9 @@ int sheard_config_read(sheard_config *config, const char *path, const sheard_lis
     if (problems->n_errors == before) {
         (void)sheard_config_check(config, problems);
     }
-    int code = verdict(problems, before);
+    int code = first_code(problems, before);
     if (code != SHEAR_OK) {
-        sheard_config_free(config);
+        sheard_config_deinit(config);
     }
     return code;
 }
@@ -48,7 +48,7 @@ size_t sheard_config_check_file(const char *path, const sheard_list *assignments
     sheard_problems problems = {0};
     if (sheard_config_read(&config, path, assignments, &problems) == SHEAR_OK) {
         sheard_config_warnings(&config, &problems);
-        sheard_config_free(&config);
+        sheard_config_deinit(&config);
     }
     sheard_problems_print(&problems, out);
     fprintf(out, "%s: ", path != NULL ? path : sheard_config_default_path());

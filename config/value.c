@@ -151,7 +151,7 @@ static int parse_list(const sheard_setting *s, const char *text, sheard_list *ou
         text += length + (text[length] != '\0');
     }
     if (code != SHEAR_OK) {
-        sheard_list_free(&list);
+        sheard_list_deinit(&list);
         return code;
     }
     *out = list;

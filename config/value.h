@@ -40,7 +40,7 @@ char *value_format(const sheard_setting *s, const void *member);
 bool value_equal(const sheard_setting *s, const void *a, const void *b);
 
 /* Release what the member owns. */
-void value_free(const sheard_setting *s, void *member);
+void value_deinit(const sheard_setting *s, void *member);
 
 /* Bytes of the member. */
 size_t value_size(const sheard_setting *s);

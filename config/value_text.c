@@ -78,12 +78,12 @@ bool value_equal(const sheard_setting *s, const void *a, const void *b) {
     }
 }
 
-void value_free(const sheard_setting *s, void *member) {
+void value_deinit(const sheard_setting *s, void *member) {
     if (s->type == SHEARD_T_PATH || s->type == SHEARD_T_NAME) {
         free(*(char **)member);
         *(char **)member = NULL;
     } else if (s->type == SHEARD_T_PATHS || s->type == SHEARD_T_NAMES) {
-        sheard_list_free(member);
+        sheard_list_deinit(member);
     }
 }
 

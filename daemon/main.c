@@ -120,7 +120,7 @@ static int act(const command_line *line) {
     }
     if (line->action == OPT_PRINT) {
         const int printed = sheard_config_print(&config, stdout, &err);
-        sheard_config_free(&config);
+        sheard_config_deinit(&config);
         return printed == SHEAR_OK ? 0 : 1;
     }
     return serve(&config, line);
@@ -130,6 +130,6 @@ int main(int argc, char **argv) {
     command_line line = {0};
     int code = parse(argc, argv, &line);
     code = code != 0 ? code - 1 : act(&line);
-    sheard_list_free(&line.assignments);
+    sheard_list_deinit(&line.assignments);
     return code;
 }

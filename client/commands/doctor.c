@@ -23,7 +23,7 @@ static int handle(int value, void *context) {
     return EXIT_CODE_DONE;
 }
 
-static void print_line(const sheard_finding *f) {
+static void print_line(const sheard_check_result *f) {
     static const char *const names[] = {"OK", "WARN", "FAIL"};
     static const char *const styles[] = {STYLE_GOOD, STYLE_DOUBT, STYLE_BAD};
     const bool colours = style_on(stdout);
@@ -36,10 +36,10 @@ static void print_line(const sheard_finding *f) {
     fflush(stdout);
 }
 
-static void print_json(const sheard_finding *f) {
+static void print_json(const sheard_check_result *f) {
     char *text = NULL;
     shear_error err = {0};
-    if (sheard_finding_json(&text, f, &err) != 0) {
+    if (sheard_check_result_json(&text, f, &err) != 0) {
         message_error(&err);
         return;
     }
@@ -54,12 +54,12 @@ void doctor_say(doctor *d, const char *subject, int level, const char *remedy, c
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
-    const sheard_finding finding = {subject, level, message, remedy != NULL ? remedy : ""};
+    const sheard_check_result result = {subject, level, message, remedy != NULL ? remedy : ""};
     d->worst = level > d->worst ? level : d->worst;
     if (d->service.json) {
-        print_json(&finding);
+        print_json(&result);
     } else {
-        print_line(&finding);
+        print_line(&result);
     }
 }
 
@@ -83,7 +83,7 @@ static void look(doctor *d) {
         doctor_check_told(d);
     } else {
         const struct passwd *me = getpwuid(geteuid());
-        doctor_say(d, "view", SHEARD_FINDING_WARN,
+        doctor_say(d, "view", SHEARD_CHECK_WARN,
                    "start the service, and run doctor again: then it is asked",
                    "no service tells what it sees: what follows is seen with the eyes of %s",
                    me != NULL ? me->pw_name : "this user");
@@ -113,7 +113,7 @@ static int run(int argc, char **argv) {
     free(d.socket);
     free(d.spool);
     free(d.roots);
-    return d.worst == SHEARD_FINDING_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+    return d.worst == SHEARD_CHECK_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
 const struct command cmd_doctor = {

@@ -66,7 +66,7 @@ static double pedestal_above(double lowest) {
 
 /* A background that the filter would cut an edge into: its mean is beyond doubt, and no small part
  * of what a pixel scatters. */
-static bool has_background(const sheard_verdict *v) {
+static bool has_background(const sheard_validation_report *v) {
     static const double sigma = 4.0;
     static const double part = 0.1;
     return v->plan->filter != SHEAR_FILTER_NONE && shear_settings_keep_background(v->settings) &&
@@ -79,7 +79,7 @@ static const char subtract_background[] =
     "--background noise-mean";
 
 /* What to do about a file that would measure. */
-static const char *advice_for(const sheard_verdict *v) {
+static const char *advice_for(const sheard_validation_report *v) {
     if (has_background(v)) {
         return subtract_background;
     }
@@ -90,7 +90,7 @@ static const char *advice_for(const sheard_verdict *v) {
 }
 
 /* The verdict on a file whose every stamp has been seen; the words go to *words. */
-static void judge(sheard_verdict *v, shear_error *words) {
+static void judge(sheard_validation_report *v, shear_error *words) {
     int64_t n = v->field->n_stamps;
     sheard_cause cause;
     if (v->negative.count > 0) {
@@ -124,14 +124,14 @@ static void judge(sheard_verdict *v, shear_error *words) {
     }
 }
 
-static int show(const sheard_verdict *v, bool json) {
+static int show(const sheard_validation_report *v, bool json) {
     char *text = NULL;
     shear_error err = {0};
     if (!json) {
         verdict_text_print(v, stdout);
         return EXIT_CODE_DONE;
     }
-    if (sheard_verdict_json(&text, v, &err) != 0) {
+    if (sheard_validation_report_json(&text, v, &err) != 0) {
         message_error(&err);
         return EXIT_CODE_OTHER;
     }
@@ -142,7 +142,7 @@ static int show(const sheard_verdict *v, bool json) {
 
 /* Open, plan, scan: as far as it goes. Returns an error code, with words for the verdict. */
 static int look_into(const validate_options *o, shear_field **field, shear_plan **plan,
-                     sheard_verdict *v, shear_error *words) {
+                     sheard_validation_report *v, shear_error *words) {
     int code = shear_field_open(field, v->path, words);
     if (code != SHEAR_OK) {
         return code;
@@ -164,7 +164,7 @@ static int validate(const char *path, const validate_options *o, bool *good) {
     shear_field *field = NULL;
     shear_plan *plan = NULL;
     shear_error words = {0};
-    sheard_verdict v = {.path = path, .settings = &o->settings};
+    sheard_validation_report v = {.path = path, .settings = &o->settings};
     sheard_advice_list doubts = {.n = 0};
     int code = look_into(o, &field, &plan, &v, &words);
     int result = EXIT_CODE_OTHER;
@@ -182,7 +182,7 @@ static int validate(const char *path, const validate_options *o, bool *good) {
     }
     v.warnings = doubts.lines;
     v.n_warnings = doubts.n;
-    v.verdict = words.message;
+    v.conclusion = words.message;
     v.advice = words.advice;
     *good = v.good;
     result = show(&v, o->json);

@@ -24,17 +24,17 @@ void doctor_say_room(doctor *d, const char *subject, const char *path, int64_t l
     char bytes[HUMAN_SIZE];
     human_bytes(left, bytes);
     if (left < little_bytes) {
-        doctor_say(d, subject, left < too_little_bytes ? SHEARD_FINDING_FAIL : SHEARD_FINDING_WARN,
+        doctor_say(d, subject, left < too_little_bytes ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
                    "make room on that disk", "%s: only %s free", path, bytes);
     } else {
-        doctor_say(d, subject, SHEARD_FINDING_OK, NULL, "%s: %s free", path, bytes);
+        doctor_say(d, subject, SHEARD_CHECK_OK, NULL, "%s: %s free", path, bytes);
     }
 }
 
 static void check_room(doctor *d, const char *subject, const char *path) {
     struct statvfs fs;
     if (statvfs(path, &fs) != 0) {
-        doctor_say(d, subject, SHEARD_FINDING_WARN, "run doctor as root or as the service's user",
+        doctor_say(d, subject, SHEARD_CHECK_WARN, "run doctor as root or as the service's user",
                    "%s cannot be looked at: %s", path, strerror(errno));
         return;
     }
@@ -49,7 +49,7 @@ void doctor_check_local(doctor *d, const char *path) {
     }
     if (fs.f_type == NFS_SUPER_MAGIC || fs.f_type == SMB_SUPER_MAGIC ||
         (int)fs.f_type == CIFS_MAGIC) {
-        doctor_say(d, "state", SHEARD_FINDING_FAIL, "put state_dir on a local disk",
+        doctor_say(d, "state", SHEARD_CHECK_FAIL, "put state_dir on a local disk",
                    "%s is on a network file system", path);
     }
 }
@@ -57,15 +57,15 @@ void doctor_check_local(doctor *d, const char *path) {
 static bool check_directory(doctor *d, const char *subject, const char *path, struct stat *st) {
     if (stat(path, st) != 0) {
         const bool hidden = errno == EACCES;
-        doctor_say(d, subject, hidden ? SHEARD_FINDING_WARN : SHEARD_FINDING_FAIL,
+        doctor_say(d, subject, hidden ? SHEARD_CHECK_WARN : SHEARD_CHECK_FAIL,
                    hidden ? "run doctor as root or as the service's user"
                           : "start the service once as its own user, or: systemd-tmpfiles --create",
                    "%s: %s", path, strerror(errno));
         return false;
     }
     if (!S_ISDIR(st->st_mode)) {
-        doctor_say(d, subject, SHEARD_FINDING_FAIL, "move it out of the way",
-                   "%s is not a directory", path);
+        doctor_say(d, subject, SHEARD_CHECK_FAIL, "move it out of the way", "%s is not a directory",
+                   path);
         return false;
     }
     return true;
@@ -87,7 +87,7 @@ static void check_folders(doctor *d) {
             continue;
         }
         if (st.st_dev != spool.st_dev) {
-            doctor_say(d, "spool", SHEARD_FINDING_FAIL,
+            doctor_say(d, "spool", SHEARD_CHECK_FAIL,
                        "all four folders must be on the disk of the spool",
                        "%s is on another file system", path);
         } else if (doctor_try_write(d, "spool", path)) {
@@ -95,7 +95,7 @@ static void check_folders(doctor *d) {
         }
     }
     if (good == sizeof names / sizeof *names) {
-        doctor_say(d, "spool", SHEARD_FINDING_OK, NULL,
+        doctor_say(d, "spool", SHEARD_CHECK_OK, NULL,
                    "incoming, active, done and failed are there, and can be written to");
     }
 }
@@ -125,19 +125,19 @@ static void check_lock(doctor *d) {
     const bool there = stat(path, &st) == 0;
     const bool locked = there && is_locked(&st);
     if (!there && errno != ENOENT) {
-        doctor_say(d, "lock", SHEARD_FINDING_WARN, "run doctor as root or as the service's user",
+        doctor_say(d, "lock", SHEARD_CHECK_WARN, "run doctor as root or as the service's user",
                    "%s cannot be looked at: %s", path, strerror(errno));
     } else if (!locked && d->reached) {
-        doctor_say(d, "lock", SHEARD_FINDING_WARN,
+        doctor_say(d, "lock", SHEARD_CHECK_WARN,
                    "does the service that answers use another configuration?",
                    "nobody holds the lock of the spool, though the service runs");
     } else if (locked && !d->reached) {
-        doctor_say(d, "lock", SHEARD_FINDING_WARN,
+        doctor_say(d, "lock", SHEARD_CHECK_WARN,
                    "look for a service that is stuck or has another socket: systemctl status "
                    "sheard",
                    "the spool is locked, though no service answers");
     } else {
-        doctor_say(d, "lock", SHEARD_FINDING_OK, NULL, "the spool is %s",
+        doctor_say(d, "lock", SHEARD_CHECK_OK, NULL, "the spool is %s",
                    locked ? "locked by its service" : "not locked");
     }
 }
@@ -149,13 +149,13 @@ void doctor_check_clock(doctor *d) {
     snprintf(path, sizeof path, "%s/incoming", d->spool);
     const int fd = doctor_scratch_file(path);
     if (fd < 0 || write(fd, "x", 1) != 1 || fstat(fd, &st) != 0) {
-        doctor_say(d, "clock", SHEARD_FINDING_WARN, "run doctor as someone who may drop files",
+        doctor_say(d, "clock", SHEARD_CHECK_WARN, "run doctor as someone who may drop files",
                    "the clock of the spool's file system cannot be read: %s", strerror(errno));
     } else {
         const int64_t theirs_ms = (int64_t)st.st_mtim.tv_sec * 1000 + st.st_mtim.tv_nsec / 1000000;
         const double off = (double)(human_now_ms() - theirs_ms) / 1000.0;
         const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
-        doctor_say(d, "clock", good ? SHEARD_FINDING_OK : SHEARD_FINDING_WARN,
+        doctor_say(d, "clock", good ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
                    good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",
                    "the spool's file system is %.1f s %s this machine's clock",
                    off < 0 ? -off : off, off < 0 ? "before" : "behind");
@@ -169,19 +169,19 @@ static void check_root(doctor *d, const char *path) {
     struct stat st;
     const int error = stat(path, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
     if (error != 0) {
-        doctor_say(d, "data root", SHEARD_FINDING_WARN,
+        doctor_say(d, "data root", SHEARD_CHECK_WARN,
                    "mount it, or make it; jobs beneath it wait until it is there", "%s: %s", path,
                    strerror(error));
     } else if (access(path, R_OK | X_OK) != 0) {
-        doctor_say(d, "data root", SHEARD_FINDING_WARN, "ask for read permission on it",
+        doctor_say(d, "data root", SHEARD_CHECK_WARN, "ask for read permission on it",
                    "%s: you may not read it, so no file in it will be measured for you", path);
     } else {
-        doctor_say(d, "data root", SHEARD_FINDING_OK, NULL, "%s is readable for you", path);
+        doctor_say(d, "data root", SHEARD_CHECK_OK, NULL, "%s is readable for you", path);
     }
 }
 
 void doctor_say_no_roots(doctor *d) {
-    doctor_say(d, "data root", SHEARD_FINDING_WARN,
+    doctor_say(d, "data root", SHEARD_CHECK_WARN,
                "set [access] data_roots, if files are to be submitted by name",
                "none: files are taken from the watch folder alone");
 }
@@ -206,7 +206,7 @@ void doctor_check_disks(doctor *d) {
     if (d->state_dir != NULL && check_directory(d, "state", d->state_dir, &st)) {
         check_room(d, "state", d->state_dir);
         if (doctor_try_write(d, "state", d->state_dir)) {
-            doctor_say(d, "state", SHEARD_FINDING_OK, NULL, "%s can be written to", d->state_dir);
+            doctor_say(d, "state", SHEARD_CHECK_OK, NULL, "%s can be written to", d->state_dir);
         }
         doctor_check_local(d, d->state_dir);
     }

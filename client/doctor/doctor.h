@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* doctor.h: what `shearctl doctor` looks at, and how it tells. Each check says one or more
- * findings; none of them changes anything. */
+ * check results; none of them changes anything. */
 #ifndef CLIENT_DOCTOR_DOCTOR_H
 #define CLIENT_DOCTOR_DOCTOR_H
 
 #include "remote/service.h"
-#include "sheard/finding.h"
+#include "sheard/check_result.h"
 
 #include <stdbool.h>
 
 typedef struct doctor {
     struct service service;
     const char *config;  /* --config, or the service's; NULL: the installed one */
-    int worst;           /* enum sheard_finding_level, of all that was said */
+    int worst;           /* enum sheard_check_level, of all that was said */
     bool reached;        /* the service answered, and: */
     sheard_reply status; /* that is its state */
     bool told;           /* ... and it told its paths */
@@ -22,7 +22,7 @@ typedef struct doctor {
     bool has_spool;
 } doctor;
 
-/* One finding: a line, its remedy on another, or JSON. `remedy` may be NULL. */
+/* One check result: a line, its remedy on another, or JSON. `remedy` may be NULL. */
 void doctor_say(doctor *d, const char *subject, int level, const char *remedy, const char *format,
                 ...) __attribute__((format(printf, 5, 6)));
 

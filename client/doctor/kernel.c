@@ -14,7 +14,7 @@ static void check_seccomp(doctor *d) {
     const int fd = open("/proc/sys/kernel/seccomp/actions_avail", O_RDONLY | O_CLOEXEC);
     const ssize_t n = fd < 0 ? -1 : read(fd, actions, sizeof actions - 1);
     const bool good = n > 0 && strstr(actions, "kill_process") != NULL;
-    doctor_say(d, "seccomp", good ? SHEARD_FINDING_OK : SHEARD_FINDING_FAIL,
+    doctor_say(d, "seccomp", good ? SHEARD_CHECK_OK : SHEARD_CHECK_FAIL,
                good ? NULL : "use a kernel with CONFIG_SECCOMP_FILTER",
                good ? "system calls of readers can be filtered"
                     : "system calls of readers cannot be filtered: files will not be read");
@@ -27,10 +27,10 @@ static void check_landlock(doctor *d) {
     const long version =
         syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
     if (version > 0) {
-        doctor_say(d, "landlock", SHEARD_FINDING_OK, NULL,
+        doctor_say(d, "landlock", SHEARD_CHECK_OK, NULL,
                    "readers can be kept from the file system (version %ld)", version);
     } else {
-        doctor_say(d, "landlock", SHEARD_FINDING_WARN,
+        doctor_say(d, "landlock", SHEARD_CHECK_WARN,
                    "boot with landlock among the security modules (lsm=landlock,...)",
                    "no Landlock (%s): seccomp alone guards the readers", strerror(errno));
     }

@@ -34,14 +34,14 @@ static void check_version(doctor *d, const char *program) {
     char *text = NULL;
     const int code = ask(NULL, program, "--version", &text);
     if (code != 0 || text == NULL) {
-        doctor_say(d, "program", SHEARD_FINDING_FAIL, "install sheard again",
+        doctor_say(d, "program", SHEARD_CHECK_FAIL, "install sheard again",
                    "%s cannot be run (exit code %d)", program, code);
     } else if (strstr(text, SHEAR_VERSION_STRING) == NULL) {
-        doctor_say(d, "program", SHEARD_FINDING_WARN,
+        doctor_say(d, "program", SHEARD_CHECK_WARN,
                    "install shearctl and sheard of the same release", "%s is %.*s, shearctl is %s",
                    program, (int)strcspn(text, "\n"), text, SHEAR_VERSION_STRING);
     } else {
-        doctor_say(d, "program", SHEARD_FINDING_OK, NULL, "%s, %.*s", program,
+        doctor_say(d, "program", SHEARD_CHECK_OK, NULL, "%s, %.*s", program,
                    (int)strcspn(text, "\n"), text);
     }
     free(text);
@@ -54,7 +54,7 @@ void doctor_check_config(doctor *d) {
         return;
     }
     if (d->told && access(d->config, R_OK) != 0) {
-        doctor_say(d, "config", SHEARD_FINDING_WARN, "run doctor as root",
+        doctor_say(d, "config", SHEARD_CHECK_WARN, "run doctor as root",
                    "%s, which the service uses, cannot be read by you: %s", d->config,
                    strerror(errno));
         return;
@@ -64,16 +64,15 @@ void doctor_check_config(doctor *d) {
     const char *name = d->config != NULL ? d->config : "the configuration";
     if (code != 0) {
         const char *why = line_with(said, "error", NULL, line, sizeof line);
-        doctor_say(d, "config", SHEARD_FINDING_FAIL,
+        doctor_say(d, "config", SHEARD_CHECK_FAIL,
                    "correct the file; sheard --check-config tells all that is wrong in it",
                    "%s is not valid: %s", name, why != NULL ? why : "no reason was given");
     } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line) !=
                NULL) {
         /* of the data roots, the service's own word comes later */
-        doctor_say(d, "config", SHEARD_FINDING_WARN, "sheard --check-config tells more", "%s",
-                   line);
+        doctor_say(d, "config", SHEARD_CHECK_WARN, "sheard --check-config tells more", "%s", line);
     } else {
-        doctor_say(d, "config", SHEARD_FINDING_OK, NULL, "%s is valid", name);
+        doctor_say(d, "config", SHEARD_CHECK_OK, NULL, "%s is valid", name);
     }
     free(text);
 }
@@ -95,7 +94,7 @@ static void read_config(doctor *d) {
 void doctor_check_program(doctor *d) {
     d->program = run_program_find("sheard");
     if (d->program == NULL) {
-        doctor_say(d, "program", SHEARD_FINDING_WARN,
+        doctor_say(d, "program", SHEARD_CHECK_WARN,
                    "install sheard, or run doctor where the service runs",
                    "sheard is not installed here: its configuration cannot be looked at");
         return;

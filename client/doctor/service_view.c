@@ -29,7 +29,7 @@ void doctor_take_paths(doctor *d) {
     if (d->config == NULL) {
         d->config = s->config;
     } else if (strcmp(d->config, s->config) != 0) {
-        doctor_say(d, "config", SHEARD_FINDING_WARN,
+        doctor_say(d, "config", SHEARD_CHECK_WARN,
                    "leave --config out to look at the one of the service that answers",
                    "the service that answers was configured by %s", s->config);
     }
@@ -37,24 +37,24 @@ void doctor_take_paths(doctor *d) {
 
 static void tell_root(doctor *d, const sheard_msg_root *r) {
     if (r->missing) {
-        doctor_say(d, "data root", SHEARD_FINDING_WARN,
+        doctor_say(d, "data root", SHEARD_CHECK_WARN,
                    "mount it, or make it, where the service sees it (home-data.conf, where it is "
                    "beneath /home); jobs beneath it wait",
                    "%s", r->reason != NULL ? r->reason : r->path);
     } else if (access(r->path, R_OK | X_OK) != 0) {
-        doctor_say(d, "data root", SHEARD_FINDING_WARN, "ask for read permission on it",
+        doctor_say(d, "data root", SHEARD_CHECK_WARN, "ask for read permission on it",
                    "%s is there for the service, but you may not read it, so no file in it will "
                    "be measured for you",
                    r->path);
     } else {
-        doctor_say(d, "data root", SHEARD_FINDING_OK, NULL,
+        doctor_say(d, "data root", SHEARD_CHECK_OK, NULL,
                    "%s is there for the service, and readable for you", r->path);
     }
 }
 
 static void tell_disk(doctor *d, const sheard_msg_disk *disk) {
     if (disk->problem != NULL) {
-        doctor_say(d, disk->use, SHEARD_FINDING_FAIL,
+        doctor_say(d, disk->use, SHEARD_CHECK_FAIL,
                    "see that it is there, and that the service may write to it", "%s: %s",
                    disk->path, disk->problem);
     } else {
@@ -83,17 +83,17 @@ void doctor_check_told(doctor *d) {
 
 static void tell_probe(doctor *d, const sheard_msg_probed *p) {
     if (!p->ok) {
-        doctor_say(d, "probe", SHEARD_FINDING_FAIL, p->advice,
+        doctor_say(d, "probe", SHEARD_CHECK_FAIL, p->advice,
                    "the service cannot measure a tiny field of its own: %s%s%s%s",
                    p->message != NULL ? p->message : "no reason was given",
                    p->code != NULL ? " [" : "", p->code != NULL ? p->code : "",
                    p->code != NULL ? "]" : "");
         return;
     }
-    doctor_say(d, "probe", SHEARD_FINDING_OK, NULL,
+    doctor_say(d, "probe", SHEARD_CHECK_OK, NULL,
                "the service measures: g1 %+.5f (is %+.5f), g2 %+.5f (is %+.5f), %.2f s", p->g1,
                p->true_g1, p->g2, p->true_g2, p->seconds);
-    doctor_say(d, "sandbox", p->landlock ? SHEARD_FINDING_OK : SHEARD_FINDING_WARN,
+    doctor_say(d, "sandbox", p->landlock ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
                p->landlock ? NULL
                            : "boot with landlock among the security modules (lsm=landlock,...)",
                "%s%s",
@@ -114,7 +114,7 @@ bool doctor_check_probe(doctor *d) {
         return true;
     }
     const bool old = status == CONNECTION_REFUSED && error.code == SHEARD_RPC_UNKNOWN_METHOD;
-    doctor_say(d, "probe", old ? SHEARD_FINDING_WARN : SHEARD_FINDING_FAIL,
+    doctor_say(d, "probe", old ? SHEARD_CHECK_WARN : SHEARD_CHECK_FAIL,
                old ? "install one release, and restart the service" : error.advice,
                old ? "the service is too old to be asked whether it can measure"
                    : "the service does not tell whether it can measure: %s",

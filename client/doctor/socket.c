@@ -26,16 +26,16 @@ static void check_permissions(doctor *d, const char *path, const struct stat *st
     name_owner(st, owner, sizeof owner);
     const unsigned mode = st->st_mode & 07777U;
     if (access(path, W_OK) != 0) {
-        doctor_say(d, "permissions", SHEARD_FINDING_FAIL,
+        doctor_say(d, "permissions", SHEARD_CHECK_FAIL,
                    "become a member of that group (usermod -aG), and log in again",
                    "the socket is %04o %s, and you may not connect", mode, owner);
     } else if (mode & S_IWOTH) {
-        doctor_say(d, "permissions", SHEARD_FINDING_WARN,
+        doctor_say(d, "permissions", SHEARD_CHECK_WARN,
                    "set socket_mode = 0660 (or SocketMode= in sheard.socket)",
                    "the socket is %04o %s: everybody on this machine may connect", mode, owner);
     } else {
         const bool member = group_member(st->st_gid) != 0;
-        doctor_say(d, "permissions", SHEARD_FINDING_OK, NULL,
+        doctor_say(d, "permissions", SHEARD_CHECK_OK, NULL,
                    "the socket is %04o %s, you may connect%s", mode, owner,
                    member ? " as a member of the group" : "");
     }
@@ -46,7 +46,7 @@ void doctor_check_socket(doctor *d) {
     const char *path = d->service.socket;
     if (lstat(path, &st) != 0) {
         const bool denied = errno == EACCES;
-        doctor_say(d, "socket", SHEARD_FINDING_FAIL,
+        doctor_say(d, "socket", SHEARD_CHECK_FAIL,
                    denied ? "its directory must be searchable by you (RuntimeDirectoryMode=0755)"
                           : "start the service: systemctl start sheard; or name its socket with "
                             "--socket or SHEARD_SOCKET",
@@ -54,11 +54,11 @@ void doctor_check_socket(doctor *d) {
         return;
     }
     if (!S_ISSOCK(st.st_mode)) {
-        doctor_say(d, "socket", SHEARD_FINDING_FAIL, "name the service's socket",
+        doctor_say(d, "socket", SHEARD_CHECK_FAIL, "name the service's socket",
                    "%s is not a socket", path);
         return;
     }
-    doctor_say(d, "socket", SHEARD_FINDING_OK, NULL, "%s is there", path);
+    doctor_say(d, "socket", SHEARD_CHECK_OK, NULL, "%s is there", path);
     check_permissions(d, path, &st);
 }
 
@@ -68,11 +68,11 @@ static void check_release(doctor *d) {
     const size_t n = strlen(server);
     const size_t v = strlen(SHEAR_VERSION_STRING);
     const bool same = n >= v && strcmp(server + n - v, SHEAR_VERSION_STRING) == 0;
-    doctor_say(d, "release", same ? SHEARD_FINDING_OK : SHEARD_FINDING_WARN,
+    doctor_say(d, "release", same ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
                same ? NULL : "install one release, and restart the service",
                "the service is %s, shearctl %s; they speak version %" PRId64 " of the protocol",
                server, SHEAR_VERSION_STRING, w->protocol);
-    doctor_say(d, "rights", SHEARD_FINDING_OK, NULL, "you are user %" PRId64 "%s", w->uid,
+    doctor_say(d, "rights", SHEARD_CHECK_OK, NULL, "you are user %" PRId64 "%s", w->uid,
                w->admin ? ", an administrator of the service"
                         : ", not an administrator of the service");
 }
@@ -80,19 +80,19 @@ static void check_release(doctor *d) {
 static void check_state(doctor *d) {
     const sheard_msg_status *s = &d->status.status;
     if (s->state != SHEARD_SERVER_RUNNING) {
-        doctor_say(d, "service", SHEARD_FINDING_WARN, "start it again when it has stopped",
+        doctor_say(d, "service", SHEARD_CHECK_WARN, "start it again when it has stopped",
                    "the service is %s", sheard_server_state_name(s->state));
     } else {
-        doctor_say(d, "service", SHEARD_FINDING_OK, NULL,
+        doctor_say(d, "service", SHEARD_CHECK_OK, NULL,
                    "running, process %" PRId64 ", %" PRId64 " workers", s->pid, s->workers.total);
     }
     if (s->queue.capacity > 0 && s->queue.length >= s->queue.capacity) {
-        doctor_say(d, "queue", SHEARD_FINDING_WARN, "wait, or raise [limits] queue",
+        doctor_say(d, "queue", SHEARD_CHECK_WARN, "wait, or raise [limits] queue",
                    "the queue is full (%" PRId64 " jobs)", s->queue.length);
     }
     for (size_t i = 0; i < s->n_problems; i++) {
         char line[800];
-        doctor_say(d, "service", SHEARD_FINDING_WARN,
+        doctor_say(d, "service", SHEARD_CHECK_WARN,
                    "the service's log tells more: journalctl -u "
                    "sheard",
                    "%s", status_text_problem(s, i, line, sizeof line));
@@ -112,6 +112,6 @@ void doctor_check_service(doctor *d) {
     if (d->reached) {
         check_state(d);
     } else {
-        doctor_say(d, "service", SHEARD_FINDING_FAIL, error.advice, "%s", error.message);
+        doctor_say(d, "service", SHEARD_CHECK_FAIL, error.advice, "%s", error.message);
     }
 }

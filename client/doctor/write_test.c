@@ -71,8 +71,7 @@ bool doctor_try_write(doctor *d, const char *subject, const char *directory) {
                   : "if the service is to run as somebody else, run doctor as that user or as root",
              user != NULL ? user->pw_name : service_user, directory);
     doctor_say(d, subject,
-               ours || error == EROFS || error == ENOSPC ? SHEARD_FINDING_FAIL
-                                                         : SHEARD_FINDING_WARN,
+               ours || error == EROFS || error == ENOSPC ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
                remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
                user != NULL ? user->pw_name : "you", strerror(error),
                owner != NULL ? owner->pw_name : "nobody who is known");

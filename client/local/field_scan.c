@@ -28,7 +28,7 @@ struct scan {
     weight_check weights;
     shear_block_sums under_way;
     shear_field_sums *sums;
-    sheard_verdict *v;
+    sheard_validation_report *v;
 };
 
 struct pixels {
@@ -78,7 +78,7 @@ static void levels_add(struct levels *l, const struct pixels *noise) {
     l->var += noise->var;
 }
 
-static void levels_tell(const struct levels *l, sheard_verdict *v) {
+static void levels_tell(const struct levels *l, sheard_validation_report *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
     v->noise_mean = l->first + mean; /* 0/0 where there are none */
@@ -123,7 +123,7 @@ static int look_at_stamp(struct scan *s, const shear_stamps *t, int i, unsigned 
     return SHEAR_OK;
 }
 
-static void count_flags(sheard_verdict *v, unsigned flags, int64_t index) {
+static void count_flags(sheard_validation_report *v, unsigned flags, int64_t index) {
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
         if (flags & (1u << bit)) {
             fault_add(&v->flags[bit], index);
@@ -233,7 +233,7 @@ static void tell_for(shear_result *r, int estimator) {
 }
 
 int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
-               sheard_verdict *v, shear_error *err) {
+               sheard_validation_report *v, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const shear_plan_info *resolved = shear_plan_get_info(plan);
     struct scan s = {.plan = plan, .v = v};

@@ -11,6 +11,6 @@
  * result of *v for the file that `plan` was made for. Nothing is measured where a log method meets
  * negative pixels. Memory is bounded by a block of stamps. */
 int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
-               sheard_verdict *v, shear_error *err);
+               sheard_validation_report *v, shear_error *err);
 
 #endif

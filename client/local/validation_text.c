@@ -104,7 +104,7 @@ static void print_fault(const char *name, const char *help, const sheard_fault *
     fputs(f->count > SHEARD_FAULT_SAMPLES ? ", ...\n" : "\n", out);
 }
 
-static void print_noise(const sheard_verdict *v, FILE *out) {
+static void print_noise(const sheard_validation_report *v, FILE *out) {
     if (isfinite(v->noise_mean)) {
         fprintf(out, "  %-10s mean %.4g", "noise", v->noise_mean);
         if (isfinite(v->noise_mean_err)) {
@@ -114,14 +114,14 @@ static void print_noise(const sheard_verdict *v, FILE *out) {
     }
 }
 
-static void print_weights(const sheard_verdict *v, FILE *out) {
+static void print_weights(const sheard_validation_report *v, FILE *out) {
     if (isfinite(v->weight_follows_flux)) {
         fprintf(out, "  %-10s rank correlation with the stamps' own flux %+.2f%s\n", "weights",
                 v->weight_follows_flux, v->weight_is_suspect ? ": they bias the shear" : "");
     }
 }
 
-void verdict_text_print(const sheard_verdict *v, FILE *out) {
+void verdict_text_print(const sheard_validation_report *v, FILE *out) {
     char clean[1024];
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
     if (v->field != NULL) {
@@ -144,7 +144,7 @@ void verdict_text_print(const sheard_verdict *v, FILE *out) {
         quality_text_print(&q, out);
     }
     fprintf(out, "  %-10s %s\n", v->good ? "good" : "bad",
-            message_clean(v->verdict, clean, sizeof clean));
+            message_clean(v->conclusion, clean, sizeof clean));
     for (size_t i = 0; i < v->n_warnings; i++) {
         fprintf(out, "  %-10s %s\n", "warning", message_clean(v->warnings[i], clean, sizeof clean));
     }

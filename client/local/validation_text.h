@@ -7,6 +7,6 @@
 
 #include <stdio.h>
 
-void verdict_text_print(const sheard_verdict *v, FILE *out);
+void verdict_text_print(const sheard_validation_report *v, FILE *out);
 
 #endif

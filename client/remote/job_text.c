@@ -270,7 +270,7 @@ static void print_history(const sheard_msg_shown *shown, bool utc, FILE *out) {
         char duration[HUMAN_SIZE];
         const double s =
             a->ended_ms != 0 ? (double)(a->ended_ms - a->started_ms) / 1000.0 : (double)NAN;
-        const char *ending = sheard_job_ending_name(a->ending);
+        const char *ending = sheard_attempt_outcome_name(a->outcome);
         shear_text_line(out, "attempt", "%" PRId64 ": %s, %s%s%s%s%s", a->number,
                         human_time(a->started_ms, utc, time), *ending ? ending : "running",
                         a->ended_ms != 0 ? " after " : "",

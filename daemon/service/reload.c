@@ -178,7 +178,7 @@ int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *erro
                 sheard_problems_error(&problems, &err);
             }
         }
-        sheard_config_free(&fresh);
+        sheard_config_deinit(&fresh);
     }
     if (code != SHEAR_OK) {
         access_list_free(admins);

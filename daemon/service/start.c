@@ -142,7 +142,7 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     service *s = calloc(1, sizeof *s);
     *out = NULL;
     if (s == NULL) {
-        sheard_config_free(config);
+        sheard_config_deinit(config);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
     s->config = *config;
@@ -225,8 +225,8 @@ void service_close(service *s) {
     probe_free(s);
     notify_deinit(&s->notify);
     uv_loop_close(&s->loop);
-    sheard_list_free(&s->assignments);
-    sheard_config_free(&s->config);
+    sheard_list_deinit(&s->assignments);
+    sheard_config_deinit(&s->config);
     free(s->config_path);
     free(s);
 }

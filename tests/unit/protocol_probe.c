@@ -3,7 +3,7 @@
  *   protocol_probe tables   all codes, methods, notifications and messages, as JSON
  *   protocol_probe check    lines "KIND[ METHOD]<tab>TEXT" from standard input, each answered by
  * "ok" or "CODE: MESSAGE"; KIND is request, reply, error, notification, job-file or side-file */
-#include "rpc_methods.h"
+#include "rpc/methods.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -3,8 +3,8 @@
 #ifndef TEST_RPC_FIXTURE_H
 #define TEST_RPC_FIXTURE_H
 
-#include "msg_table.h"
-#include "rpc_methods.h"
+#include "message/table.h"
+#include "rpc/methods.h"
 
 #include <stdint.h>
 

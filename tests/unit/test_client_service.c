@@ -9,7 +9,7 @@
 #include "cmdline/input_path.h"
 #include "doctor/conf_text.h"
 #include "remote/follow_sum.h"
-#include "sheard/finding.h"
+#include "sheard/check_result.h"
 #include "sheard/report_summary.h"
 #include "terminal/bar.h"
 #include "terminal/human.h"
@@ -404,16 +404,16 @@ static void summaries(void **state) {
 
 static void findings(void **state) {
     (void)state;
-    const sheard_finding f = {"a\"b", SHEARD_FINDING_WARN, "x\n\xFF", ""};
+    const sheard_check_result f = {"a\"b", SHEARD_CHECK_WARN, "x\n\xFF", ""};
     char *text = NULL;
     shear_error err = {0};
-    assert_int_equal(sheard_finding_json(&text, &f, &err), SHEAR_OK);
+    assert_int_equal(sheard_check_result_json(&text, &f, &err), SHEAR_OK);
     assert_null(strchr(text, '\n'));
     assert_non_null(strstr(text, "a\\\"b"));
     assert_non_null(strstr(text, "\"warn\""));
     free(text);
-    assert_string_equal(sheard_finding_level_name(SHEARD_FINDING_OK), "ok");
-    assert_string_equal(sheard_finding_level_name(SHEARD_FINDING_FAIL), "fail");
+    assert_string_equal(sheard_check_level_name(SHEARD_CHECK_OK), "ok");
+    assert_string_equal(sheard_check_level_name(SHEARD_CHECK_FAIL), "fail");
 }
 
 int main(void) {

@@ -14,7 +14,7 @@ static sheard_problems problems; /* too large for the stack's taste */
 static void one_error(void **state, const char *text, int line, const char *words) {
     sheard_config config;
     int code = load_text_file(state, text, &config, &problems);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
     if (problems.n_errors != 1) {
         sheard_problems_print(&problems, stderr);
     }
@@ -57,7 +57,7 @@ static void syntax(void **state) {
     assert_string_equal(config.access.data_roots.items[3], "/data/[e]");
     assert_int_equal(config.access.admin_groups.n, 1);
     assert_int_equal(config.daemon.nice, 5);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 static void empty_files(void **state) {
@@ -68,9 +68,9 @@ static void empty_files(void **state) {
         sheard_config config;
         assert_int_equal(load_text_file(state, texts[i], &config, &problems), SHEAR_OK);
         assert_same_config(&config, &defaults);
-        sheard_config_free(&config);
+        sheard_config_deinit(&config);
     }
-    sheard_config_free(&defaults);
+    sheard_config_deinit(&defaults);
 }
 
 static void bad_lines(void **state) {
@@ -118,7 +118,7 @@ static void preset_in_any_order(void **state) {
         assert_int_equal(m->preset, SHEAR_PRESET_ZHANG2010);
         assert_true(m->beta_ratio == 3.0 && !m->noise_correction);
         assert_true(m->beta_floor_px == 0.0 && m->filter == SHEAR_FILTER_R_GAL);
-        sheard_config_free(&config);
+        sheard_config_deinit(&config);
     }
 }
 
@@ -152,7 +152,7 @@ static void long_lines(void **state) {
     assert_int_equal(load_text_file(state, text, &config, &problems), SHEAR_OK);
     assert_int_equal(config.daemon.workers, 0);
     assert_int_equal(config.daemon.nice, 1);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 static void load_bytes(void **state, const char *text, size_t size, int line, const char *words) {
@@ -163,7 +163,7 @@ static void load_bytes(void **state, const char *text, size_t size, int line, co
     assert_int_not_equal(sheard_config_load(&config, path, &problems), SHEAR_OK);
     assert_int_equal(problems.n_errors, 1);
     assert_problem(&problems, 0, line, words);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 static void zero_bytes(void **state) {
@@ -185,7 +185,7 @@ static void large_files(void **state) {
     assert_int_equal(sheard_config_init(&config, NULL), SHEAR_OK);
     const char *path = file_with_bytes(state, "file.conf", text, CONFIG_FILE_MAX);
     assert_int_equal(sheard_config_load(&config, path, &problems), SHEAR_OK);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
     free(text);
 }
 
@@ -211,7 +211,7 @@ static void unreadable_files(void **state) {
     assert_int_equal(mkfifo(path, 0600), 0);
     assert_int_equal(sheard_config_load(&config, path, &problems), SHEAR_E_IO);
     assert_non_null(strstr(problems.kept[0].error.message, "not a regular file"));
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 /* All problems are counted, the first twenty kept, in order; the good values around them are set.
@@ -232,7 +232,7 @@ static void many_errors(void **state) {
         assert_problem(&problems, (size_t)i, i + 2, words);
     }
     assert_int_equal(config.daemon.nice, 7);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 
     char *printed_text = NULL;
     size_t size = 0;
@@ -285,7 +285,7 @@ static void read_from_all(void **state) {
     assert_int_equal(sheard_config_read(&config, path, &assignments, &problems), SHEAR_OK);
     assert_int_equal(config.daemon.workers, 5);
     assert_int_equal(config.daemon.nice, 4);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 
     path = file_with(state, "[daemon]\nworkers = x\n");
     assert_int_equal(sheard_list_append(&assignments, "daemon.nice=x", NULL), SHEAR_OK);
@@ -293,7 +293,7 @@ static void read_from_all(void **state) {
     assert_int_equal(problems.n_errors, 2);
     assert_problem(&problems, 0, 2, "workers");
     assert_string_equal(problems.kept[1].where, "command line");
-    sheard_list_free(&assignments);
+    sheard_list_deinit(&assignments);
 
     problems = (sheard_problems){0};
     path = file_with(state, "[retry]\nfirst_delay = 2h\n");
@@ -357,15 +357,15 @@ static void warnings(void **state) {
         assert_true(i >= 4 || strstr(problems.kept[i].error.advice,
                                      i < 3 ? "nobody has" : "does not start") != NULL);
     }
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 static void free_of_nothing(void **state) {
     (void)state;
     sheard_config config = {0};
-    sheard_config_free(NULL);
-    sheard_config_free(&config);
-    sheard_list_free(NULL);
+    sheard_config_deinit(NULL);
+    sheard_config_deinit(&config);
+    sheard_list_deinit(NULL);
 }
 
 int main(void) {

@@ -31,7 +31,7 @@ static void contradiction(const char *const *assignments, const char *words) {
         assert_non_null(strstr(problems.kept[0].error.message, words));
         assert_string_equal(problems.kept[0].where, "command line");
     }
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 static void contradictions(void **state) {
@@ -63,7 +63,7 @@ static void a_spool_that_is_everything(void **state) {
     make(&config, ALL("spool.directory=/"));
     assert_int_equal(sheard_config_check(&config, &problems), SHEAR_E_SETTING);
     assert_int_equal(problems.n_errors, 2); /* state and catalogs both are within */
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 /* Of two settings, the one that is written later is complained about. */
@@ -78,7 +78,7 @@ static void contradictions_have_lines(void **state) {
     assert_int_equal(problems.n_errors, 2);
     assert_problem(&problems, 0, 3, "first_delay is longer");
     assert_problem(&problems, 1, 7, "[measure]");
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 static void differences(void **state) {
@@ -99,8 +99,8 @@ static void differences(void **state) {
     assert_int_equal(changed[0], sheard_setting_find("daemon", "workers"));
     assert_int_equal(changed[1], sheard_setting_find("spool", "directory"));
     assert_int_equal(sheard_config_changes(&a, &b, false, NULL, 0), 5);
-    sheard_config_free(&a);
-    sheard_config_free(&b);
+    sheard_config_deinit(&a);
+    sheard_config_deinit(&b);
 }
 
 /* Same lengths, other items; and the other way round. */
@@ -116,8 +116,8 @@ static void lists_differ_by_their_items(void **state) {
     assert_false(sheard_config_same(&a, &b, index));
     assert_int_equal(sheard_config_assign(&b, "access.admin_users=x,y", NULL), SHEAR_OK);
     assert_true(sheard_config_same(&a, &b, index));
-    sheard_config_free(&a);
-    sheard_config_free(&b);
+    sheard_config_deinit(&a);
+    sheard_config_deinit(&b);
 }
 
 static void reload(void **state) {
@@ -135,7 +135,7 @@ static void reload(void **state) {
                        &fresh, &problems),
         SHEAR_OK);
     assert_int_equal(sheard_config_reload(&running, &fresh, &problems), SHEAR_OK);
-    sheard_config_free(&fresh);
+    sheard_config_deinit(&fresh);
     assert_int_equal(running.daemon.workers, 3);
     assert_int_equal(running.daemon.log_level, SHEARD_LOG_INFO);
     assert_string_equal(running.spool.directory, "/s");
@@ -151,7 +151,7 @@ static void reload(void **state) {
     assert_non_null(strstr(text, "file.conf:7\ndirectory = /s\n"));
     assert_non_null(strstr(text, "# default\nlog_level = info\n"));
     free(text);
-    sheard_config_free(&running);
+    sheard_config_deinit(&running);
 }
 
 /* Good by itself, but not with what cannot change while running. */
@@ -168,9 +168,9 @@ static void reload_of_a_contradiction(void **state) {
     assert_non_null(strstr(problems.kept[0].error.message, "/a/x is within spool.directory /a"));
     assert_int_equal(problems.n_warnings, 0);
     assert_same_config(&running, &before);
-    sheard_config_free(&fresh);
-    sheard_config_free(&before);
-    sheard_config_free(&running);
+    sheard_config_deinit(&fresh);
+    sheard_config_deinit(&before);
+    sheard_config_deinit(&running);
 }
 
 int main(void) {

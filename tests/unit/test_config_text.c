@@ -54,7 +54,7 @@ static void sample_is_the_defaults(void **state) {
     assert_int_equal(sheard_config_init(&defaults, NULL), SHEAR_OK);
     assert_int_equal(load_text_file(state, sample, &config, &problems), SHEAR_OK);
     assert_same_config(&config, &defaults);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 
     uncomment(sample);
     int code = load_text_file(state, sample, &config, &problems);
@@ -64,8 +64,8 @@ static void sample_is_the_defaults(void **state) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         assert_true(config.lines[i] > 0); /* every setting is in the sample */
     }
-    sheard_config_free(&config);
-    sheard_config_free(&defaults);
+    sheard_config_deinit(&config);
+    sheard_config_deinit(&defaults);
     free(sample);
 }
 
@@ -98,7 +98,7 @@ static void defaults_are_sound(void **state) {
     assert_int_equal(config.spool.done.max_count, 0);
     assert_int_equal(config.spool.done.max_bytes, 0);
     assert_true(config.measure.beta_ratio == 2.0);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
 }
 
 /* Set every setting to something else than its default. */
@@ -139,8 +139,8 @@ static void printed_loads_the_same(void **state) {
     text = printed(&again);
     assert_non_null(strstr(text, "file.conf:"));
     free(text);
-    sheard_config_free(&again);
-    sheard_config_free(&config);
+    sheard_config_deinit(&again);
+    sheard_config_deinit(&config);
 }
 
 /* The longest values that can be set print as lines that can be read. */
@@ -170,8 +170,8 @@ static void longest_values_print_and_load(void **state) {
     assert_int_equal(again.access.data_roots.n, 20);
     assert_same_config(&config, &again);
     free(text);
-    sheard_config_free(&again);
-    sheard_config_free(&config);
+    sheard_config_deinit(&again);
+    sheard_config_deinit(&config);
 }
 
 static void a_full_disk_is_an_error(void **state) {
@@ -230,8 +230,8 @@ static void options_become_settings(void **state) {
     assert_int_equal(config.daemon.workers, 6);
     assert_string_equal(config.spool.directory, "/s");
     assert_int_equal(sheard_flags_take('v', "6", &assignments, &err), SHEAR_E_INTERNAL);
-    sheard_list_free(&assignments);
-    sheard_config_free(&config);
+    sheard_list_deinit(&assignments);
+    sheard_config_deinit(&config);
 
     assert_int_equal(sheard_flags_fill(options, 3), 2); /* room for the zeros is kept */
     assert_null(options[2].name);
@@ -308,8 +308,8 @@ static bool survives(void **state, const char *text, size_t size) {
     assert_int_equal(load_text_file(state, out, &again, &problems), SHEAR_OK);
     assert_same_config(&config, &again);
     free(out);
-    sheard_config_free(&again);
-    sheard_config_free(&config);
+    sheard_config_deinit(&again);
+    sheard_config_deinit(&config);
     return code == SHEAR_OK;
 }
 
@@ -331,7 +331,7 @@ static void damaged_files(void **state) {
         n_good += survives(state, text, size);
     }
     free(whole);
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
     /* Damage in comments does no harm, most other does: neither everything nor nothing is refused.
      */
     assert_in_range(n_good, FILES / 50, FILES / 2);

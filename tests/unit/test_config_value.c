@@ -17,7 +17,7 @@ static int init(void **state) {
 
 static int deinit(void **state) {
     (void)state;
-    sheard_config_free(&config);
+    sheard_config_deinit(&config);
     return 0;
 }
 

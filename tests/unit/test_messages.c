@@ -698,7 +698,7 @@ static void test_names(void **state) {
     assert_string_equal(sheard_job_class_name(SHEARD_CLASS_BUG), "bug");
     assert_string_equal(sheard_job_outcome_name(SHEARD_OUTCOME_DUPLICATE), "duplicate");
     assert_string_equal(sheard_job_origin_name(SHEARD_ORIGIN_SOCKET), "socket");
-    assert_string_equal(sheard_job_ending_name(SHEARD_ENDING_INTERRUPTED), "interrupted");
+    assert_string_equal(sheard_attempt_outcome_name(SHEARD_ATTEMPT_INTERRUPTED), "interrupted");
     assert_string_equal(sheard_server_state_name(SHEARD_SERVER_STOPPING), "stopping");
     for (int s = -1; s <= SHEARD_N_JOB_STATES; s++) {
         assert_int_equal(sheard_job_state_is_final(s),

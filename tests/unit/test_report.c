@@ -130,9 +130,9 @@ static void an_unopened_file_has_nulls(void **state) {
     char *text = NULL;
     shear_settings settings;
     shear_settings_init(&settings);
-    sheard_verdict v = {
-        .path = "x", .verdict = "no such file", .advice = "", .settings = &settings};
-    assert_int_equal(sheard_verdict_json(&text, &v, NULL), SHEAR_OK);
+    sheard_validation_report v = {
+        .path = "x", .conclusion = "no such file", .advice = "", .settings = &settings};
+    assert_int_equal(sheard_validation_report_json(&text, &v, NULL), SHEAR_OK);
     assert_non_null(
         strstr(text, "{\"path\":\"x\",\"good\":false,\"verdict\":\"no such file\",\"advice\":\"\","
                      "\"field\":null,"));
@@ -158,20 +158,20 @@ static void counted_free(void *memory) {
     free(memory);
 }
 
-static int make_verdict(char **text, shear_error *err) {
+static int make_validation_report(char **text, shear_error *err) {
     shear_plan_info plan = a_plan();
     shear_field_info field = {.name = "f", .pixscale = 0.2, .has_truth = true};
     shear_settings settings;
     shear_settings_init(&settings);
-    sheard_verdict v = {.path = "x",
-                        .verdict = "",
-                        .advice = "",
-                        .field = &field,
-                        .plan = &plan,
-                        .settings = &settings};
+    sheard_validation_report v = {.path = "x",
+                                  .conclusion = "",
+                                  .advice = "",
+                                  .field = &field,
+                                  .plan = &plan,
+                                  .settings = &settings};
     v.scanned = true;
     v.flags[1] = (sheard_fault){.count = 99, .first = {1, 2, 3, 4, 5, 6, 7, 8}};
-    return sheard_verdict_json(text, &v, err);
+    return sheard_validation_report_json(text, &v, err);
 }
 
 static void fails_cleanly(int (*maker)(char **, shear_error *)) {
@@ -201,9 +201,9 @@ static void no_memory_for_a_report(void **state) {
     fails_cleanly(make);
 }
 
-static void no_memory_for_a_verdict(void **state) {
+static void no_memory_for_a_validation_report(void **state) {
     (void)state;
-    fails_cleanly(make_verdict);
+    fails_cleanly(make_validation_report);
 }
 
 /* A file's entry in a report is the same when it was made from its account. */
@@ -259,10 +259,14 @@ static void accounts_keep_all(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(accounts_keep_all),          cmocka_unit_test(numbers_keep_their_bits),
-        cmocka_unit_test(what_is_not_finite_is_null), cmocka_unit_test(text_is_made_utf8),
-        cmocka_unit_test(settings_have_native_types), cmocka_unit_test(an_unopened_file_has_nulls),
-        cmocka_unit_test(no_memory_for_a_report),     cmocka_unit_test(no_memory_for_a_verdict),
+        cmocka_unit_test(accounts_keep_all),
+        cmocka_unit_test(numbers_keep_their_bits),
+        cmocka_unit_test(what_is_not_finite_is_null),
+        cmocka_unit_test(text_is_made_utf8),
+        cmocka_unit_test(settings_have_native_types),
+        cmocka_unit_test(an_unopened_file_has_nulls),
+        cmocka_unit_test(no_memory_for_a_report),
+        cmocka_unit_test(no_memory_for_a_validation_report),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,7 +9,7 @@
  * A daemon's life with it:
  *     sheard_config_read(&config, path, &assignments, problems)         at the start
  *     sheard_config_read(&fresh, ...); sheard_config_reload(&config, &fresh, problems)    on SIGHUP
- *     sheard_config_free(&config)
+ *     sheard_config_deinit(&config)
  *
  * Not thread-safe for one config; different configs are independent. Errors are SHEAR_E_SETTING,
  * SHEAR_E_IO (the file) and SHEAR_E_NOMEM.
@@ -36,7 +36,7 @@ typedef struct sheard_list {
 
 /* Append a copy of `text`. SHEAR_OK or SHEAR_E_NOMEM. A list begins as {0}. */
 int sheard_list_append(sheard_list *list, const char *text, shear_error *err);
-void sheard_list_free(sheard_list *list);
+void sheard_list_deinit(sheard_list *list);
 
 enum sheard_log_level {
     SHEARD_LOG_ERROR,
@@ -206,7 +206,7 @@ int sheard_config_load(sheard_config *config, const char *path, sheard_problems 
 int sheard_config_set(sheard_config *config, const char *section, const char *key, const char *text,
                       shear_error *err);
 int sheard_config_assign(sheard_config *config, const char *assignment, shear_error *err);
-void sheard_config_free(sheard_config *config);
+void sheard_config_deinit(sheard_config *config);
 
 /* Contradictions between settings. */
 int sheard_config_check(const sheard_config *config, sheard_problems *problems);
@@ -219,7 +219,7 @@ void sheard_config_warnings(const sheard_config *config, sheard_problems *proble
 /* File descriptors that the service needs beside those of its clients' connections. */
 int64_t sheard_config_own_descriptors(const sheard_config *config);
 
-/* `sheard --check-config`: read, warn, print every problem and a verdict to `out`. Returns the
+/* `sheard --check-config`: read, warn, print every problem and a summary to `out`. Returns the
  * number of errors. */
 size_t sheard_config_check_file(const char *path, const sheard_list *assignments, FILE *out);
 

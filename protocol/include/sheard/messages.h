@@ -73,13 +73,13 @@ enum sheard_job_outcome {
     SHEARD_OUTCOME_DUPLICATE = 2
 };
 enum sheard_job_origin { SHEARD_ORIGIN_SPOOL = 0, SHEARD_ORIGIN_SOCKET = 1 };
-enum sheard_job_ending {
-    SHEARD_ENDING_OPEN = 0,
-    SHEARD_ENDING_DONE = 1,
-    SHEARD_ENDING_FAILED = 2,
-    SHEARD_ENDING_CANCELLED = 3,
-    SHEARD_ENDING_RELEASED = 4,
-    SHEARD_ENDING_INTERRUPTED = 5
+enum sheard_attempt_outcome {
+    SHEARD_ATTEMPT_OPEN = 0,
+    SHEARD_ATTEMPT_DONE = 1,
+    SHEARD_ATTEMPT_FAILED = 2,
+    SHEARD_ATTEMPT_CANCELLED = 3,
+    SHEARD_ATTEMPT_RELEASED = 4,
+    SHEARD_ATTEMPT_INTERRUPTED = 5
 };
 enum sheard_server_state {
     SHEARD_SERVER_RUNNING = 0,
@@ -94,7 +94,7 @@ const char *sheard_job_class_name(int job_class);
 const char *sheard_job_outcome_name(int outcome);
 const char *sheard_job_phase_name(int phase);
 const char *sheard_job_origin_name(int origin);
-const char *sheard_job_ending_name(int ending);
+const char *sheard_attempt_outcome_name(int outcome);
 const char *sheard_server_state_name(int state);
 /* done, failed, cancelled or retracted */
 bool sheard_job_state_is_final(int state);
@@ -244,7 +244,7 @@ typedef struct sheard_msg_job {
 typedef struct sheard_msg_attempt {
     int64_t number; /* from 1 */
     int64_t started_ms, ended_ms;
-    int ending; /* enum sheard_job_ending */
+    int outcome; /* enum sheard_attempt_outcome */
     int job_class;
     const char *code, *message;
 } sheard_msg_attempt;

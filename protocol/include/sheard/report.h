@@ -73,10 +73,10 @@ typedef struct sheard_fault {
 } sheard_fault;
 
 /* What `shearctl validate` finds in one field file. */
-typedef struct sheard_verdict {
+typedef struct sheard_validation_report {
     const char *path;
     bool good;                     /* it would measure, at least two stamps of it */
-    const char *verdict;           /* one line for people */
+    const char *conclusion;        /* "verdict": one line for people */
     const char *advice;            /* what to do; may be "" */
     const shear_field_info *field; /* NULL where the file could not be opened */
     const shear_settings *settings;
@@ -98,12 +98,13 @@ typedef struct sheard_verdict {
     bool weight_is_suspect;
     bool measured;       /* the next one is known */
     shear_result result; /* with these settings, by the ratio of means; its estimator is theirs */
-} sheard_verdict;
+} sheard_validation_report;
 
 /* Keys: path good verdict advice field{} settings{} resolved{} psf{} warnings[] n_measurable
  * flags{name:{count,first[]}} negative{count,first[]} lowest_pixel noise{mean,mean_err,rms}
  * weight_follows_flux no_shear noise_level{} influence{} version; null for what is not known.
  * SHEAR_E_NOMEM. */
-int sheard_verdict_json(char **text, const sheard_verdict *verdict, shear_error *err);
+int sheard_validation_report_json(char **text, const sheard_validation_report *report,
+                                  shear_error *err);
 
 #endif

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sheard/check_result.h: the result of one check of an installation (shearctl doctor), as JSON. */
+#ifndef SHEARD_CHECK_RESULT_H
+#define SHEARD_CHECK_RESULT_H
+
+#include "shear/error.h"
+
+enum sheard_check_level { SHEARD_CHECK_OK = 0, SHEARD_CHECK_WARN, SHEARD_CHECK_FAIL };
+/* "ok", "warn", "fail" */
+const char *sheard_check_level_name(int level);
+
+typedef struct sheard_check_result {
+    const char *subject; /* "socket" */
+    int level;
+    const char *message;
+    const char *remedy; /* "" where there is nothing to do */
+} sheard_check_result;
+
+/* {"subject", "level", "message", "remedy"} on one line; *text is malloc'd and the caller's to
+ * free. SHEAR_E_NOMEM. */
+int sheard_check_result_json(char **text, const sheard_check_result *result, shear_error *err);
+
+#endif
