@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear/text.h"
 
+#include "base/utf8.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
-
-#include "base/utf8.h"
 
 /* Not shown: controls, and what Unicode calls format characters or leaves without a glyph. Sorted.
  */
