@@ -4,7 +4,7 @@
 #include "rounds.h"
 #include "timer.h"
 
-#include "measure/plan_impl.h"
+#include "measure/internal.h"
 
 const char *const stage_names[N_STAGES] = {
     "PSF", "interpolation", "transform along y", "packing", "along x", "moments", "border, flags"};

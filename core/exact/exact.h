@@ -5,8 +5,8 @@
  * adding and joining never round and the order does not matter. Only exact_value rounds, once, to
  * the nearest double (a tie goes away from zero).
  */
-#ifndef SHEAR_EXACT_H
-#define SHEAR_EXACT_H
+#ifndef SHEAR_EXACT_EXACT_H
+#define SHEAR_EXACT_EXACT_H
 
 #include <stdbool.h>
 

@@ -9,8 +9,8 @@
  *
  * Plans are immutable, and running them is thread-safe; making them is serialised inside.
  */
-#ifndef SHEAR_FFT_H
-#define SHEAR_FFT_H
+#ifndef SHEAR_FFT_FFT_H
+#define SHEAR_FFT_FFT_H
 
 #include <stddef.h>
 

@@ -17,8 +17,8 @@
  *
  * Where the noise stamp has no noise there is no threshold, and nothing is found.
  */
-#ifndef SHEAR_ARTEFACT_H
-#define SHEAR_ARTEFACT_H
+#ifndef SHEAR_MEASURE_ARTEFACT_H
+#define SHEAR_MEASURE_ARTEFACT_H
 
 #include "measure/photometry.h"
 #include "measure/sharpness.h"

@@ -11,8 +11,8 @@
  * linear between the last and the first point, so that a constant stays constant, the fine grid is
  * as symmetric as the stamp, and the DFT sees no jump of our making.
  */
-#ifndef SHEAR_AXIS_H
-#define SHEAR_AXIS_H
+#ifndef SHEAR_MEASURE_AXIS_H
+#define SHEAR_MEASURE_AXIS_H
 
 #include <stdbool.h>
 #include <stddef.h>

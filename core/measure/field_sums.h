@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/field_sums.h: the inside of a field's sums, for the files that make results of them. */
-#ifndef SHEAR_FIELD_SUMS_H
-#define SHEAR_FIELD_SUMS_H
+#ifndef SHEAR_MEASURE_FIELD_SUMS_H
+#define SHEAR_MEASURE_FIELD_SUMS_H
 
 #include "exact/exact.h"
 #include "shear/sums.h"

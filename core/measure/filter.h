@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/filter.h: the border filter (label window_noise) on a grid. */
-#ifndef SHEAR_FILTER_H
-#define SHEAR_FILTER_H
+#ifndef SHEAR_MEASURE_FILTER_H
+#define SHEAR_MEASURE_FILTER_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/internal.h"
 #include "measure/moments.h"
-#include "measure/plan_impl.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/artefact.h"
+#include "measure/internal.h"
 #include "measure/photometry.h"
-#include "measure/plan_impl.h"
 #include "measure/row.h"
 #include "measure/saturation.h"
 #include "measure/spectra.h"

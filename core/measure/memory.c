@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/memory.h"
 
-#include "measure/plan_impl.h"
+#include "measure/internal.h"
 
 enum { D = sizeof(double) };
 

@@ -7,8 +7,8 @@
  * is the corrected power at once (label OSN3 mode by mode; all moments are even in k). Its
  * imaginary part is the cross spectrum 2 Re[G(k) N*(k)].
  */
-#ifndef SHEAR_MOMENTS_H
-#define SHEAR_MOMENTS_H
+#ifndef SHEAR_MEASURE_MOMENTS_H
+#define SHEAR_MEASURE_MOMENTS_H
 
 #include "measure/transfer.h"
 

@@ -4,7 +4,7 @@
  * while they are in the first cache; of the result only the rows that somebody wants are kept, and
  * transformed along x when asked for. */
 #include "base/simd.h"
-#include "measure/plan_impl.h"
+#include "measure/internal.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/pack.h: two real rows in one complex one. */
-#ifndef SHEAR_PACK_H
-#define SHEAR_PACK_H
+#ifndef SHEAR_MEASURE_PACK_H
+#define SHEAR_MEASURE_PACK_H
 
 #include <complex.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/photometry.h: what the pixels of a stamp pair tell before anything is transformed. The
  * pair is read strip by strip, so that each strip is still in the first cache when it is packed. */
-#ifndef SHEAR_PHOTOMETRY_H
-#define SHEAR_PHOTOMETRY_H
+#ifndef SHEAR_MEASURE_PHOTOMETRY_H
+#define SHEAR_MEASURE_PHOTOMETRY_H
 
 #include "base/simd.h"
 #include "fft/fft.h"

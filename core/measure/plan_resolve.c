@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the settings leave open, decided by the geometry, the PSF and the galaxies. */
 #include "measure/filter.h"
-#include "measure/plan_impl.h"
+#include "measure/internal.h"
 
 #include <math.h>
 

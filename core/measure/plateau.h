@@ -3,8 +3,8 @@
  * Foucaud 2015): the mean over the modes with |k| > 3/4 of Nyquist, the stamp's corners included.
  * Only without interpolation: that would colour white noise.
  */
-#ifndef SHEAR_PLATEAU_H
-#define SHEAR_PLATEAU_H
+#ifndef SHEAR_MEASURE_PLATEAU_H
+#define SHEAR_MEASURE_PLATEAU_H
 
 #include "measure/moments.h"
 

@@ -3,8 +3,8 @@
  *
  * A profile is the galaxy's image, PSF included, at the radii (i + 1/2) RADIAL_STEP. For this
  * purpose the PSF is a Gaussian of its scale radius. */
-#ifndef SHEAR_RADIAL_H
-#define SHEAR_RADIAL_H
+#ifndef SHEAR_MEASURE_RADIAL_H
+#define SHEAR_MEASURE_RADIAL_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -10,8 +10,8 @@
  * which are often equal, are no flat tops. Nor are images whose pixels all come in groups: the
  * value below the brightest must have less than a third as many pixels.
  */
-#ifndef SHEAR_SATURATION_H
-#define SHEAR_SATURATION_H
+#ifndef SHEAR_MEASURE_SATURATION_H
+#define SHEAR_MEASURE_SATURATION_H
 
 #include "measure/artefact.h"
 

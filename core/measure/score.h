@@ -15,7 +15,7 @@
 #ifndef SHEAR_MEASURE_SCORE_H
 #define SHEAR_MEASURE_SCORE_H
 
-#include "measure/fold.h"
+#include "measure/sign_histogram.h"
 
 #include "shear/error.h"
 

@@ -5,8 +5,8 @@
  * each of them obeys p <= ratio * min(mean of left and right, mean of below and above) + leak *
  * flux, so does their sum: no galaxy, star or blend of them, of whatever shape, can break it.
  */
-#ifndef SHEAR_SHARPNESS_H
-#define SHEAR_SHARPNESS_H
+#ifndef SHEAR_MEASURE_SHARPNESS_H
+#define SHEAR_MEASURE_SHARPNESS_H
 
 typedef struct sharpness {
     double ratio; /* over all places between the pixels where the PSF has more than 2 % of its

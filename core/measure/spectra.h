@@ -3,7 +3,7 @@
 #ifndef SHEAR_MEASURE_SPECTRA_H
 #define SHEAR_MEASURE_SPECTRA_H
 
-#include "measure/plan_impl.h"
+#include "measure/internal.h"
 
 typedef struct spectra {
     moments difference; /* galaxy minus noise */

@@ -9,8 +9,8 @@
  * n_-i), is 0. S is found from counts at g itself, so the root does not depend on how good D is,
  * and noise in D, being even under exchange of the sides, does not bias it. But noise in D costs
  * precision, and makes S seem steeper than it is: see measure/score.h for what is done. */
-#include "measure/fold.h"
 #include "measure/score.h"
+#include "measure/sign_histogram.h"
 #include "measure/symmetry.h"
 
 #include <math.h>

@@ -7,11 +7,11 @@
  * [jx][jy], so that rows of modes are lanes of vectors. T holds the weight of both halves (2 for jy
  * > 0) and the factor 1/(nx ny s^4) that makes sums over modes integrals over the plane (Parseval).
  */
-#ifndef SHEAR_TRANSFER_H
-#define SHEAR_TRANSFER_H
+#ifndef SHEAR_MEASURE_TRANSFER_H
+#define SHEAR_MEASURE_TRANSFER_H
 
 #include "fft/fft.h"
-#include "measure/image.h"
+#include "measure/surface.h"
 #include "shear/error.h"
 
 #include <stdbool.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "measure/plan_impl.h"
+#include "measure/internal.h"
 
 #include <stdlib.h>
 

@@ -4,7 +4,7 @@
  * whoever asks how the work stands, or stops it, never waits for a disk. */
 #include "shear/work.h"
 
-#include "run/joined.h"
+#include "run/reorder_buffer.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -7,7 +7,7 @@
 #include "test.h"
 
 #include "fft/fft.h"
-#include "measure/image.h"
+#include "measure/surface.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/catalog/header.h"
+
+#include "fits/catalog/schema.h"
+#include "fits/field/name.h"
+#include "fits/header/keys.h"
+#include "shear/version.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void put_string(fitsfile *f, const char *key, const char *text, const char *comment,
+                       int *status) {
+    char clean[1024]; /* FITS knows printable ASCII only */
+    snprintf(clean, sizeof clean, "%s", text != NULL ? text : "");
+    for (char *c = clean; *c != '\0'; c++) {
+        if (*c < ' ' || *c > '~') {
+            *c = '?';
+        }
+    }
+    fits_write_key_longstr(f, key, clean, comment, status);
+}
+
+static void put_integer(fitsfile *f, const char *key, int64_t value, const char *comment,
+                        int *status) {
+    fits_write_key_lng(f, key, value, comment, status);
+}
+
+void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *status) {
+    if (info->name[0] != '\0') {
+        put_string(f, "FIELD", info->name, "name of the field", status);
+    }
+    if (info->has_truth) {
+        sf_write_double(f, "SIM_G1", info->sim_g1, "true shear of the mock", status);
+        sf_write_double(f, "SIM_G2", info->sim_g2, "true shear of the mock", status);
+    }
+}
+
+/* Numbers and logicals as such, choices, "auto" and "none" as strings. */
+static void put_setting(fitsfile *f, const shear_settings *s, const shear_setting_def *def,
+                        int *status) {
+    char text[64];
+    char comment[FLEN_COMMENT];
+    const void *member = (const char *)s + def->offset;
+    shear_settings_format(s, def, text, sizeof text);
+    snprintf(comment, sizeof comment, "%s%s%s%s", def->unit[0] != '\0' ? "[" : "", def->unit,
+             def->unit[0] != '\0' ? "] " : "", def->help);
+    if (def->type == SHEAR_T_BOOL) {
+        fits_write_key_log(f, def->keyword, *(const bool *)member ? 1 : 0, comment, status);
+    } else if (def->type == SHEAR_T_INT && strcmp(text, "auto") != 0) {
+        put_integer(f, def->keyword, *(const int *)member, comment, status);
+    } else if (def->type == SHEAR_T_DOUBLE && isfinite(*(const double *)member)) {
+        sf_write_double(f, def->keyword, *(const double *)member, comment, status);
+    } else {
+        put_string(f, def->keyword, text, comment, status);
+    }
+}
+
+static void put_settings(fitsfile *f, const shear_settings *s, int *status) {
+    size_t n = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    for (size_t i = 0; i < n; i++) {
+        put_setting(f, s, &table[i], status);
+    }
+}
+
+static void put_resolved(fitsfile *f, const shear_plan_info *p, int *status) {
+    sf_write_double(f, "R_PSF", p->r_psf_px, "[px] scale radius of the PSF", status);
+    sf_write_double(f, "BETA", p->beta_px, "[px] scale radius of the target PSF", status);
+    put_string(f, "RINTERP", shear_interpolation_name(p->interpolation), "interpolation used",
+               status);
+    put_integer(f, "ROVERS", p->oversample, "fine grid used, points per pixel", status);
+    put_string(f, "RFILTER", shear_filter_name(p->filter), "filter used", status);
+    sf_write_double(f, "RCORE", p->core_px, "[px] core of the filter; absent: none or per stamp",
+                    status);
+    sf_write_double(f, "RWIDTH", p->width_px, "[px] width of the filter's edge", status);
+    put_string(f, "RNOISEBD", shear_noise_band_name(p->noise_band),
+               "where the noise level was read off", status);
+    sf_write_double(f, "KCUT", p->k_cut, "[rad/px] modes from here on are left out", status);
+}
+
+static void put_counts(fitsfile *f, const shear_result *r, int *status) {
+    put_integer(f, "NSTAMPS", r->n_stamps, "stamps, all of them rows here", status);
+    put_integer(f, "NUSED", r->n_used, "stamps in the sums", status);
+    put_integer(f, "NFLAGGED", r->n_flagged, "stamps left out", status);
+    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+        put_integer(f, sf_flag_keywords[i], r->flagged[i], shear_flag_name(i), status);
+    }
+}
+
+static void put_result(fitsfile *f, const shear_result *r, int *status) {
+    if (r->valid) {
+        sf_write_double(f, "G1", r->g1, "shear of the field", status);
+        sf_write_double(f, "G2", r->g2, "shear of the field", status);
+        sf_write_double(f, "G1_ERR", r->g1_err, "1-sigma error of G1", status);
+        sf_write_double(f, "G2_ERR", r->g2_err, "1-sigma error of G2", status);
+        sf_write_double(f, "COV12", r->cov12, "covariance of G1 and G2", status);
+    }
+    sf_write_double(f, "NOISELVL", r->noise_level, "noise under galaxies over that of noise stamps",
+                    status);
+    sf_write_double(f, "NOISELER", r->noise_level_err, "1-sigma error of NOISELVL", status);
+    sf_write_double(f, "N_EFF", r->n_eff, "effective number of stamps", status);
+    sf_write_double(f, "TOPSHARE", r->top_share, "part of the stamp that counts most", status);
+    if (r->top_stamp >= 0) {
+        put_integer(f, "TOPSTAMP", r->top_stamp, "its number, from 0", status);
+    }
+    put_string(f, "ERRMETH", shear_error_method(r), "where the errors are from", status);
+    put_integer(f, "NJACK", r->jackknife, "groups of the jackknife", status);
+    put_counts(f, r, status);
+}
+
+static void put_flag_legend(fitsfile *f, int *status) {
+    fits_write_comment(f,
+                       "Bits of column FLAGS; a row with any of them is not in the sums:", status);
+    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+        char line[200];
+        snprintf(line, sizeof line, "%u %s: %s", 1u << i, shear_flag_name(i), shear_flag_help(i));
+        fits_write_comment(f, line, status);
+    }
+}
+
+void sf_catalog_write_result(fitsfile *f, const shear_plan *plan, const shear_result *result,
+                             const char *input_name, const char *checksum, int *status) {
+    put_string(f, "VERSION", shear_version(), "of libshear", status);
+    put_string(f, "INPUT", input_name, "the field file", status);
+    put_string(f, "INCHKSUM", checksum, "its XXH3 checksum, 128 bits", status);
+    put_settings(f, shear_plan_get_settings(plan), status);
+    put_resolved(f, shear_plan_get_info(plan), status);
+    put_result(f, result, status);
+    put_flag_legend(f, status);
+}
+
+typedef struct reading {
+    const sf_cards *cards;
+    int rc; /* of the first failure */
+    shear_error *err;
+} reading;
+
+static double get_double(reading *r, const char *key) {
+    double value = NAN;
+    bool found = false;
+    if (r->rc == SHEAR_OK) {
+        r->rc = sf_key_double(r->cards, key, &value, &found, r->err);
+    }
+    return value;
+}
+
+static int64_t get_integer(reading *r, const char *key, int64_t max) {
+    int64_t value = 0;
+    bool found = false;
+    if (r->rc == SHEAR_OK) {
+        r->rc = sf_key_int(r->cards, key, 0, max, &value, &found, r->err);
+    }
+    return value;
+}
+
+static void get_name(reading *r, char out[72]) {
+    char *text = NULL;
+    if (r->rc == SHEAR_OK) {
+        r->rc = sf_key_string(r->cards, "FIELD", &text, r->err);
+    }
+    if (r->rc == SHEAR_OK && text != NULL) {
+        r->rc =
+            sf_field_name_copy(out, text, SHEAR_E_FORMAT, r->cards->at, "keyword FIELD", r->err);
+    }
+    free(text);
+}
+
+/* A name that this version does not know, or none, counts as the mean. */
+static int get_estimator(reading *r) {
+    char *text = NULL;
+    if (r->rc == SHEAR_OK) {
+        r->rc = sf_key_string(r->cards, "ESTIMAT", &text, r->err);
+    }
+    shear_settings settings;
+    shear_settings_init(&settings);
+    if (text != NULL) {
+        (void)shear_settings_set(&settings, "estimator", text, NULL);
+    }
+    free(text);
+    return settings.estimator;
+}
+
+static void get_result(reading *r, shear_result *out) {
+    const int64_t most = INT64_C(1) << 53; /* integers that are read by way of a double */
+    *out = (shear_result){.sum_weight = NAN,
+                          .sum_d = NAN,
+                          .signal = NAN,
+                          .delta_g1_err = NAN,
+                          .delta_g2_err = NAN,
+                          .noise_effect = NAN,
+                          .noise_shape = NAN,
+                          .noise_shape_err = NAN,
+                          .noise_share = NAN,
+                          .high_galaxy = NAN,
+                          .top_stamp = -1,
+                          .mean_flux = NAN,
+                          .filter_removed = NAN,
+                          .filter_removed_err = NAN,
+                          .border_excess = NAN,
+                          .border_excess_err = NAN,
+                          .border_rough = NAN,
+                          .border_rough_err = NAN,
+                          .border_noise_var = NAN,
+                          .border_step_x = NAN,
+                          .border_step_x_err = NAN,
+                          .border_step_y = NAN,
+                          .border_step_y_err = NAN,
+                          .border_step2 = NAN,
+                          .border_step2_err = NAN};
+    out->g1 = get_double(r, "G1");
+    out->g2 = get_double(r, "G2");
+    out->g1_err = get_double(r, "G1_ERR");
+    out->g2_err = get_double(r, "G2_ERR");
+    out->cov12 = get_double(r, "COV12");
+    out->noise_level = get_double(r, "NOISELVL");
+    out->noise_level_err = get_double(r, "NOISELER");
+    out->n_eff = get_double(r, "N_EFF");
+    out->top_share = get_double(r, "TOPSHARE");
+    out->valid = isfinite(out->g1) && isfinite(out->g2);
+    out->jackknife = (int)get_integer(r, "NJACK", INT32_MAX);
+    out->estimator = get_estimator(r);
+    out->n_stamps = get_integer(r, "NSTAMPS", most);
+    out->n_used = get_integer(r, "NUSED", most);
+    out->n_flagged = get_integer(r, "NFLAGGED", most);
+    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
+        out->flagged[i] = get_integer(r, sf_flag_keywords[i], most);
+    }
+}
+
+int sf_catalog_read_header(const sf_cards *cards, shear_catalog_table *t, shear_error *err) {
+    reading r = {.cards = cards, .err = err};
+    get_name(&r, t->field);
+    t->sim_g1 = get_double(&r, "SIM_G1");
+    t->sim_g2 = get_double(&r, "SIM_G2");
+    t->has_truth = isfinite(t->sim_g1) && isfinite(t->sim_g2);
+    t->beta_px = get_double(&r, "BETA");
+    t->r_psf_px = get_double(&r, "R_PSF");
+    get_result(&r, &t->result);
+    return r.rc;
+}

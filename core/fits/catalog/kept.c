@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Catalogs of work that outlives its process. */
+#include "base/cleanup.h"
+#include "fits/catalog/internal.h"
+#include "fits/catalog/schema.h"
+#include "fits/header/table.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int not_usable(const shear_catalog *c, const char *why, shear_error *err) {
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){c->out.name, SF_CATALOG_HDU}, NULL,
+                   "its temporary file cannot be gone on with: %s", why);
+}
+
+int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                        const char *checksum, shear_error *err) {
+    int rc = sf_catalog_new(catalog, path, info, err);
+    shear_catalog *c = *catalog;
+    if (rc == SHEAR_OK) {
+        rc = sf_output_create_kept(&c->out, path, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_catalog_create_table(c, info, checksum, err);
+    }
+    if (rc != SHEAR_OK) {
+        shear_catalog_abort(c);
+        *catalog = NULL;
+    }
+    return rc;
+}
+
+/* Which file it must be. */
+typedef struct expected {
+    shear_catalog *catalog;
+    const char *checksum;
+    int64_t rows;
+} expected;
+
+/* Is it this input's, and are enough of its rows on disk? */
+static int check_keys(const expected *e, const sf_cards *cards, shear_error *err) {
+    shear_catalog *c = e->catalog;
+    char *text = NULL;
+    bool found = false;
+    int rc = sf_key_string(cards, SF_KEPT_FOR, &text, err);
+    if (rc == SHEAR_OK && (text == NULL || strcmp(text, e->checksum) != 0)) {
+        rc = not_usable(c, "it is of another input", err);
+    }
+    free(text);
+    if (rc == SHEAR_OK) {
+        rc = sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err);
+    }
+    if (rc == SHEAR_OK && (!found || c->kept < e->rows)) {
+        rc = not_usable(c, "fewer rows are on disk than have been counted", err);
+    }
+    return rc;
+}
+
+/* What CFITSIO is given must be one table and nothing else. */
+static int check_table(const expected *e, const sf_file *file, shear_error *err) {
+    const sf_hdu *hdu = NULL;
+    int rc = sf_survey_find(&file->survey, SF_CATALOG_HDU, true, &hdu, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (file->survey.count != 2 || file->survey.hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
+        hdu->axes[1] != e->catalog->n) {
+        return not_usable(e->catalog, "its table has another shape", err);
+    }
+    CLEANUP(sf_cards_free) sf_cards cards = {0};
+    CLEANUP(sf_table_deinit) sf_table table = {0};
+    rc = sf_cards_read(&cards, file, hdu, SF_CATALOG_HDU, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = sf_table_init(&table, file, hdu, &cards, err);
+    return rc != SHEAR_OK ? rc : check_keys(e, &cards, err);
+}
+
+static int check_file(const char *path, void *context, shear_error *err) {
+    CLEANUP(sf_file_close) sf_file file;
+    const int rc = sf_file_open(&file, path, err);
+    return rc != SHEAR_OK ? rc : check_table(context, &file, err);
+}
+
+static int move_to_table(shear_catalog *c, shear_error *err) {
+    int status = 0;
+    char name[] = SF_CATALOG_HDU;
+    fits_movnam_hdu(c->out.fits, BINARY_TBL, name, 0, &status);
+    fits_clear_errmsg();
+    return status == 0 ? SHEAR_OK : not_usable(c, "it has no table", err);
+}
+
+int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                         const char *checksum, int64_t rows, shear_error *err) {
+    int rc = sf_catalog_new(catalog, path, info, err);
+    shear_catalog *c = *catalog;
+    if (rc == SHEAR_OK) {
+        expected e = {c, checksum, rows};
+        rc = sf_output_reopen(&c->out, path, check_file, &e, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = move_to_table(c, err);
+    }
+    if (rc == SHEAR_OK && !sf_catalog_has_columns(c)) {
+        rc = not_usable(c, "its table has another shape", err);
+    }
+    if (rc != SHEAR_OK) {
+        shear_catalog_leave(c);
+        *catalog = NULL;
+        return rc;
+    }
+    sf_bitset_add(&c->written, 0, rows);
+    return SHEAR_OK;
+}
+
+/* First the rows, then the word that they are there: a file that was begun anew and never came so
+ * far does not have it, whatever a checkpoint of before says. */
+int shear_catalog_keep(shear_catalog *c, int64_t rows, shear_error *err) {
+    const sf_place at = {c->out.name, SF_CATALOG_HDU};
+    int status = 0;
+    const int rc = sf_output_sync(&c->out, err);
+    if (rc != SHEAR_OK || c->kept >= rows) {
+        return rc;
+    }
+    fits_update_key_lng(c->out.fits, SF_KEPT_ROWS, rows, NULL, &status);
+    if (status != 0) {
+        return sf_fail_status(err, at, status, "cannot be written");
+    }
+    c->kept = rows;
+    return sf_output_sync(&c->out, err);
+}
+
+void shear_catalog_leave(shear_catalog *c) {
+    if (c != NULL) {
+        sf_output_leave(&c->out);
+        shear_catalog_abort(c);
+    }
+}
+
+int shear_catalog_forget(const char *path, shear_error *err) {
+    return sf_output_forget(path, err);
+}

@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/catalog/header.h"
+#include "fits/catalog/internal.h"
+#include "fits/catalog/schema.h"
+#include "fits/field/columns.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_COLUMNS = SF_CATALOG_COPIED + SF_CATALOG_MEMBERS + 1 + SF_CATALOG_PLACES };
+
+/* The table's columns while it is being laid out. */
+typedef struct layout {
+    int n;
+    char *names[MAX_COLUMNS], *forms[MAX_COLUMNS], *units[MAX_COLUMNS];
+    const char *comments[MAX_COLUMNS];
+} layout;
+
+static void add(layout *l, const char *name, const char *form, const char *unit,
+                const char *comment) {
+    l->names[l->n] = (char *)name; /* CFITSIO only reads them */
+    l->forms[l->n] = (char *)form;
+    l->units[l->n] = (char *)unit;
+    l->comments[l->n++] = comment;
+}
+
+static const sf_column_def *copied(int i) {
+    return &sf_column_defs[__builtin_ctz(sf_catalog_copied[i])];
+}
+
+static void lay_out(layout *l, unsigned columns) {
+    l->n = 0;
+    for (int i = 0; i < SF_CATALOG_COPIED; i++) {
+        const sf_column_def *def = copied(i);
+        if ((columns & def->bit) != 0) {
+            add(l, def->name, def->form, def->unit, def->comment);
+        }
+    }
+    for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
+        const sf_member *m = &sf_catalog_members[i];
+        add(l, m->name, "D", m->unit, m->comment);
+    }
+    add(l, "FLAGS", "J", "", "why it is left out; 0 = in the sums");
+    for (int i = 0; i < SF_CATALOG_PLACES; i++) {
+        add(l, sf_catalog_places[i].name, "J", "pixel", sf_catalog_places[i].comment);
+    }
+}
+
+static int check(const shear_catalog *c, int status, shear_error *err) {
+    return status == 0 ? SHEAR_OK
+                       : sf_fail_status(err, (sf_place){c->out.name, SF_CATALOG_HDU}, status,
+                                        "cannot be written");
+}
+
+bool sf_catalog_has_columns(shear_catalog *c) {
+    int status = 0;
+    int n = 0;
+    layout l;
+    lay_out(&l, c->columns);
+    fits_get_num_cols(c->out.fits, &n, &status);
+    bool same = status == 0 && n == l.n;
+    for (int i = 0; i < l.n && same; i++) {
+        int number = 0;
+        fits_get_colnum(c->out.fits, CASESEN, l.names[i], &number, &status);
+        same = status == 0 && number == i + 1;
+    }
+    fits_clear_errmsg();
+    return same;
+}
+
+int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, const char *kept_for,
+                            shear_error *err) {
+    fitsfile *f = c->out.fits;
+    int status = 0;
+    layout l;
+    lay_out(&l, c->columns);
+    fits_create_img(f, BYTE_IMG, 0, NULL, &status);
+    fits_create_tbl(f, BINARY_TBL, c->n, l.n, l.names, l.forms, l.units, SF_CATALOG_HDU, &status);
+    for (int i = 0; i < l.n; i++) {
+        char key[FLEN_KEYWORD];
+        snprintf(key, sizeof key, "TCOMM%d", i + 1);
+        fits_write_key_str(f, key, l.comments[i], NULL, &status);
+    }
+    if (c->id_unsigned) { /* ID is the first column */
+        fits_write_record(f, "TZERO1  =  9223372036854775808 / unsigned numbers of 64 bits",
+                          &status);
+    }
+    sf_catalog_write_field(f, info, &status);
+    if (kept_for != NULL) {
+        fits_write_key_str(f, SF_KEPT_FOR, kept_for, "unfinished: the input's checksum", &status);
+        fits_write_key_lng(f, SF_KEPT_ROWS, 0, "unfinished: rows that are on disk", &status);
+    }
+    fits_set_hdrsize(f, SF_CATALOG_CARDS, &status);
+    return check(c, status, err);
+}
+
+int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                   shear_error *err) {
+    *catalog = NULL;
+    shear_catalog *c = calloc(1, sizeof *c);
+    if (c == NULL || !sf_bitset_init(&c->written, info->n_stamps)) {
+        free(c);
+        return sf_fail_memory(err, (sf_place){path, NULL});
+    }
+    c->out.directory = -1;
+    c->n = info->n_stamps;
+    c->columns = info->columns;
+    c->id_unsigned = info->id_unsigned;
+    *catalog = c;
+    return SHEAR_OK;
+}
+
+int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_field_info *info,
+                         bool overwrite, shear_error *err) {
+    int rc = sf_catalog_new(catalog, path, info, err);
+    shear_catalog *c = *catalog;
+    if (c == NULL) {
+        return rc;
+    }
+    rc = sf_output_create(&c->out, path, overwrite, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_catalog_create_table(c, info, NULL, err);
+    }
+    if (rc != SHEAR_OK) {
+        shear_catalog_abort(c);
+        *catalog = NULL;
+    }
+    return rc;
+}
+
+static int make_room(shear_catalog *c, int count, shear_error *err) {
+    if (count <= c->room) {
+        return SHEAR_OK;
+    }
+    free(c->values);
+    free(c->flags);
+    c->values = malloc((size_t)count * sizeof *c->values);
+    c->flags = malloc((size_t)count * sizeof *c->flags);
+    c->room = c->values != NULL && c->flags != NULL ? count : 0;
+    return c->room > 0 ? SHEAR_OK : sf_fail_memory(err, (sf_place){c->out.name, NULL});
+}
+
+/* CFITSIO would take ids for doubles where TZERO is not 0: what is stored is made here. */
+static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t *ids, int *status) {
+    LONGLONG *stored = (LONGLONG *)(void *)c->values;
+    const uint64_t turned = c->id_unsigned ? UINT64_C(1) << 63 : 0;
+    for (int k = 0; k < count; k++) {
+        stored[k] = (LONGLONG)((uint64_t)ids[k] ^ turned);
+    }
+    fits_set_tscale(c->out.fits, 1, 1.0, 0.0, status);
+    fits_write_col(c->out.fits, TLONGLONG, 1, first + 1, 1, count, stored, status);
+}
+
+/* The columns of the field file, which come first. Returns how many there are. */
+static int write_copied(shear_catalog *c, int64_t first, int count, const shear_block *b,
+                        int *status) {
+    const double *const doubles[SF_CATALOG_COPIED] = {NULL, b->x, b->y, b->ra, b->dec};
+    int column = 0;
+    for (int i = 0; i < SF_CATALOG_COPIED; i++) {
+        if ((c->columns & sf_catalog_copied[i]) == 0) {
+            continue;
+        }
+        column++;
+        if (sf_catalog_copied[i] == SHEAR_COL_ID) {
+            write_ids(c, first, count, b->id, status);
+        } else {
+            fits_write_col(c->out.fits, TDOUBLE, column, first + 1, 1, count, (void *)doubles[i],
+                           status);
+        }
+    }
+    return column;
+}
+
+static void write_members(shear_catalog *c, int64_t first, int count, const shear_row *rows,
+                          int column, int *status) {
+    for (int i = 0; i < SF_CATALOG_MEMBERS; i++) {
+        const size_t offset = sf_catalog_members[i].offset;
+        for (int k = 0; k < count; k++) {
+            memcpy(&c->values[k], (const char *)&rows[k] + offset, sizeof(double));
+        }
+        fits_write_col(c->out.fits, TDOUBLE, ++column, first + 1, 1, count, c->values, status);
+    }
+    for (int k = 0; k < count; k++) {
+        c->flags[k] = (int32_t)rows[k].flags;
+    }
+    fits_write_col(c->out.fits, TINT, ++column, first + 1, 1, count, c->flags, status);
+    for (int i = 0; i < SF_CATALOG_PLACES; i++) {
+        for (int k = 0; k < count; k++) {
+            int place;
+            memcpy(&place, (const char *)&rows[k] + sf_catalog_places[i].offset, sizeof place);
+            c->flags[k] = place + 1;
+        }
+        fits_write_col(c->out.fits, TINT, ++column, first + 1, 1, count, c->flags, status);
+    }
+}
+
+int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_row *rows,
+                        const shear_block *block, shear_error *err) {
+    if (count < 1 || first < 0 || first > c->n - count) {
+        return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){c->out.name, SF_CATALOG_HDU}, NULL,
+                       "%d rows from %lld on were written, but there are %lld", count,
+                       (long long)first, (long long)c->n);
+    }
+    int rc = make_room(c, count, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    int status = 0;
+    const int column = write_copied(c, first, count, block, &status);
+    write_members(c, first, count, rows, column, &status);
+    rc = check(c, status, err);
+    if (rc == SHEAR_OK) {
+        sf_bitset_add(&c->written, first, count);
+    }
+    return rc;
+}
+
+static void remove_kept_keys(fitsfile *f) {
+    int status = 0;
+    fits_delete_key(f, SF_KEPT_FOR, &status);
+    fits_delete_key(f, SF_KEPT_ROWS, &status);
+    fits_clear_errmsg();
+}
+
+int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
+                         const char *input_name, const char *checksum, shear_error *err) {
+    int rc = SHEAR_OK;
+    const int64_t gap = sf_bitset_first_gap(&c->written);
+    if (gap >= 0) {
+        rc = sf_fail(err, SHEAR_E_INTERNAL, (sf_place){c->out.name, SF_CATALOG_HDU}, NULL,
+                     "row %lld was never written", (long long)gap);
+    }
+    if (rc == SHEAR_OK) {
+        int status = 0;
+        remove_kept_keys(c->out.fits);
+        sf_catalog_write_result(c->out.fits, plan, result, input_name, checksum, &status);
+        rc = check(c, status, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_output_commit(&c->out, err);
+    }
+    shear_catalog_abort(c);
+    return rc;
+}
+
+void shear_catalog_abort(shear_catalog *c) {
+    if (c == NULL) {
+        return;
+    }
+    sf_output_discard(&c->out);
+    sf_bitset_deinit(&c->written);
+    free(c->values);
+    free(c->flags);
+    free(c);
+}

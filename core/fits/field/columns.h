@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/field/columns.h: the columns of a field's CATALOG table. */
+#ifndef SHEAR_FITS_FIELD_COLUMNS_H
+#define SHEAR_FITS_FIELD_COLUMNS_H
+
+#include "fits/field/parts.h"
+#include "fits/header/table.h"
+#include "shear/field.h"
+
+enum { SF_COLUMNS = 9 };
+
+/* Names, types and units, in the order of enum shear_column's bits: what the reader looks for and
+ * the writer makes. */
+typedef struct sf_column_def {
+    const char *name;
+    unsigned bit;     /* enum shear_column */
+    const char *form; /* TFORM as written */
+    const char *unit;
+    const char *comment;
+} sf_column_def;
+extern const sf_column_def sf_column_defs[SF_COLUMNS];
+
+typedef struct sf_columns {
+    sf_cards cards; /* of the HDU; empty = there is no CATALOG */
+    sf_table table;
+    unsigned have; /* or of enum shear_column */
+    const sf_column *column[SF_COLUMNS];
+    int64_t *scratch; /* [scratch_size] */
+    int64_t scratch_size;
+} sf_columns;
+
+/* Open the table of `part` where there is one, of `rows` rows; `part` outlives *c. In place: parts
+ * of *c point to each other. Deinit it, also after an error. */
+int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_error *err);
+void sf_columns_deinit(sf_columns *c);
+
+/* Rows [first, first + count) of one column, which the table must have. Undefined numbers become
+ * NaN, or `undefined`; of integers, also those that are not whole (0.5). */
+int sf_columns_read_double(sf_columns *c, unsigned bit, int64_t first, int64_t count, double *out,
+                           shear_error *err);
+int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t count,
+                          int64_t undefined, int64_t *out, shear_error *err);
+/* Values beyond the range of int32_t become its ends. */
+int sf_columns_read_int32(sf_columns *c, unsigned bit, int64_t first, int64_t count,
+                          int32_t undefined, int32_t *out, shear_error *err);
+
+#endif

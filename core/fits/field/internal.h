@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/field/internal.h: what an open field file consists of. */
+#ifndef SHEAR_FITS_FIELD_INTERNAL_H
+#define SHEAR_FITS_FIELD_INTERNAL_H
+
+#include "fits/field/columns.h"
+#include "fits/field/parts.h"
+#include "fits/field/stamps.h"
+
+enum { SF_PSF_MIN_SIDE = 3, SF_PSF_MAX_SIDE = 4096, SF_MAX_OVERSAMPLE = 64 };
+
+struct shear_field {
+    sf_parts parts;
+    shear_field_info info;
+    sf_cards primary; /* of the galaxies' file; only while opening */
+    sf_stamps galaxy, noise;
+    sf_image psf;
+    sf_columns catalog;
+};
+
+/* FIELD, PIXSCALE, SIM_G1, SIM_G2 into f->info (field_keys.c). */
+int sf_field_read_keys(shear_field *f, shear_error *err);
+/* The PSF's HDU: shape, number and OVERSAMP into f->info; the catalog must be open (field_psf.c).
+ */
+int sf_field_open_psf(shear_field *f, shear_error *err);
+
+#endif

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The keywords of the primary header, of the file that holds the galaxies. */
+#include "fits/field/internal.h"
+#include "fits/field/name.h"
+#include "fits/io/source.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int read_name(shear_field *f, sf_place at, shear_error *err) {
+    const sf_file *galaxy = f->parts.of[SHEAR_PART_GALAXY].file;
+    char *text = NULL;
+    int rc = sf_key_string(&f->primary, "FIELD", &text, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    const char *given = text == NULL ? "" : text + strspn(text, " ");
+    for (size_t n = strlen(given); n > 0 && given[n - 1] == ' '; n--) {
+        text[(size_t)(given - text) + n - 1] = '\0'; /* trailing blanks mean nothing in FITS */
+    }
+    if (given[0] != '\0') {
+        rc = sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, at, "keyword FIELD", err);
+    } else {
+        /* A file may well be called what a field may not: whoever wants the name is told so. */
+        char base[sizeof galaxy->source.base];
+        sf_field_name_default(base, sizeof base, galaxy->source.base);
+        if (sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, at, "from the file's name",
+                               NULL) != SHEAR_OK) {
+            f->info.name[0] = '\0';
+        }
+    }
+    free(text);
+    return rc;
+}
+
+static int read_pixscale(shear_field *f, sf_place at, shear_error *err) {
+    bool found = false;
+    f->info.pixscale = NAN;
+    const int rc = sf_key_double(&f->primary, "PIXSCALE", &f->info.pixscale, &found, err);
+    if (rc == SHEAR_OK && found && f->info.pixscale <= 0.0) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, "give arcseconds per pixel",
+                       "keyword PIXSCALE is %g, but must be positive", f->info.pixscale);
+    }
+    return rc;
+}
+
+static int read_shear(shear_field *f, sf_place at, const char *key, double *g, bool *found,
+                      shear_error *err) {
+    *g = NAN;
+    const int rc = sf_key_double(&f->primary, key, g, found, err);
+    if (rc == SHEAR_OK && *found && fabs(*g) >= 1.0) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, NULL,
+                       "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
+    }
+    return rc;
+}
+
+int sf_field_read_keys(shear_field *f, shear_error *err) {
+    const sf_place at = {f->parts.of[SHEAR_PART_GALAXY].file->source.name, "primary"};
+    bool has_g1 = false;
+    bool has_g2 = false;
+    int rc = read_name(f, at, err);
+    if (rc == SHEAR_OK) {
+        rc = read_pixscale(f, at, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = read_shear(f, at, "SIM_G1", &f->info.sim_g1, &has_g1, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = read_shear(f, at, "SIM_G2", &f->info.sim_g2, &has_g2, err);
+    }
+    f->info.has_truth = has_g1 && has_g2;
+    return rc;
+}
+
+int shear_field_need_name(const shear_field_info *info, const char *path, shear_error *err) {
+    if (info->name[0] != '\0') {
+        return SHEAR_OK;
+    }
+    char shown[161];
+    char base[256];
+    char unused[sizeof info->name];
+    const char *slash = strrchr(path, '/');
+    sf_printable_name(shown, sizeof shown, path);
+    sf_field_name_default(base, sizeof base, slash != NULL ? slash + 1 : path);
+    const sf_place at = {shown, "primary"};
+    const int rc =
+        sf_field_name_copy(unused, base, SHEAR_E_FORMAT, at, "from the file's name", err);
+    return rc != SHEAR_OK
+               ? rc
+               : sf_fail(err, SHEAR_E_FORMAT, at, "give the keyword FIELD in the primary header",
+                         "the field has no name");
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/field/name.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, const char *whence,
+                       shear_error *err) {
+    const size_t length = strlen(name);
+    for (size_t i = 0; i < length; i++) {
+        if (name[i] < ' ' || name[i] > '~') {
+            return sf_fail(err, code, at, "give the keyword FIELD in the primary header",
+                           "the field's name (%s) has a control or non-ASCII character at "
+                           "position %zu",
+                           whence, i + 1);
+        }
+    }
+    if (length < 1 || length > 71) {
+        return sf_fail(err, code, at, "give a shorter keyword FIELD in the primary header",
+                       "the field's name (%s) has %zu characters, but must have 1 to 71", whence,
+                       length);
+    }
+    if (name[0] == ' ' || name[length - 1] == ' ') {
+        return sf_fail(err, code, at, "give the keyword FIELD in the primary header",
+                       "the field's name (%s) begins or ends with a blank", whence);
+    }
+    memcpy(out, name, length + 1);
+    return SHEAR_OK;
+}
+
+static void strip(char *name, const char *ending) {
+    const size_t length = strlen(name);
+    const size_t cut = strlen(ending);
+    if (length > cut && strcasecmp(name + length - cut, ending) == 0) {
+        name[length - cut] = '\0';
+    }
+}
+
+void sf_field_name_default(char *out, size_t size, const char *base) {
+    snprintf(out, size, "%s", base);
+    strip(out, ".gz");
+    strip(out, ".fz");
+    strip(out, ".fits");
+    strip(out, ".fit");
+}

@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The PSFs: how many images there are and which stamp each belongs to. */
+#include "fits/field/internal.h"
+
+static int check_sides(const shear_field *f, shear_error *err) {
+    const int64_t *axes = f->psf.axes;
+    for (int k = 0; k < 2; k++) {
+        if (axes[k] < SF_PSF_MIN_SIDE || axes[k] > SF_PSF_MAX_SIDE) {
+            return sf_fail(err, SHEAR_E_FORMAT, f->psf.cards.at, NULL,
+                           "its images are %lld x %lld samples, but a side must have %d to %d",
+                           (long long)axes[0], (long long)axes[1], SF_PSF_MIN_SIDE,
+                           SF_PSF_MAX_SIDE);
+        }
+    }
+    return SHEAR_OK;
+}
+
+/* OVERSAMP of the primary header of the PSFs' file. */
+static int read_primary(const sf_file *file, int64_t *oversample, shear_error *err) {
+    sf_cards primary;
+    bool found = false;
+    int rc = sf_cards_read(&primary, file, &file->survey.hdus[0], "primary", err);
+    if (rc == SHEAR_OK) {
+        rc = sf_key_int(&primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
+    }
+    sf_cards_free(&primary);
+    return rc;
+}
+
+/* OVERSAMP: in the PSFs' HDU, else in the primary header, else 1. */
+static int read_oversampling(shear_field *f, shear_error *err) {
+    int64_t oversample = 1;
+    bool found = false;
+    int rc = sf_key_int(&f->psf.cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample, &found, err);
+    if (rc == SHEAR_OK && !found) {
+        rc = read_primary(f->parts.of[SHEAR_PART_PSF].file, &oversample, err);
+    }
+    f->info.geometry.psf_oversample = (int)oversample;
+    return rc;
+}
+
+static int assign(shear_field *f, shear_error *err) {
+    shear_field_info *info = &f->info;
+    info->n_psf = f->psf.axes[2];
+    if (info->n_psf == 1) {
+        info->psf_layout = SHEAR_PSF_ONE;
+    } else if ((info->columns & SHEAR_COL_PSF_ID) != 0) {
+        info->psf_layout = SHEAR_PSF_BY_ID;
+    } else if (info->n_psf == info->n_stamps) {
+        info->psf_layout = SHEAR_PSF_PER_STAMP;
+    } else {
+        return sf_fail(
+            err, SHEAR_E_FORMAT, f->psf.cards.at,
+            "give one image, or one a stamp, or a column PSF_ID in CATALOG",
+            "it has %lld images for %lld stamps, and there is no column PSF_ID that says "
+            "which is whose",
+            (long long)info->n_psf, (long long)info->n_stamps);
+    }
+    info->geometry.psf_nx = (int)f->psf.axes[0];
+    info->geometry.psf_ny = (int)f->psf.axes[1];
+    return SHEAR_OK;
+}
+
+int sf_field_open_psf(shear_field *f, shear_error *err) {
+    const sf_part *part = &f->parts.of[SHEAR_PART_PSF];
+    int rc = sf_part_require(part, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = check_sides(f, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = assign(f, err);
+    }
+    return rc != SHEAR_OK ? rc : read_oversampling(f, err);
+}

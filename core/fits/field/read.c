@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* shear_field_read: a block of stamp pairs with their PSFs and catalog rows. */
+#include "fits/field/internal.h"
+
+static int check_range(const shear_field *f, int64_t first, int count, const shear_block *block,
+                       shear_error *err) {
+    if (count < 1 || count > block->capacity || first < 0 || first > f->info.n_stamps - count) {
+        return sf_fail(
+            err, SHEAR_E_INTERNAL, f->galaxy.image.cards.at, NULL,
+            "%d stamps from %lld on were asked for into a block of %d, but there are %lld", count,
+            (long long)first, block->capacity, (long long)f->info.n_stamps);
+    }
+    return SHEAR_OK;
+}
+
+static int read_psf_per_stamp(shear_field *f, int64_t first, int count, shear_block *block,
+                              shear_error *err) {
+    const int64_t low[SF_AXES] = {0, 0, first};
+    const int64_t size[SF_AXES] = {f->info.geometry.psf_nx, f->info.geometry.psf_ny, count};
+    for (int i = 0; i < count; i++) {
+        block->psf_index[i] = i;
+        block->psf_id[i] = first + i;
+    }
+    block->stamps.n_psf = count;
+    return sf_image_read(&f->psf, low, size, block->psf, err);
+}
+
+/* Where image `id` is in the block; it is read where it is not there yet. -1: the file has no such
+ * image. */
+static int locate_psf(shear_field *f, int64_t id, shear_block *block, int32_t *index,
+                      shear_error *err) {
+    shear_stamps *stamps = &block->stamps;
+    *index = -1;
+    if (id < 0 || id >= f->info.n_psf) {
+        return SHEAR_OK;
+    }
+    for (int k = stamps->n_psf - 1; k >= 0; k--) { /* neighbours mostly share theirs */
+        if (block->psf_id[k] == id) {
+            *index = k;
+            return SHEAR_OK;
+        }
+    }
+    const shear_geometry *g = &f->info.geometry;
+    *index = stamps->n_psf++;
+    block->psf_id[*index] = id;
+    return shear_field_read_psf(f, id, block->psf + (int64_t)*index * g->psf_nx * g->psf_ny, err);
+}
+
+static int read_psf_by_id(shear_field *f, int64_t first, int count, shear_block *block,
+                          shear_error *err) {
+    block->stamps.n_psf = 0;
+    int rc = sf_columns_read_int32(&f->catalog, SHEAR_COL_PSF_ID, first, count, -1,
+                                   block->psf_index, err);
+    for (int i = 0; rc == SHEAR_OK && i < count; i++) {
+        rc = locate_psf(f, block->psf_index[i], block, &block->psf_index[i], err);
+    }
+    return rc;
+}
+
+static int read_psf(shear_field *f, int64_t first, int count, shear_block *block,
+                    shear_error *err) {
+    switch (f->info.psf_layout) {
+    case SHEAR_PSF_PER_STAMP:
+        return read_psf_per_stamp(f, first, count, block, err);
+    case SHEAR_PSF_BY_ID:
+        return read_psf_by_id(f, first, count, block, err);
+    default:
+        block->stamps.n_psf = 0;
+        return SHEAR_OK;
+    }
+}
+
+static int read_catalog(shear_field *f, int64_t first, int count, shear_block *block,
+                        shear_error *err) {
+    const struct {
+        unsigned bit;
+        double *out;
+    } doubles[] = {{SHEAR_COL_X, block->x},           {SHEAR_COL_Y, block->y},
+                   {SHEAR_COL_RA, block->ra},         {SHEAR_COL_DEC, block->dec},
+                   {SHEAR_COL_WEIGHT, block->weight}, {SHEAR_COL_R_GAL, block->r_gal}};
+    int rc = SHEAR_OK;
+    for (size_t i = 0; rc == SHEAR_OK && i < sizeof doubles / sizeof doubles[0]; i++) {
+        if ((f->info.columns & doubles[i].bit) != 0) {
+            rc = sf_columns_read_double(&f->catalog, doubles[i].bit, first, count, doubles[i].out,
+                                        err);
+        }
+    }
+    if (rc == SHEAR_OK && (f->info.columns & SHEAR_COL_ID) != 0) {
+        rc = sf_columns_read_int64(&f->catalog, SHEAR_COL_ID, first, count, -1, block->id, err);
+    }
+    if (rc == SHEAR_OK && (f->info.columns & SHEAR_COL_FLAGS) != 0) {
+        /* An undefined flag says nothing good of its stamp: it is left out. */
+        rc = sf_columns_read_int32(&f->catalog, SHEAR_COL_FLAGS, first, count, 1, block->mask, err);
+    }
+    return rc;
+}
+
+int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
+                     shear_error *err) {
+    int rc = check_range(field, first, count, block, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_stamps_read(&field->galaxy, first, count, block->galaxy, err);
+    }
+    if (rc == SHEAR_OK) {
+        const int64_t planes = field->info.noise_planes;
+        rc = sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = read_psf(field, first, count, block, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = read_catalog(field, first, count, block, err);
+    }
+    if (rc == SHEAR_OK) {
+        block->stamps.first = first;
+        block->stamps.count = count;
+    }
+    return rc;
+}

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/header/cards.h"
+
+#include "fits/header/card.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+static int64_t count_cards(const char *text, int64_t bytes) {
+    int64_t n = 0;
+    char key[SF_KEY + 1];
+    while ((n + 1) * SF_CARD <= bytes) {
+        sf_card_key(text + n * SF_CARD, key);
+        if (strcmp(key, "END") == 0) {
+            break;
+        }
+        n++;
+    }
+    return n;
+}
+
+static int read_text(char *text, const sf_file *file, const sf_hdu *hdu, sf_place at,
+                     shear_error *err) {
+    for (int64_t done = 0; done < hdu->header_bytes;) {
+        const ssize_t n = pread(file->source.fd, text + done, (size_t)(hdu->header_bytes - done),
+                                (off_t)(hdu->header_offset + done));
+        if (n < 0 && errno != EINTR) {
+            return sf_fail_errno(err, at, errno, "its header cannot be read");
+        }
+        if (n == 0) {
+            break;
+        }
+        done += n > 0 ? n : 0;
+    }
+    return XXH3_64bits(text, (size_t)hdu->header_bytes) == hdu->header_hash
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, at, "leave a file alone while it is read",
+                         "its header has changed since the file was opened");
+}
+
+int sf_cards_read(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const char *label,
+                  shear_error *err) {
+    *c = (sf_cards){.at = {file->source.name, label}};
+    c->text = calloc(1, (size_t)hdu->header_bytes);
+    if (c->text == NULL) {
+        return sf_fail_memory(err, c->at);
+    }
+    const int rc = read_text(c->text, file, hdu, c->at, err);
+    c->count = rc == SHEAR_OK ? count_cards(c->text, hdu->header_bytes) : 0;
+    return rc;
+}
+
+void sf_cards_free(sf_cards *c) {
+    free(c->text);
+    c->text = NULL;
+    c->count = 0;
+}
+
+int sf_cards_find(const sf_cards *c, const char *key, const char **card, shear_error *err) {
+    char padded[SF_KEY + 1];
+    snprintf(padded, sizeof padded, "%-8s", key);
+    *card = NULL;
+    for (int64_t i = 0; i < c->count; i++) {
+        const char *here = c->text + i * SF_CARD;
+        if (memcmp(here, padded, SF_KEY) != 0 || !sf_card_has_value(here)) {
+            continue;
+        }
+        if (*card != NULL) {
+            return sf_fail(err, SHEAR_E_FORMAT, c->at, "leave one of them out",
+                           "keyword %s is given twice", key);
+        }
+        *card = here;
+    }
+    return SHEAR_OK;
+}
+
+int sf_key_double(const sf_cards *c, const char *key, double *value, bool *found,
+                  shear_error *err) {
+    const char *card = NULL;
+    const int rc = sf_cards_find(c, key, &card, err);
+    *found = card != NULL && rc == SHEAR_OK;
+    if (!*found) {
+        return rc;
+    }
+    double v = NAN;
+    if (!sf_card_double(card, &v)) {
+        return sf_fail(err, SHEAR_E_FORMAT, c->at, "correct the keyword, or leave it out",
+                       "keyword %s is not a finite number", key);
+    }
+    *value = v;
+    return SHEAR_OK;
+}
+
+/* An integer may be written 2.0 or 2E0. */
+static bool whole(const char *card, int64_t *out) {
+    double v = 0.0;
+    if (sf_card_int(card, out)) {
+        return true;
+    }
+    if (!sf_card_double(card, &v) || v != floor(v) || fabs(v) >= 0x1p63) {
+        return false;
+    }
+    *out = (int64_t)v;
+    return true;
+}
+
+int sf_key_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int64_t *value,
+               bool *found, shear_error *err) {
+    const char *card = NULL;
+    const int rc = sf_cards_find(c, key, &card, err);
+    *found = card != NULL && rc == SHEAR_OK;
+    if (!*found) {
+        return rc;
+    }
+    int64_t v = 0;
+    if (!whole(card, &v) || v < min || v > max) {
+        char text[SF_CARD + 1];
+        char shown[3 * sizeof text];
+        sf_card_token(card, text);
+        sf_printable_name(shown, sizeof shown, text);
+        return sf_fail(err, SHEAR_E_FORMAT, c->at, NULL,
+                       "keyword %s is %s, but must be an integer from %lld to %lld", key, shown,
+                       (long long)min, (long long)max);
+    }
+    *value = v;
+    return SHEAR_OK;
+}
+
+int sf_need_int(const sf_cards *c, const char *key, int64_t min, int64_t max, int64_t *value,
+                shear_error *err) {
+    bool found = false;
+    const int rc = sf_key_int(c, key, min, max, value, &found, err);
+    return rc != SHEAR_OK || found
+               ? rc
+               : sf_fail(err, SHEAR_E_FORMAT, c->at, NULL, "keyword %s is missing", key);
+}
+
+static bool continues(const sf_cards *c, const char *card) {
+    return card < c->text + c->count * SF_CARD && memcmp(card, "CONTINUE", SF_KEY) == 0;
+}
+
+/* A string that ends with & goes on in the card CONTINUE behind it. */
+int sf_key_string(const sf_cards *c, const char *key, char **text, shear_error *err) {
+    const char *card = NULL;
+    *text = NULL;
+    const int rc = sf_cards_find(c, key, &card, err);
+    if (rc != SHEAR_OK || card == NULL) {
+        return rc;
+    }
+    int64_t room = 1;
+    for (const char *k = card; k == card || continues(c, k); k += SF_CARD) {
+        room += SF_CARD;
+    }
+    char *out = calloc(1, (size_t)room);
+    if (out == NULL) {
+        return sf_fail_memory(err, c->at);
+    }
+    if (!sf_card_string(card, out, SF_CARD)) {
+        sf_card_token(card, out);
+        *text = out;
+        return SHEAR_OK;
+    }
+    size_t n = strlen(out);
+    for (card += SF_CARD; n > 0 && out[n - 1] == '&' && continues(c, card); card += SF_CARD) {
+        char next[SF_CARD];
+        memcpy(next, card, sizeof next);
+        memcpy(next, "CONTINUE= ", SF_KEY + 2); /* its string stands where a value does */
+        if (!sf_card_string(next, out + n - 1, SF_CARD)) {
+            break;
+        }
+        n = strlen(out);
+    }
+    *text = out;
+    return SHEAR_OK;
+}

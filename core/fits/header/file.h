@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/header/file.h: a surveyed file. */
+#ifndef SHEAR_FITS_HEADER_FILE_H
+#define SHEAR_FITS_HEADER_FILE_H
+
+#include "fits/header/hdu_index.h"
+#include "fits/io/source.h"
+
+typedef struct sf_file {
+    sf_source source;
+    sf_survey survey;
+} sf_file;
+
+int sf_file_open(sf_file *f, const char *path, shear_error *err);
+int sf_file_open_fd(sf_file *f, int fd, const char *name, shear_error *err);
+/* Also after a failed open. */
+void sf_file_close(sf_file *f);
+
+#endif

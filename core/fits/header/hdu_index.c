@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/header/hdu_index.h"
+
+#include "fits/header/card.h"
+#include "fits/header/header.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+/* More than any field file has; they bound the time that a hostile one can take. */
+enum { MAX_HDUS = 1000, MAX_HEADER_BLOCKS = 4096, BUFFER_BLOCKS = 8 };
+
+/* Reads a file's header blocks one after the other. */
+typedef struct reader {
+    int fd;
+    int64_t size;
+    const char *file;
+    char buffer[BUFFER_BLOCKS * SF_BLOCK_BYTES];
+    int64_t start; /* of the buffer in the file */
+    int64_t held;  /* bytes in it */
+    XXH3_state_t *hash;
+} reader;
+
+/* The whole block at `offset`, or *block = NULL where the file ends before it does. */
+static int read_block(reader *r, int64_t offset, const char **block, shear_error *err) {
+    *block = NULL;
+    if (offset < r->start || offset + SF_BLOCK_BYTES > r->start + r->held) {
+        const ssize_t n = pread(r->fd, r->buffer, sizeof r->buffer, (off_t)offset);
+        if (n < 0) {
+            return sf_fail_errno(err, (sf_place){r->file, NULL}, errno, "cannot be read");
+        }
+        r->start = offset;
+        r->held = n;
+    }
+    if (offset + SF_BLOCK_BYTES <= r->start + r->held) {
+        *block = r->buffer + (offset - r->start);
+    }
+    return SHEAR_OK;
+}
+
+static int truncated(const reader *r, const sf_header *h, const char *part, int64_t needed,
+                     shear_error *err) {
+    char label[SF_NAME];
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){r->file, sf_header_label(h, label)},
+                   "the file is truncated, or its header is wrong: copy or make it again",
+                   "its %s would end at byte %lld, but the file has %lld bytes", part,
+                   (long long)needed, (long long)r->size);
+}
+
+static int endless(const reader *r, const sf_header *h, shear_error *err) {
+    char label[SF_NAME];
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){r->file, sf_header_label(h, label)}, NULL,
+                   "its header has more than %d cards without an END",
+                   MAX_HEADER_BLOCKS * (SF_BLOCK_BYTES / SF_CARD));
+}
+
+/* One block's cards; *ended at END. */
+static int take_block(sf_header *h, const char *block, bool *ended, const char *file,
+                      shear_error *err) {
+    sf_header_find_label(h, block);
+    for (int i = 0; i < SF_BLOCK_BYTES && !*ended; i += SF_CARD) {
+        char key[SF_KEY + 1];
+        sf_card_key(block + i, key);
+        if (strcmp(key, "END") == 0) {
+            *ended = true;
+            break;
+        }
+        const int rc = sf_header_card(h, block + i, file, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+    }
+    return SHEAR_OK;
+}
+
+/* The cards of the header at `offset`, up to END, and where its blocks and their hash are. */
+static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *hash,
+                      shear_error *err) {
+    bool ended = false;
+    int64_t *end = &h->hdu.data_offset;
+    *end = offset;
+    XXH3_64bits_reset(hash);
+    for (int blocks = 0; !ended; blocks++) {
+        const char *block = NULL;
+        int rc = read_block(r, *end, &block, err);
+        *end += SF_BLOCK_BYTES;
+        if (rc == SHEAR_OK && block == NULL) {
+            rc = truncated(r, h, "header (no END card so far)", *end, err);
+        } else if (rc == SHEAR_OK && blocks == MAX_HEADER_BLOCKS) {
+            rc = endless(r, h, err);
+        }
+        if (rc == SHEAR_OK) {
+            XXH3_64bits_update(hash, block, SF_BLOCK_BYTES);
+            rc = take_block(h, block, &ended, r->file, err);
+        }
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+    }
+    h->hdu.header_offset = offset;
+    h->hdu.header_bytes = *end - offset;
+    h->hdu.header_hash = XXH3_64bits_digest(hash);
+    return SHEAR_OK;
+}
+
+/* The HDU at `offset`; *next becomes the offset behind its data. */
+static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
+    sf_hdu *hdu = &h->hdu;
+    int rc = read_cards(r, h, offset, r->hash, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_header_end(h, r->file, err);
+    }
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    const int64_t padded = (hdu->data_bytes + SF_BLOCK_BYTES - 1) / SF_BLOCK_BYTES * SF_BLOCK_BYTES;
+    if (__builtin_add_overflow(hdu->data_offset, padded, next)) {
+        *next = INT64_MAX;
+    }
+    return *next <= r->size ? SHEAR_OK : truncated(r, h, "data", *next, err);
+}
+
+static int append(sf_survey *s, const sf_hdu *hdu, shear_error *err) {
+    if (s->count == MAX_HDUS) {
+        return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
+                       "has more than %d HDUs", MAX_HDUS);
+    }
+    if ((s->count & (s->count - 1)) == 0) { /* grow at powers of two */
+        const size_t room = s->count == 0 ? 1 : 2 * (size_t)s->count;
+        sf_hdu *grown = realloc(s->hdus, room * sizeof *grown);
+        if (grown == NULL) {
+            return sf_fail_memory(err, (sf_place){s->file, NULL});
+        }
+        s->hdus = grown;
+    }
+    s->hdus[s->count++] = *hdu;
+    return SHEAR_OK;
+}
+
+static bool looks_like_header(const char block[SF_BLOCK_BYTES]) {
+    for (int i = 0; i < SF_BLOCK_BYTES; i += SF_CARD) {
+        if (memcmp(block + i, "BITPIX  = ", 10) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* FITS allows other records behind the last HDU; only XTENSION begins another one. But an HDU whose
+ * XTENSION was lost is not to be lost silently, with the weights that it may hold. */
+static int is_extension(reader *r, int64_t offset, bool *yes, shear_error *err) {
+    char head[8];
+    const char *block = NULL;
+    const ssize_t n = pread(r->fd, head, sizeof head, (off_t)offset);
+    if (n < 0) {
+        return sf_fail_errno(err, (sf_place){r->file, NULL}, errno, "cannot be read");
+    }
+    *yes = n == (ssize_t)sizeof head && memcmp(head, "XTENSION", sizeof head) == 0;
+    const int rc = *yes ? SHEAR_OK : read_block(r, offset, &block, err);
+    if (rc != SHEAR_OK || block == NULL || !looks_like_header(block)) {
+        return rc;
+    }
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){r->file, NULL},
+                   "the file is damaged: copy or make it again",
+                   "at byte %lld there is a header that does not begin with XTENSION",
+                   (long long)offset);
+}
+
+int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_error *err) {
+    *s = (sf_survey){.file = file};
+    reader *r = calloc(1, sizeof *r);
+    if (r == NULL) {
+        return sf_fail_memory(err, (sf_place){file, NULL});
+    }
+    r->fd = fd;
+    r->size = size;
+    r->file = file;
+    r->hash = XXH3_createState();
+    int64_t offset = 0;
+    bool more = true;
+    int rc = r->hash != NULL ? SHEAR_OK : sf_fail_memory(err, (sf_place){file, NULL});
+    while (rc == SHEAR_OK && more) {
+        sf_header header;
+        sf_header_init(&header, s->count);
+        rc = read_hdu(r, &header, offset, &offset, err);
+        if (rc == SHEAR_OK) {
+            rc = append(s, &header.hdu, err);
+        }
+        if (rc == SHEAR_OK) {
+            rc = is_extension(r, offset, &more, err);
+        }
+    }
+    XXH3_freeState(r->hash);
+    free(r);
+    if (rc != SHEAR_OK) {
+        sf_survey_free(s);
+    }
+    return rc;
+}
+
+void sf_survey_free(sf_survey *s) {
+    free(s->hdus);
+    s->hdus = NULL;
+    s->count = 0;
+}
+
+static int missing(const sf_survey *s, const char *name, shear_error *err) {
+    char found[200] = "";
+    for (int i = 1; i < s->count; i++) {
+        const size_t used = strlen(found);
+        snprintf(found + used, sizeof found - used, "%s%.40s", i > 1 ? ", " : "",
+                 s->hdus[i].name[0] != '\0' ? s->hdus[i].name : "(unnamed)");
+    }
+    return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL},
+                   "HDUs are found by EXTNAME; the file may also be truncated",
+                   "has no HDU %s (its extensions: %s)", name, s->count > 1 ? found : "none");
+}
+
+int sf_survey_find(const sf_survey *s, const char *name, bool required, const sf_hdu **hdu,
+                   shear_error *err) {
+    *hdu = NULL;
+    for (int i = 1; i < s->count; i++) {
+        if (strcasecmp(s->hdus[i].name, name) != 0) {
+            continue;
+        }
+        if (*hdu != NULL) {
+            return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, name}, NULL,
+                           "two HDUs (%d and %d, counted from 0) have this EXTNAME", (*hdu)->number,
+                           s->hdus[i].number);
+        }
+        *hdu = &s->hdus[i];
+    }
+    return *hdu == NULL && required ? missing(s, name, err) : SHEAR_OK;
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/header/hdu_index.h: where the HDUs of a file are and how large.
+ *
+ * The survey reads all headers of a file itself, in fixed memory, and refuses what does not fit
+ * into the file. Keywords that say where an HDU ends must be there, in range, and only once.
+ * CFITSIO does not see the file at all: of the HDUs that are read it sees what is made for it
+ * (view.h), and never the others.
+ */
+#ifndef SHEAR_FITS_HEADER_HDU_INDEX_H
+#define SHEAR_FITS_HEADER_HDU_INDEX_H
+
+#include "fits/io/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { SF_AXES = 3, SF_NAME = 72, SF_BLOCK_BYTES = 2880 };
+
+/* Value of an integer keyword that the header does not have. */
+#define SF_ABSENT INT64_MIN
+
+enum sf_kind { SF_IMAGE = 0, SF_TABLE, SF_OTHER };
+
+typedef struct sf_hdu {
+    int number;         /* 0 = primary */
+    int kind;           /* enum sf_kind; a compressed image is a table with zimage */
+    char name[SF_NAME]; /* EXTNAME */
+    int64_t bitpix, naxis, axes[SF_AXES]; /* axes beyond naxis are 1 */
+    int64_t pcount, gcount;
+    int64_t header_offset, header_bytes;
+    uint64_t header_hash;            /* of these bytes */
+    int64_t data_offset, data_bytes; /* without padding */
+    bool zimage, ztable;             /* tile-compressed image, table */
+} sf_hdu;
+
+typedef struct sf_survey {
+    sf_hdu *hdus; /* [count] */
+    int count;
+    const char *file; /* for messages; the source's */
+} sf_survey;
+
+/* Survey the FITS file `fd` of `size` bytes. SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. */
+int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_error *err);
+void sf_survey_free(sf_survey *s);
+
+/* The extension of that name, in any case. *hdu is NULL where there is none and it is optional.
+ * SHEAR_E_FORMAT: none although required (the message lists what there is), or two of them. */
+int sf_survey_find(const sf_survey *s, const char *name, bool required, const sf_hdu **hdu,
+                   shear_error *err);
+
+#endif

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The layout of a binary table. Its numbers: table_read.c. */
+#include "fits/header/table.h"
+
+#include "fits/header/card.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MAX_COLUMNS = 999 };
+
+static int bad(const sf_table *t, const char *root, int i, const char *what, shear_error *err) {
+    return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL, "keyword %s%d %s", root, i + 1, what);
+}
+
+/* Bytes of one element; 0 for what no table has. */
+static int64_t width_of(char type) {
+    static const char types[] = "LBIJKAEDCMPQ";
+    static const int widths[] = {1, 1, 2, 4, 8, 1, 4, 8, 8, 16, 8, 16};
+    const char *at = type != '\0' ? strchr(types, type) : NULL;
+    return at != NULL ? widths[at - types] : 0;
+}
+
+static char upper(char c) {
+    static const char small[] = "abcdefghijklmnopqrstuvwxyz";
+    static const char capital[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    const char *at = c != '\0' ? strchr(small, c) : NULL;
+    if (at != NULL) {
+        return capital[at - small];
+    }
+    return c;
+}
+
+/* rT, where r is a count (1 where it is left out) and T a letter; behind P and Q another one. */
+static bool parse_form(const char *form, sf_column *c) {
+    int64_t repeat = 0;
+    const char *p = form;
+    for (; isdigit((unsigned char)*p); p++) {
+        if (repeat > INT64_MAX / 100) {
+            return false;
+        }
+        repeat = 10 * repeat + (*p - '0');
+    }
+    c->repeat = p == form ? 1 : repeat;
+    c->type = upper(*p);
+    if (*p != '\0') {
+        c->element = upper(p[1]);
+    }
+    if (c->type == 'X') {
+        c->width = c->repeat / 8 + (c->repeat % 8 != 0 ? 1 : 0);
+        return true;
+    }
+    return width_of(c->type) > 0 &&
+           !__builtin_mul_overflow(c->repeat, width_of(c->type), &c->width);
+}
+
+static int take_form(sf_table *t, int i, const char *card, shear_error *err) {
+    char form[SF_CARD];
+    sf_column *c = &t->columns[i];
+    if (c->type != '\0') {
+        return bad(t, "TFORM", i, "is given twice", err);
+    }
+    const bool sound = sf_card_string(card, form, sizeof form) && parse_form(form, c);
+    return sound ? SHEAR_OK : bad(t, "TFORM", i, "is no format of a binary table's column", err);
+}
+
+static int take_name(sf_table *t, int i, const char *card, shear_error *err) {
+    sf_column *c = &t->columns[i];
+    if (c->name[0] != '\0') {
+        return bad(t, "TTYPE", i, "is given twice", err);
+    }
+    if (!sf_card_string(card, c->name, sizeof c->name)) {
+        c->name[0] = '\0'; /* no name that anybody asks for */
+    }
+    return SHEAR_OK;
+}
+
+static void take_scaling(sf_column *c, const char **slot, const char *card) {
+    c->twice = c->twice || *slot != NULL;
+    *slot = card;
+}
+
+static int take_card(sf_table *t, const char *card, shear_error *err) {
+    static const char *const roots[] = {"TTYPE", "TFORM", "TSCAL", "TZERO", "TNULL"};
+    char key[SF_KEY + 1];
+    sf_card_key(card, key);
+    for (int k = 0; key[0] == 'T' && k < 5; k++) {
+        const int i = sf_card_index(key, roots[k]) - 1;
+        if (i < 0 || i >= t->n || !sf_card_has_value(card)) {
+            continue;
+        }
+        sf_column *c = &t->columns[i];
+        if (k < 2) {
+            return k == 0 ? take_name(t, i, card, err) : take_form(t, i, card, err);
+        }
+        take_scaling(c, k == 2 ? &c->scale : k == 3 ? &c->zero : &c->null, card);
+    }
+    return SHEAR_OK;
+}
+
+static int lay_out(sf_table *t, shear_error *err) {
+    int64_t end = 0;
+    for (int i = 0; i < t->n; i++) {
+        sf_column *c = &t->columns[i];
+        if (c->type == '\0') {
+            return bad(t, "TFORM", i, "is missing", err);
+        }
+        c->offset = end;
+        if (__builtin_add_overflow(end, c->width, &end) || end > t->hdu->axes[0]) {
+            return bad(t, "TFORM", i, "goes beyond the row: NAXIS1 is smaller", err);
+        }
+    }
+    return end == t->hdu->axes[0]
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL,
+                         "its columns (TFORMn) have %lld bytes in all, but NAXIS1 is %lld",
+                         (long long)end, (long long)t->hdu->axes[0]);
+}
+
+int sf_table_init(sf_table *t, const sf_file *file, const sf_hdu *hdu, const sf_cards *cards,
+                  shear_error *err) {
+    *t = (sf_table){.file = file, .hdu = hdu, .cards = cards};
+    if (hdu->kind != SF_TABLE || hdu->naxis != 2 || hdu->bitpix != 8 || hdu->gcount != 1) {
+        return sf_fail(err, SHEAR_E_FORMAT, cards->at, NULL,
+                       "must be a binary table (BINTABLE) with BITPIX 8, NAXIS 2 and GCOUNT 1");
+    }
+    int64_t n = 0;
+    int rc = sf_need_int(cards, "TFIELDS", 0, MAX_COLUMNS, &n, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    t->columns = calloc((size_t)n + 1, sizeof *t->columns);
+    if (t->columns == NULL) {
+        return sf_fail_memory(err, cards->at);
+    }
+    t->n = (int)n;
+    for (int64_t i = 0; rc == SHEAR_OK && i < cards->count; i++) {
+        rc = take_card(t, cards->text + i * SF_CARD, err);
+    }
+    return rc == SHEAR_OK ? lay_out(t, err) : rc;
+}
+
+void sf_table_deinit(sf_table *t) {
+    free(t->columns);
+    t->columns = NULL;
+    t->n = 0;
+}
+
+int sf_table_find(const sf_table *t, const char *name, const sf_column **column, shear_error *err) {
+    *column = NULL;
+    for (int i = 0; i < t->n; i++) {
+        if (strcasecmp(t->columns[i].name, name) != 0) {
+            continue;
+        }
+        if (*column != NULL) {
+            return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL, "it has two columns called %s",
+                           name);
+        }
+        *column = &t->columns[i];
+    }
+    return SHEAR_OK;
+}
+
+static int check_scaling(const sf_table *t, const sf_column *c, shear_error *err) {
+    double scale = 1.0;
+    double zero = 0.0;
+    int64_t null = 0;
+    const char *wrong = c->twice ? "is given twice" : NULL;
+    if (c->scale != NULL && (!sf_card_double(c->scale, &scale) || scale == 0.0)) {
+        wrong = "(TSCALn) is 0 or not a finite number";
+    } else if (c->zero != NULL && !sf_card_double(c->zero, &zero)) {
+        wrong = "(TZEROn) is not a finite number";
+    } else if (c->null != NULL && strchr("BIJK", c->type) != NULL && !sf_card_int(c->null, &null)) {
+        wrong = "(TNULLn) is not an integer (of up to 64 bits)";
+    }
+    return wrong == NULL
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, t->cards->at, NULL,
+                         "column %s: its keyword TSCALn, TZEROn or TNULLn %s", c->name, wrong);
+}
+
+int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
+                         shear_error *err) {
+    const int rc = sf_table_find(t, name, column, err);
+    const sf_column *c = *column;
+    if (rc != SHEAR_OK || c == NULL) {
+        return rc;
+    }
+    if (strchr("LBIJKED", c->type) == NULL || c->repeat != 1) {
+        return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "correct the column, or rename it",
+                       "column %s must hold one number a row (TFORM B, I, J, K, E, D or L), but %s",
+                       name,
+                       c->type == 'P' || c->type == 'Q' ? "has a variable length"
+                       : c->type == 'A'                 ? "holds strings"
+                       : c->repeat != 1                 ? "has another repeat count"
+                                                        : "has another type");
+    }
+    return check_scaling(t, c, err);
+}

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/header/card.h"
+#include "fits/header/table.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { BUFFER = 1 << 15 };
+
+int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
+                   shear_error *err) {
+    const int64_t at = t->hdu->data_offset + row * t->hdu->axes[0] + offset;
+    for (int64_t done = 0; done < bytes;) {
+        const ssize_t n = pread(t->file->source.fd, (char *)out + done, (size_t)(bytes - done),
+                                (off_t)(at + done));
+        if (n < 0 && errno != EINTR) {
+            return sf_fail_errno(err, t->cards->at, errno, "cannot be read");
+        }
+        if (n == 0) {
+            return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "leave a file alone while it is read",
+                           "its data end at row %lld: the file has become shorter",
+                           (long long)row + 1);
+        }
+        done += n > 0 ? n : 0;
+    }
+    return SHEAR_OK;
+}
+
+/* A cell as it is stored: an integer or a floating number, or neither. */
+typedef struct cell {
+    bool floating, undefined;
+    int64_t integer;
+    double real;
+} cell;
+
+static uint64_t big_endian(const unsigned char *bytes, int64_t n) {
+    uint64_t v = 0;
+    for (int64_t i = 0; i < n; i++) {
+        v = v << 8 | bytes[i];
+    }
+    return v;
+}
+
+static cell real_of(double v) {
+    return (cell){.floating = true, .real = v, .undefined = isnan(v)};
+}
+
+static cell cell_of(char type, const unsigned char *bytes) {
+    switch (type) {
+    case 'L':
+        return (cell){.integer = bytes[0] == 'T' ? 1 : 0,
+                      .undefined = bytes[0] != 'T' && bytes[0] != 'F'};
+    case 'B':
+        return (cell){.integer = bytes[0]};
+    case 'I':
+        return (cell){.integer = (int16_t)big_endian(bytes, 2)};
+    case 'J':
+        return (cell){.integer = (int32_t)big_endian(bytes, 4)};
+    case 'K':
+        return (cell){.integer = (int64_t)big_endian(bytes, 8)};
+    case 'E': {
+        const uint32_t bits = (uint32_t)big_endian(bytes, 4);
+        float v;
+        memcpy(&v, &bits, sizeof v);
+        return real_of((double)v);
+    }
+    default: {
+        const uint64_t bits = big_endian(bytes, 8);
+        double v;
+        memcpy(&v, &bits, sizeof v);
+        return real_of(v);
+    }
+    }
+}
+
+/* What stands behind a stored number: null, scale * number + zero. */
+typedef struct scaling {
+    bool has_null;
+    int64_t null;
+    double scale, zero;
+    bool whole; /* scale is 1 and zero an integer, whole_zero; or 2^63, which makes it unsigned */
+    int64_t whole_zero;
+} scaling;
+
+static scaling scaling_of(const sf_column *c) {
+    scaling s = {.scale = 1.0};
+    s.has_null =
+        c->null != NULL && strchr("BIJK", c->type) != NULL && sf_card_int(c->null, &s.null);
+    if (c->type == 'L') { /* not a number that could be scaled */
+        s.whole = true;
+        return s;
+    }
+    if (c->scale != NULL) {
+        (void)sf_card_double(c->scale, &s.scale);
+    }
+    if (c->zero != NULL) {
+        (void)sf_card_double(c->zero, &s.zero);
+    }
+    s.whole = s.scale == 1.0;
+    if (s.whole && c->zero != NULL && !sf_card_int(c->zero, &s.whole_zero)) {
+        s.whole = s.zero == floor(s.zero) && fabs(s.zero) < 0x1p63;
+        s.whole_zero = s.whole ? (int64_t)s.zero : 0;
+    }
+    return s;
+}
+
+bool sf_column_is_unsigned(const sf_column *c) {
+    return c->type == 'K' && scaling_of(c).scale == 1.0 && scaling_of(c).zero == 0x1p63;
+}
+
+typedef struct sink {
+    const sf_column *column;
+    scaling by;
+    bool is_unsigned;
+    double *doubles; /* one of the two */
+    int64_t *integers;
+    int64_t undefined;
+} sink;
+
+static double as_double(const sink *s, cell c) {
+    if (c.undefined || (!c.floating && s->by.has_null && c.integer == s->by.null)) {
+        return NAN;
+    }
+    const double v = c.floating ? c.real : (double)c.integer;
+    return s->by.scale == 1.0 && s->by.zero == 0.0 ? v : v * s->by.scale + s->by.zero;
+}
+
+static int64_t as_integer(const sink *s, cell c) {
+    int64_t sum = 0;
+    if (!c.floating && !c.undefined && !(s->by.has_null && c.integer == s->by.null)) {
+        if (s->is_unsigned) {
+            return (int64_t)((uint64_t)c.integer + (UINT64_C(1) << 63));
+        }
+        if (s->by.whole) {
+            return __builtin_add_overflow(c.integer, s->by.whole_zero, &sum) ? s->undefined : sum;
+        }
+    }
+    const double v = as_double(s, c);
+    return v == floor(v) && fabs(v) < 0x1p63 ? (int64_t)v : s->undefined; /* NaN: neither */
+}
+
+static void put(const sink *s, int64_t i, const unsigned char *bytes) {
+    const cell c = cell_of(s->column->type, bytes);
+    if (s->doubles != NULL) {
+        s->doubles[i] = as_double(s, c);
+    } else {
+        s->integers[i] = as_integer(s, c);
+    }
+}
+
+/* Whole rows at a time where they are short, else cell by cell. */
+static int read_rows(const sf_table *t, const sink *s, int64_t first, int64_t count,
+                     shear_error *err) {
+    unsigned char buffer[BUFFER] = {0};
+    const sf_column *c = s->column;
+    const int64_t row = t->hdu->axes[0];
+    const int64_t many = row <= BUFFER ? BUFFER / row : 1;
+    const bool cells = row > BUFFER;
+    for (int64_t done = 0; done < count;) {
+        const int64_t n = count - done < many ? count - done : many;
+        const int rc = sf_table_bytes(t, first + done, cells ? c->offset : 0,
+                                      cells ? c->width : n * row, buffer, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+        for (int64_t i = 0; i < n; i++) {
+            put(s, done + i, buffer + (cells ? 0 : i * row + c->offset));
+        }
+        done += n;
+    }
+    return SHEAR_OK;
+}
+
+int sf_table_doubles(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
+                     double *out, shear_error *err) {
+    const sink s = {.column = column, .by = scaling_of(column), .doubles = out};
+    return read_rows(t, &s, first, count, err);
+}
+
+int sf_table_integers(const sf_table *t, const sf_column *column, int64_t first, int64_t count,
+                      int64_t undefined, int64_t *out, shear_error *err) {
+    const sink s = {.column = column,
+                    .by = scaling_of(column),
+                    .is_unsigned = sf_column_is_unsigned(column),
+                    .integers = out,
+                    .undefined = undefined};
+    return read_rows(t, &s, first, count, err);
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/io/bits.h"
+
+bool sf_bits_skip(sf_bits *b, int64_t n) {
+    b->position += n;
+    return b->position <= b->count;
+}
+
+bool sf_bits_take(sf_bits *b, int n, int *out) {
+    *out = 0;
+    for (int i = 0; i < n; i++, b->position++) {
+        if (b->position >= b->count) {
+            return false;
+        }
+        const int bit = b->bytes[b->position >> 3] >> (7 - (b->position & 7)) & 1;
+        *out = 2 * *out + bit;
+    }
+    return true;
+}
+
+bool sf_bits_skip_unary(sf_bits *b) {
+    while (b->position < b->count) {
+        const unsigned byte = b->bytes[b->position >> 3] & (0xffu >> (b->position & 7));
+        if (byte != 0) {
+            b->position = (b->position & ~INT64_C(7)) + (__builtin_clz(byte) - 24) + 1;
+            return true;
+        }
+        b->position = (b->position | 7) + 1;
+    }
+    return false;
+}

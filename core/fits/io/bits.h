@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/io/bits.h: reads a stream of bits, most significant first, and never past its end. */
+#ifndef SHEAR_FITS_IO_BITS_H
+#define SHEAR_FITS_IO_BITS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct sf_bits {
+    const unsigned char *bytes;
+    int64_t count;    /* of bits */
+    int64_t position; /* next bit */
+} sf_bits;
+
+/* All return false where the stream has not as many bits. */
+bool sf_bits_skip(sf_bits *b, int64_t n);
+bool sf_bits_take(sf_bits *b, int n, int *out);
+/* Skip zeros and the one behind them. */
+bool sf_bits_skip_unary(sf_bits *b);
+
+#endif

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Checksums of inputs: XXH3 of the bytes as they are on disk, packed or not. */
+#include "fits/io/source.h"
+#include "shear/field.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+enum { BUFFER = 1 << 17 }; /* fits the second cache: what was read is still there */
+
+static void write_hex(XXH128_hash_t hash, char out[SHEAR_CHECKSUM_SIZE]) {
+    snprintf(out, SHEAR_CHECKSUM_SIZE, "%016llx%016llx", (unsigned long long)hash.high64,
+             (unsigned long long)hash.low64);
+}
+
+void shear_bytes_checksum(const void *bytes, size_t n, char out[SHEAR_CHECKSUM_SIZE]) {
+    write_hex(XXH3_128bits(bytes, n), out);
+}
+
+/* ---- one file ---- */
+
+typedef struct stream {
+    int fd;
+    bool own; /* opened here */
+    int64_t offset, size;
+    char name[161]; /* for messages */
+} stream;
+
+static void stream_close(stream *f) {
+    if (f->own && f->fd >= 0) {
+        close(f->fd);
+    }
+    *f = (stream){.fd = -1};
+}
+
+/* By its descriptor, or by its path where fd < 0. */
+static int stream_open(stream *f, const char *path, int fd, shear_error *err) {
+    *f = (stream){.fd = fd, .own = fd < 0};
+    sf_printable_name(f->name, sizeof f->name, path);
+    const sf_place at = {f->name, NULL};
+    return fd >= 0 ? sf_check_regular(fd, at, &f->size, err)
+                   : sf_open_regular(path, at, &f->fd, &f->size, err);
+}
+
+/* One buffer more; *count 0: the end. A file that grows for ever would never end. */
+static int stream_read(stream *f, unsigned char *buffer, size_t *count, shear_error *err) {
+    const sf_place at = {f->name, NULL};
+    ssize_t n;
+    do {
+        n = pread(f->fd, buffer, BUFFER, f->offset);
+    } while (n < 0 && errno == EINTR);
+    if (n < 0) {
+        return sf_fail_errno(err, at, errno, "cannot be read");
+    }
+    if (n > f->size - f->offset) {
+        return sf_fail(err, SHEAR_E_IO, at, "leave a file alone while it is read",
+                       "grows while it is read: it had %lld bytes", (long long)f->size);
+    }
+    f->offset += n;
+    *count = (size_t)n;
+    return SHEAR_OK;
+}
+
+/* ---- inputs ---- */
+
+typedef struct digest {
+    int file; /* the file whose sum it is: a part's own, or an earlier part's; -1: no such part */
+    char sum[SHEAR_CHECKSUM_SIZE];
+} digest;
+
+struct shear_hashing {
+    const shear_input *input;
+    const int *fds;
+    bool whole, separate;
+    long long hdu[SHEAR_N_PARTS];
+    digest parts[SHEAR_N_PARTS];
+    int part; /* the one that is being read; SHEAR_N_PARTS: all have been */
+    bool open;
+    stream file;
+    int64_t before; /* bytes of the files that have been read */
+    XXH3_state_t *state;
+    unsigned char *buffer; /* [BUFFER] */
+};
+
+static const char *path_of(const shear_hashing *h, int part) {
+    return h->whole ? h->input->path : h->input->parts[part].path;
+}
+
+static bool same_file(const shear_input *input, const int *fds, int a, int b) {
+    struct stat x;
+    struct stat y;
+    const bool known =
+        fds != NULL ? fstat(fds[a], &x) == 0 && fstat(fds[b], &y) == 0
+                    : stat(input->parts[a].path, &x) == 0 && stat(input->parts[b].path, &y) == 0;
+    return known && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+/* Whose file this part is in; a file of several parts is read once. A catalog that is not given
+ * is in the galaxies' file. */
+static int file_of(const shear_hashing *h, int part) {
+    if (h->input->parts[part].path == NULL) {
+        return SHEAR_PART_GALAXY;
+    }
+    for (int i = 0; i < part; i++) {
+        if (h->input->parts[i].path != NULL && same_file(h->input, h->fds, i, part)) {
+            return i;
+        }
+    }
+    return part;
+}
+
+int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *fds,
+                      const shear_field_info *info, shear_error *err) {
+    shear_hashing *h = calloc(1, sizeof *h);
+    *out = h;
+    if (h != NULL) {
+        *h = (shear_hashing){.input = input,
+                             .fds = fds,
+                             .whole = input->path != NULL,
+                             .separate = info != NULL && info->separate,
+                             .state = XXH3_createState(),
+                             .buffer = malloc(BUFFER)};
+    }
+    if (h == NULL || h->state == NULL || h->buffer == NULL) {
+        shear_hashing_free(h);
+        *out = NULL;
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a checksum");
+    }
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const bool there = h->whole ? i == 0 : info->hdu[i] >= 0;
+        h->hdu[i] = info != NULL ? (long long)info->hdu[i] : -1;
+        h->parts[i].file = !there ? -1 : h->whole ? 0 : file_of(h, i);
+    }
+    return SHEAR_OK;
+}
+
+void shear_hashing_free(shear_hashing *h) {
+    if (h != NULL) {
+        if (h->open) {
+            stream_close(&h->file);
+        }
+        XXH3_freeState(h->state);
+        free(h->buffer);
+        free(h);
+    }
+}
+
+int64_t shear_hashing_bytes(const shear_hashing *h) {
+    return h->before + (h->open ? h->file.offset : 0);
+}
+
+/* The next part: its file begins, or there is nothing to read for it. */
+static int begin_part(shear_hashing *h, shear_error *err) {
+    if (h->parts[h->part].file != h->part) {
+        h->part++;
+        return SHEAR_OK;
+    }
+    const int code =
+        stream_open(&h->file, path_of(h, h->part), h->fds != NULL ? h->fds[h->part] : -1, err);
+    XXH3_128bits_reset(h->state);
+    h->open = code == SHEAR_OK;
+    return code;
+}
+
+static void end_part(shear_hashing *h) {
+    write_hex(XXH3_128bits_digest(h->state), h->parts[h->part].sum);
+    h->before += h->file.offset;
+    stream_close(&h->file);
+    h->open = false;
+    h->part++;
+}
+
+int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error *err) {
+    int code = SHEAR_OK;
+    const int64_t begun = shear_hashing_bytes(h);
+    while (code == SHEAR_OK && h->part < SHEAR_N_PARTS && shear_hashing_bytes(h) - begun < bytes) {
+        size_t count = 0;
+        if (!h->open) {
+            code = begin_part(h, err);
+            continue;
+        }
+        code = stream_read(&h->file, h->buffer, &count, err);
+        if (code == SHEAR_OK && count > 0) {
+            XXH3_128bits_update(h->state, h->buffer, count);
+        } else if (code == SHEAR_OK) {
+            end_part(h);
+        }
+    }
+    *done = code == SHEAR_OK && h->part == SHEAR_N_PARTS;
+    return code;
+}
+
+void shear_hashing_text(const shear_hashing *h, char out[SHEAR_CHECKSUM_SIZE]) {
+    char text[SHEAR_N_PARTS * 80] = "";
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        const size_t used = strlen(text);
+        if (h->parts[i].file >= 0) {
+            snprintf(text + used, sizeof text - used, "%s %s %lld\n", shear_part_name(i),
+                     h->parts[h->parts[i].file].sum, h->hdu[i]);
+        }
+    }
+    if (!h->whole && h->separate) {
+        shear_bytes_checksum(text, strlen(text), out);
+    } else {
+        memcpy(out, h->parts[SHEAR_PART_GALAXY].sum, SHEAR_CHECKSUM_SIZE);
+    }
+}
+
+int shear_input_checksum(const shear_input *input, const int *fds, const shear_field_info *info,
+                         char out[SHEAR_CHECKSUM_SIZE], shear_error *err) {
+    shear_hashing *h = NULL;
+    bool done = false;
+    int code = shear_hashing_new(&h, input, fds, info, err);
+    if (code == SHEAR_OK) {
+        code = shear_hashing_step(h, INT64_MAX, &done, err);
+    }
+    if (code == SHEAR_OK) {
+        shear_hashing_text(h, out);
+    }
+    shear_hashing_free(h);
+    return code;
+}
+
+int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], shear_error *err) {
+    const shear_input input = shear_input_of_file(name);
+    return shear_input_checksum(&input, &fd, NULL, out, err);
+}
+
+int shear_file_checksum(const char *path, char out[SHEAR_CHECKSUM_SIZE], shear_error *err) {
+    const shear_input input = shear_input_of_file(path);
+    return shear_input_checksum(&input, NULL, NULL, out, err);
+}

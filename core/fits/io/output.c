@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/io/output.h"
+
+#include "fits/io/source.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static int exists(const sf_output *out, shear_error *err) {
+    return sf_fail(err, SHEAR_E_EXISTS, (sf_place){out->name, NULL},
+                   "choose another name, or allow it to be replaced", "exists already");
+}
+
+/* Take the path apart: out->base, and its directory opened. */
+static int open_directory(sf_output *out, const char *path, shear_error *err) {
+    const sf_place at = {out->name, NULL};
+    const char *slash = strrchr(path, '/');
+    const char *base = slash != NULL ? slash + 1 : path;
+    if (base[0] == '\0' || strcmp(base, ".") == 0 || strcmp(base, "..") == 0) {
+        return sf_fail(err, SHEAR_E_IO, at, "give a file's name", "is %s",
+                       path[0] == '\0' ? "an empty name" : "a directory");
+    }
+    if (strlen(base) >= sizeof out->base) {
+        return sf_fail_errno(err, at, ENAMETOOLONG, "cannot be written");
+    }
+    snprintf(out->base, sizeof out->base, "%s", base);
+    char *directory = slash == NULL   ? strdup(".")
+                      : slash == path ? strdup("/")
+                                      : strndup(path, (size_t)(slash - path));
+    if (directory == NULL) {
+        return sf_fail_memory(err, at);
+    }
+    out->directory = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const int number = errno;
+    free(directory);
+    return out->directory >= 0 ? SHEAR_OK
+                               : sf_fail_errno(err, at, number, "its directory cannot be opened");
+}
+
+static int check_target(const sf_output *out, shear_error *err) {
+    struct stat st;
+    if (fstatat(out->directory, out->base, &st, 0) == 0 && !S_ISREG(st.st_mode)) {
+        return sf_fail(err, SHEAR_E_IO, (sf_place){out->name, NULL}, "give another name",
+                       "is %s, which cannot be replaced",
+                       S_ISDIR(st.st_mode) ? "a directory" : "not a regular file");
+    }
+    if (!out->overwrite && fstatat(out->directory, out->base, &st, AT_SYMLINK_NOFOLLOW) == 0) {
+        return exists(out, err);
+    }
+    return SHEAR_OK;
+}
+
+static int name_temporary(sf_output *out, shear_error *err) {
+    const sf_place at = {out->name, NULL};
+    uint64_t random = 0;
+    if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random) {
+        return sf_fail_errno(err, at, errno, "no random number for a temporary name");
+    }
+    snprintf(out->temporary, sizeof out->temporary, ".sheard-%ld-%016llx.part", (long)getpid(),
+             (unsigned long long)random);
+    /* CFITSIO's own message would not say why a file cannot be made. */
+    const int fd =
+        openat(out->directory, out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd < 0) {
+        return sf_fail_errno(err, at, errno, "cannot be written in its directory");
+    }
+    close(fd);
+    unlinkat(out->directory, out->temporary, 0);
+    return SHEAR_OK;
+}
+
+/* The only name that CFITSIO gets. */
+static void name_for_cfitsio(const sf_output *out, char proc[320]) {
+    snprintf(proc, 320, "/proc/self/fd/%d/%s", out->directory, out->temporary);
+}
+
+static int create_file(sf_output *out, shear_error *err) {
+    char proc[320];
+    int status = 0;
+    name_for_cfitsio(out, proc);
+    out->exists = true;
+    fits_create_diskfile(&out->fits, proc, &status);
+    return status == 0
+               ? SHEAR_OK
+               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be created");
+}
+
+int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_error *err) {
+    *out = (sf_output){.directory = -1, .overwrite = overwrite};
+    sf_printable_name(out->name, sizeof out->name, path);
+    int rc = open_directory(out, path, err);
+    if (rc == SHEAR_OK) {
+        rc = check_target(out, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = name_temporary(out, err);
+    }
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    return create_file(out, err);
+}
+
+static int close_fits(sf_output *out, shear_error *err) {
+    int status = 0;
+    fits_close_file(out->fits, &status);
+    out->fits = NULL;
+    return status == 0
+               ? SHEAR_OK
+               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be completed");
+}
+
+/* The file as long as `bytes` at least, and on disk. */
+static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
+    const sf_place at = {out->name, NULL};
+    struct stat st;
+    const int fd = openat(out->directory, out->temporary, O_RDWR | O_CLOEXEC);
+    if (fd < 0) {
+        return sf_fail_errno(err, at, errno, "its temporary file cannot be opened");
+    }
+    int failed = fstat(fd, &st);
+    if (failed == 0 && st.st_size < bytes) {
+        failed = ftruncate(fd, bytes);
+    }
+    failed = failed == 0 ? fsync(fd) : failed;
+    const int number = errno;
+    close(fd);
+    return failed == 0 ? SHEAR_OK : sf_fail_errno(err, at, number, "cannot be brought to disk");
+}
+
+/* 0, or -1 with errno EEXIST where the name is taken. */
+static int rename_to_new(const sf_output *out) {
+    const int d = out->directory;
+    if (renameat2(d, out->temporary, d, out->base, RENAME_NOREPLACE) == 0) {
+        return 0;
+    }
+    if (errno != EINVAL && errno != ENOSYS) {
+        return -1;
+    }
+    /* Not every file system has that flag; a link does not replace either. */
+    return linkat(d, out->temporary, d, out->base, 0) == 0 ? unlinkat(d, out->temporary, 0) : -1;
+}
+
+static int put_in_place(sf_output *out, shear_error *err) {
+    const sf_place at = {out->name, NULL};
+    const int failed = out->overwrite
+                           ? renameat(out->directory, out->temporary, out->directory, out->base)
+                           : rename_to_new(out);
+    if (failed != 0) {
+        return errno == EEXIST ? exists(out, err)
+                               : sf_fail_errno(err, at, errno, "cannot be put in place");
+    }
+    out->exists = false;
+    return fsync(out->directory) == 0 || errno == EINVAL
+               ? SHEAR_OK
+               : sf_fail_errno(err, at, errno, "its directory cannot be brought to disk");
+}
+
+int sf_output_commit(sf_output *out, shear_error *err) {
+    int rc = close_fits(out, err);
+    if (rc == SHEAR_OK) {
+        rc = sync_file(out, 0, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = put_in_place(out, err);
+    }
+    sf_output_discard(out);
+    return rc;
+}
+
+void sf_output_discard(sf_output *out) {
+    if (out->fits != NULL) {
+        close_fits(out, NULL);
+    }
+    if (out->exists) {
+        unlinkat(out->directory, out->temporary, 0);
+        out->exists = false;
+    }
+    if (out->directory >= 0) {
+        close(out->directory);
+        out->directory = -1;
+    }
+}
+
+/* ---- files that outlive their process ---- */
+
+static int name_kept(sf_output *out, const char *path, shear_error *err) {
+    *out = (sf_output){.directory = -1, .overwrite = true};
+    sf_printable_name(out->name, sizeof out->name, path);
+    const int rc = open_directory(out, path, err);
+    snprintf(out->temporary, sizeof out->temporary, ".%s.part", out->base);
+    return rc;
+}
+
+int sf_output_create_kept(sf_output *out, const char *path, shear_error *err) {
+    int rc = name_kept(out, path, err);
+    if (rc == SHEAR_OK) {
+        rc = check_target(out, err);
+    }
+    if (rc == SHEAR_OK && unlinkat(out->directory, out->temporary, 0) != 0 && errno != ENOENT) {
+        rc = sf_fail_errno(err, (sf_place){out->name, NULL}, errno,
+                           "its temporary file cannot be replaced");
+    }
+    return rc == SHEAR_OK ? create_file(out, err) : rc;
+}
+
+int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, void *context,
+                     shear_error *err) {
+    char proc[320];
+    int status = 0;
+    int rc = name_kept(out, path, err);
+    name_for_cfitsio(out, proc);
+    rc = rc == SHEAR_OK ? check(proc, context, err) : rc;
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    out->exists = true;
+    fits_open_diskfile(&out->fits, proc, READWRITE, &status);
+    return status == 0
+               ? SHEAR_OK
+               : sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be gone on with");
+}
+
+int sf_output_sync(sf_output *out, shear_error *err) {
+    LONGLONG end = 0;
+    int status = 0;
+    fits_flush_file(out->fits, &status);
+    fits_get_hduaddrll(out->fits, NULL, NULL, &end, &status);
+    if (status != 0) {
+        return sf_fail_status(err, (sf_place){out->name, NULL}, status, "cannot be written");
+    }
+    return sync_file(out, end, err);
+}
+
+void sf_output_leave(sf_output *out) {
+    out->exists = false;
+    sf_output_discard(out);
+}
+
+int sf_output_forget(const char *path, shear_error *err) {
+    sf_output out;
+    int rc = name_kept(&out, path, err);
+    if (rc == SHEAR_OK && unlinkat(out.directory, out.temporary, 0) != 0 && errno != ENOENT) {
+        rc = sf_fail_errno(err, (sf_place){out.name, NULL}, errno,
+                           "its temporary file cannot be removed");
+    }
+    sf_output_discard(&out);
+    return rc;
+}

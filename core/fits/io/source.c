@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/io/source.h"
+
+#include "fits/io/gunzip.h"
+#include "shear/text.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void sf_printable_name(char *out, size_t size, const char *path) {
+    const size_t length = strlen(path);
+    if (length < size) {
+        shear_text_clean(path, out, size);
+        return;
+    }
+    const char *tail = path + length - (size - 4);
+    while ((*tail & 0xc0) == 0x80) { /* not within a character */
+        tail++;
+    }
+    memcpy(out, "...", 4);
+    shear_text_clean(tail, out + 3, size - 3);
+}
+
+static const char *kind_of(mode_t mode) {
+    if (S_ISDIR(mode)) {
+        return "a directory";
+    }
+    if (S_ISFIFO(mode)) {
+        return "a FIFO (named pipe)";
+    }
+    if (S_ISSOCK(mode)) {
+        return "a socket";
+    }
+    return "a device";
+}
+
+int sf_check_regular(int fd, sf_place at, int64_t *bytes, shear_error *err) {
+    struct stat st;
+    if (fstat(fd, &st) != 0) {
+        return sf_fail_errno(err, at, errno, "cannot be examined");
+    }
+    if (!S_ISREG(st.st_mode)) {
+        return sf_fail(err, SHEAR_E_IO, at, "give a regular file", "is %s, not a regular file",
+                       kind_of(st.st_mode));
+    }
+    *bytes = st.st_size;
+    return SHEAR_OK;
+}
+
+int sf_open_regular(const char *path, sf_place at, int *fd, int64_t *bytes, shear_error *err) {
+    /* O_NONBLOCK: opening a FIFO without a writer must not wait. */
+    *fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+    if (*fd < 0) {
+        return errno == ENXIO ? sf_fail(err, SHEAR_E_IO, at, "give a regular file",
+                                        "is a socket or a device, not a regular file")
+                              : sf_fail_errno(err, at, errno, "cannot be opened");
+    }
+    const int rc = sf_check_regular(*fd, at, bytes, err);
+    if (rc != SHEAR_OK) {
+        close(*fd);
+        *fd = -1;
+    }
+    return rc;
+}
+
+static void prepare(sf_source *s, const char *path) {
+    *s = (sf_source){.fd = -1};
+    sf_printable_name(s->name, sizeof s->name, path);
+    const char *slash = strrchr(path, '/');
+    snprintf(s->base, sizeof s->base, "%s", slash != NULL ? slash + 1 : path);
+}
+
+/* Unpack where needed; then s->fd begins like FITS. */
+static int look_inside(sf_source *s, shear_error *err) {
+    const sf_place at = {s->name, NULL};
+    unsigned char head[16];
+    const ssize_t n = pread(s->fd, head, sizeof head, 0);
+    if (n < 0) {
+        return sf_fail_errno(err, at, errno, "cannot be read");
+    }
+    if (n == 0) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "is empty (0 bytes)");
+    }
+    if (sf_is_gzip(head, n)) {
+        int unpacked = -1;
+        const int rc = sf_spool_gunzip(s->fd, at, &unpacked, &s->size, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+        close(s->fd);
+        s->fd = unpacked;
+        s->gzipped = true;
+    } else if (!sf_is_fits(head, n)) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, "field files are FITS, or FITS packed with gzip",
+                       "not a FITS file: it does not begin with 'SIMPLE  ='");
+    }
+    return SHEAR_OK;
+}
+
+int sf_source_open(sf_source *s, const char *path, shear_error *err) {
+    prepare(s, path);
+    const sf_place at = {s->name, NULL};
+    const int rc = sf_open_regular(path, at, &s->fd, &s->file_bytes, err);
+    s->size = s->file_bytes;
+    return rc != SHEAR_OK ? rc : look_inside(s, err);
+}
+
+int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) {
+    prepare(s, name);
+    const sf_place at = {s->name, NULL};
+    const int mode = fcntl(fd, F_GETFL);
+    if (mode < 0) {
+        return sf_fail_errno(err, at, errno, "its descriptor cannot be used");
+    }
+    if ((mode & O_ACCMODE) == O_WRONLY || (mode & O_PATH) != 0) {
+        return sf_fail(err, SHEAR_E_IO, at, NULL, "its descriptor is not open for reading");
+    }
+    int rc = sf_check_regular(fd, at, &s->file_bytes, err);
+    s->size = s->file_bytes;
+    if (rc == SHEAR_OK) {
+        s->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0); /* its offset is the caller's: only pread is used */
+        rc = s->fd >= 0 ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be duplicated");
+    }
+    return rc != SHEAR_OK ? rc : look_inside(s, err);
+}
+
+void sf_source_close(sf_source *s) {
+    if (s->fd >= 0) {
+        close(s->fd);
+        s->fd = -1;
+    }
+}

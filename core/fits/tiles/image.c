@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/tiles/image.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static int check_header(const sf_hdu *hdu, sf_place at, shear_error *err) {
+    if (hdu->zimage && hdu->kind == SF_TABLE) {
+        return SHEAR_OK; /* sf_tiling_init */
+    }
+    if (hdu->kind != SF_IMAGE) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must be an image, but is a table");
+    }
+    if (hdu->naxis != 2 && hdu->naxis != 3) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "must have 2 or 3 axes, but NAXIS is %lld",
+                       (long long)hdu->naxis);
+    }
+    if (hdu->pcount != 0 || hdu->gcount != 1) {
+        return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "an image must have PCOUNT 0 and GCOUNT 1");
+    }
+    for (int k = 0; k < hdu->naxis; k++) {
+        if (hdu->axes[k] == 0) {
+            return sf_fail(err, SHEAR_E_FORMAT, at, NULL, "NAXIS%d is 0: it has no pixels", k + 1);
+        }
+    }
+    return SHEAR_OK;
+}
+
+static int take_plain(sf_image *image, const sf_hdu *hdu) {
+    image->naxis = (int)hdu->naxis;
+    image->bitpix = (int)hdu->bitpix;
+    memcpy(image->axes, hdu->axes, sizeof image->axes);
+    return SHEAR_OK;
+}
+
+static int take_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
+    image->compressed = true;
+    int rc = sf_table_init(&image->table, file, hdu, &image->cards, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_tiling_init(&image->tiling, &image->table, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_tiles_init(&image->tiles, &image->table, &image->tiling, err);
+    }
+    image->naxis = (int)image->tiling.naxis;
+    image->bitpix = (int)image->tiling.bitpix;
+    memcpy(image->axes, image->tiling.axes, sizeof image->axes);
+    return rc;
+}
+
+/* Its header for CFITSIO, as a primary HDU. */
+static int show_plain(sf_image *image, double scale, double zero, shear_error *err) {
+    sf_view *v = &image->view;
+    int64_t blank = 0;
+    bool has_blank = false;
+    const int rc = image->bitpix > 0 ? sf_key_int(&image->cards, "BLANK", INT64_MIN, INT64_MAX,
+                                                  &blank, &has_blank, err)
+                                     : SHEAR_OK;
+    sf_view_logical(v, "SIMPLE", true);
+    sf_view_int(v, "BITPIX", image->bitpix);
+    sf_view_int(v, "NAXIS", image->naxis);
+    for (int k = 0; k < image->naxis; k++) {
+        char key[24];
+        snprintf(key, sizeof key, "NAXIS%d", k + 1);
+        sf_view_int(v, key, image->axes[k]);
+    }
+    if (scale != 1.0 || zero != 0.0) {
+        sf_view_double(v, "BSCALE", scale);
+        sf_view_double(v, "BZERO", zero);
+    }
+    if (has_blank) {
+        sf_view_int(v, "BLANK", blank);
+    }
+    sf_view_end(v);
+    return rc;
+}
+
+static int show(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
+    double scale = 1.0;
+    double zero = 0.0;
+    bool found = false;
+    sf_view_init(&image->view, file, hdu);
+    int rc = sf_key_double(&image->cards, "BSCALE", &scale, &found, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_key_double(&image->cards, "BZERO", &zero, &found, err);
+    }
+    if (rc == SHEAR_OK && scale == 0.0) {
+        rc = sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
+    }
+    if (rc == SHEAR_OK && image->compressed) {
+        sf_tiling_show(&image->tiling, &image->table, scale, zero, &image->view);
+    } else if (rc == SHEAR_OK) {
+        rc = show_plain(image, scale, zero, err);
+    }
+    return rc;
+}
+
+int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const char *label,
+                  shear_error *err) {
+    *image = (sf_image){.cards.at = {file->source.name, label}};
+    int rc = check_header(hdu, image->cards.at, err);
+    if (rc == SHEAR_OK) {
+        rc = sf_cards_read(&image->cards, file, hdu, label, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = hdu->zimage ? take_tiled(image, file, hdu, err) : take_plain(image, hdu);
+    }
+    if (rc == SHEAR_OK) {
+        rc = show(image, file, hdu, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at, &image->fits,
+                          err);
+    }
+    return rc;
+}
+
+void sf_image_deinit(sf_image *image) {
+    sf_tiles_deinit(&image->tiles);
+    sf_table_deinit(&image->table);
+    sf_view_close(image->fits);
+    image->fits = NULL;
+    sf_view_deinit(&image->view);
+    sf_cards_free(&image->cards);
+}
+
+/* Plain pixels that follow each other in the file are read in one piece. */
+static bool contiguous(const sf_image *image, const int64_t size[SF_AXES]) {
+    return !image->compressed && size[0] == image->axes[0] &&
+           (size[1] == image->axes[1] || size[2] == 1);
+}
+
+int sf_image_read(sf_image *image, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
+                  double *out, shear_error *err) {
+    if (image->compressed) {
+        const int rc = sf_tiles_check(&image->tiles, first, size, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+    }
+    /* Floating pixels of a plain image need no null value: CFITSIO then copies them bit by bit. */
+    double null = image->bitpix < 0 && !image->compressed ? 0.0 : NAN;
+    long low[SF_AXES];
+    long high[SF_AXES];
+    long step[SF_AXES] = {1, 1, 1};
+    for (int k = 0; k < SF_AXES; k++) {
+        low[k] = (long)(first[k] + 1);
+        high[k] = (long)(first[k] + size[k]);
+    }
+    int status = 0;
+    int any_null = 0; /* not NULL: CFITSIO 4.2 writes to it unasked where a pixel is undefined */
+    if (contiguous(image, size)) {
+        fits_read_pix(image->fits, TDOUBLE, low, size[0] * size[1] * size[2], &null, out, &any_null,
+                      &status);
+    } else {
+        fits_read_subset(image->fits, TDOUBLE, low, high, step, &null, out, &any_null, &status);
+    }
+    return status == 0 ? SHEAR_OK
+                       : sf_fail_status(err, image->cards.at, status, "its pixels cannot be read");
+}

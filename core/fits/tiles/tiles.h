@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fits/tiles/tiles.h: the tiles of a compressed image, checked before CFITSIO unpacks them. */
+#ifndef SHEAR_FITS_TILES_TILES_H
+#define SHEAR_FITS_TILES_TILES_H
+
+#include "fits/io/bitset.h"
+#include "fits/tiles/tiling.h"
+
+typedef struct sf_tiles {
+    const sf_table *table;
+    const sf_tiling *tiling;
+    int64_t heap_offset, heap_bytes; /* in the file */
+    sf_bitset sound;                 /* tiles already checked */
+    unsigned char *buffer;           /* [buffer_size]: one tile's stream, and work space */
+    int64_t buffer_size;
+} sf_tiles;
+
+/* `table` and `tiling` outlive *t. Deinit it, also after an error. SHEAR_E_NOMEM. */
+int sf_tiles_init(sf_tiles *t, const sf_table *table, const sf_tiling *tiling, shear_error *err);
+void sf_tiles_deinit(sf_tiles *t);
+
+/* Check all tiles that touch the box of `size` pixels at `first` (0-based). SHEAR_E_FORMAT names
+ * the tile. */
+int sf_tiles_check(sf_tiles *t, const int64_t first[SF_AXES], const int64_t size[SF_AXES],
+                   shear_error *err);
+
+#endif

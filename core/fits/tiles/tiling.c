@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fits/tiles/tiling.h"
+
+#include "fits/header/card.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* CFITSIO holds a tile, and a row of tiles, in memory as doubles, and numbers tiles with an int, to
+ * which it adds ZDITHER0. */
+static const int64_t max_tile_pixels = INT64_C(1) << 25;     /* 256 MiB */
+static const int64_t max_tile_row_pixels = INT64_C(1) << 27; /* 1 GiB */
+static const int64_t max_tiles = INT32_MAX - 10000;
+
+static int bad(const sf_table *t, const char *what, shear_error *err) {
+    return sf_fail(err, SHEAR_E_FORMAT, t->cards->at,
+                   "unpack the file with funpack, or pack it anew with fpack",
+                   "tile compression: %s", what);
+}
+
+/* ---- sizes ---- */
+
+static int take_axis(sf_tiling *t, const sf_table *table, int k, shear_error *err) {
+    char key[SF_KEY + 16];
+    bool found = false;
+    t->axes[k] = t->tile[k] = t->grid[k] = 1;
+    if (k >= t->naxis) {
+        return SHEAR_OK;
+    }
+    snprintf(key, sizeof key, "ZNAXIS%d", k + 1);
+    int rc = sf_need_int(table->cards, key, 1, INT32_MAX, &t->axes[k], err);
+    if (rc == SHEAR_OK) {
+        t->tile[k] = k == 0 ? t->axes[0] : 1;
+        snprintf(key, sizeof key, "ZTILE%d", k + 1);
+        rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
+    }
+    if (t->tile[k] > t->axes[k]) { /* the same tiles */
+        t->tile[k] = t->axes[k];
+    }
+    t->grid[k] = (t->axes[k] - 1) / t->tile[k] + 1;
+    return rc;
+}
+
+static int check_sizes(const sf_tiling *t, const sf_table *table, shear_error *err) {
+    const int64_t rows = table->hdu->axes[1];
+    int64_t tiles = 1;
+    int64_t pixels = 1;
+    for (int k = 0; k < SF_AXES; k++) {
+        if (__builtin_mul_overflow(tiles, t->grid[k], &tiles) ||
+            __builtin_mul_overflow(pixels, t->tile[k], &pixels) || pixels > max_tile_pixels ||
+            tiles > max_tiles) {
+            return bad(table, "the tiles (ZTILEn) are larger than 256 MiB or too many", err);
+        }
+    }
+    if (pixels / t->tile[0] * t->axes[0] > max_tile_row_pixels) {
+        return bad(table, "a row of tiles (ZNAXIS1 x ZTILE2 x ZTILE3 pixels) is larger than 1 GiB",
+                   err);
+    }
+    return tiles == rows
+               ? SHEAR_OK
+               : sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
+                         "tile compression: ZNAXISn and ZTILEn make %lld tiles, but the table has "
+                         "%lld rows",
+                         (long long)tiles, (long long)rows);
+}
+
+static int take_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
+    int rc = sf_need_int(table->cards, "ZNAXIS", 2, SF_AXES, &t->naxis, err);
+    for (int k = 0; k < SF_AXES && rc == SHEAR_OK; k++) {
+        rc = take_axis(t, table, k, err);
+    }
+    return rc == SHEAR_OK ? check_sizes(t, table, err) : rc;
+}
+
+/* ---- algorithm ---- */
+
+/* One of `words`; -1 where the keyword is not there. */
+static int take_word(const sf_table *table, const char *key, const char *const words[], int n,
+                     int *out, shear_error *err) {
+    char *text = NULL;
+    char all[160] = "";
+    int rc = sf_key_string(table->cards, key, &text, err);
+    *out = -1;
+    for (int i = 0; text != NULL && i < n; i++) {
+        *out = strcmp(text, words[i]) == 0 ? i : *out;
+        const size_t used = strlen(all);
+        snprintf(all + used, sizeof all - used, "%s%s", i > 0 ? ", " : "", words[i]);
+    }
+    if (rc == SHEAR_OK && text != NULL && *out < 0) {
+        char shown[40];
+        sf_printable_name(shown, sizeof shown, text);
+        rc = sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
+                     "tile compression: %s is '%s', but must be one of %s", key, shown, all);
+    }
+    free(text);
+    return rc;
+}
+
+static int take_algorithm(sf_tiling *t, const sf_table *table, shear_error *err) {
+    static const char *const names[] = {"RICE_1", "RICE_ONE", "GZIP_1",
+                                        "GZIP_2", "PLIO_1",   "HCOMPRESS_1"};
+    static const int algorithms[] = {SF_RICE, SF_RICE, SF_GZIP_1, SF_GZIP_2, SF_PLIO, SF_HCOMPRESS};
+    static const int64_t depths[] = {8, 16, 32, -32, -64};
+    int chosen = -1;
+    int rc = take_word(table, "ZCMPTYPE", names, 6, &chosen, err);
+    if (rc == SHEAR_OK && chosen < 0) {
+        return bad(table, "ZCMPTYPE is missing", err);
+    }
+    if (rc == SHEAR_OK) {
+        t->algorithm = algorithms[chosen];
+        rc = sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err);
+    }
+    for (int i = 0; rc == SHEAR_OK && i < 5; i++) {
+        if (t->bitpix == depths[i]) {
+            return SHEAR_OK;
+        }
+    }
+    return rc == SHEAR_OK ? bad(table, "ZBITPIX is not one of 8, 16, 32, -32, -64", err) : rc;
+}
+
+/* A parameter is known by its place: where it has a name, that must be the one which belongs there.
+ */
+static int take_parameter(const sf_table *table, int i, const char *name, int64_t min, int64_t max,
+                          int64_t *value, bool *found, shear_error *err) {
+    char key[SF_KEY + 16];
+    char *text = NULL;
+    snprintf(key, sizeof key, "ZNAME%d", i);
+    int rc = sf_key_string(table->cards, key, &text, err);
+    *found = false;
+    if (rc == SHEAR_OK && text != NULL && strcmp(text, name) != 0) {
+        const bool old = i == 2 && strcmp(text, "NOISEBIT") == 0; /* files of before 2010 */
+        rc = old ? SHEAR_OK
+                 : sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
+                           "tile compression: %s is not '%s', which belongs there", key, name);
+        free(text);
+        return rc;
+    }
+    free(text);
+    snprintf(key, sizeof key, "ZVAL%d", i);
+    return rc == SHEAR_OK ? sf_key_int(table->cards, key, min, max, value, found, err) : rc;
+}
+
+static int take_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
+    bool found = false;
+    int rc = take_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err);
+    if (rc == SHEAR_OK && (!found || (t->block != 16 && t->block != 32))) {
+        return bad(table, "RICE needs ZVAL1 (the block size) 16 or 32", err);
+    }
+    t->width = 4;
+    if (rc == SHEAR_OK) {
+        rc = take_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, &found, err);
+    }
+    if (rc == SHEAR_OK && t->width != 4 && (t->bitpix < 0 || t->width == 3)) {
+        rc = bad(table, "RICE needs ZVAL2 (bytes per pixel) 1, 2 or 4, and 4 for floating pixels",
+                 err);
+    }
+    return rc;
+}
+
+static int take_hcompress(sf_tiling *t, const sf_table *table, shear_error *err) {
+    double scale = 0.0; /* the stream has its own */
+    int64_t smooth = 0;
+    bool found = false;
+    int rc = sf_key_double(table->cards, "ZVAL1", &scale, &found, err);
+    if (rc == SHEAR_OK && !found) {
+        return bad(table, "HCOMPRESS needs ZVAL1 (the scale)", err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = take_parameter(table, 2, "SMOOTH", 0, 1, &smooth, &found, err);
+    }
+    t->smooth = smooth != 0;
+    if (rc == SHEAR_OK && (t->tile[0] < 4 || t->tile[1] < 4 || t->tile[2] != 1)) {
+        rc = bad(table, "HCOMPRESS needs tiles of 4 x 4 pixels at least in one plane", err);
+    }
+    return rc;
+}
+
+/* ---- columns ---- */
+
+static bool is_variable(const sf_column *c, const char *elements) {
+    return (c->type == 'P' || c->type == 'Q') && c->repeat == 1 && c->element != '\0' &&
+           strchr(elements, c->element) != NULL;
+}
+
+/* Nothing but its own number may stand in a cell. */
+static bool is_unscaled(const sf_column *c) {
+    double v = 0.0;
+    return !c->twice && c->null == NULL &&
+           (c->scale == NULL || (sf_card_double(c->scale, &v) && v == 1.0)) &&
+           (c->zero == NULL || (sf_card_double(c->zero, &v) && v == 0.0));
+}
+
+static int take_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
+    static const char *const names[SF_TILE_COLUMNS] = {
+        "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO",
+        "ZBLANK"};
+    const char *const elements[] = {t->algorithm == SF_PLIO ? "I" : "B", "B", "BIJED"};
+    for (int i = 0; i < SF_TILE_COLUMNS; i++) {
+        const int rc = sf_table_find(table, names[i], &t->column[i], err);
+        const sf_column *c = t->column[i];
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+        if (c == NULL) {
+            continue;
+        }
+        const bool sound =
+            i <= SF_RAW_DATA
+                ? is_variable(c, elements[i])
+                : c->repeat == 1 && strchr(i == SF_ZBLANK ? "BIJ" : "ED", c->type) != NULL;
+        if (!sound || !is_unscaled(c)) {
+            return sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
+                           "tile compression: column %s has the wrong type (TFORM), or TSCAL, "
+                           "TZERO or TNULL",
+                           names[i]);
+        }
+    }
+    return t->column[SF_DATA] != NULL ? SHEAR_OK
+                                      : bad(table, "there is no column COMPRESSED_DATA", err);
+}
+
+static int take_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
+    const sf_hdu *hdu = table->hdu;
+    const int64_t rows = hdu->axes[0] * hdu->axes[1]; /* within data_bytes, which was checked */
+    bool found = false;
+    t->heap = rows;
+    return sf_key_int(table->cards, "THEAP", rows, hdu->data_bytes, &t->heap, &found, err);
+}
+
+/* ---- numbers behind the pixels ---- */
+
+/* Floating pixels are gzipped as they are, or quantized with a scale and a zero of each tile. Where
+ * CFITSIO finds neither, it takes integers for floating numbers, and reads past their end. */
+static int take_quantization(sf_tiling *t, const sf_table *table, shear_error *err) {
+    static const char *const words[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1", "SUBTRACTIVE_DITHER_2",
+                                        "NONE"};
+    int word = -1;
+    bool found = false;
+    int rc = take_word(table, "ZQUANTIZ", words, 4, &word, err);
+    t->seed = 1;
+    if (rc == SHEAR_OK) {
+        rc = sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, &found, err);
+    }
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    const bool gzip = t->algorithm == SF_GZIP_1 || t->algorithm == SF_GZIP_2;
+    const bool scaled = t->column[SF_ZSCALE] != NULL && t->column[SF_ZZERO] != NULL;
+    if (word == 3 && (t->bitpix > 0 || !gzip)) {
+        return bad(table, "ZQUANTIZ 'NONE' needs floating pixels and GZIP", err);
+    }
+    if ((t->column[SF_ZSCALE] != NULL) != (t->column[SF_ZZERO] != NULL)) {
+        return bad(table, "there is only one of the columns ZSCALE and ZZERO", err);
+    }
+    t->lossless_float = t->bitpix < 0 && (word == 3 || (gzip && !scaled));
+    if (t->bitpix < 0 && !t->lossless_float && !scaled) {
+        return bad(table, "floating pixels need GZIP, or the columns ZSCALE and ZZERO", err);
+    }
+    t->dither = t->bitpix > 0 || t->lossless_float || word <= 0 ? SF_UNDITHERED
+                : word == 1                                     ? SF_DITHER_1
+                                                                : SF_DITHER_2;
+    return SHEAR_OK;
+}
+
+static int take_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
+    const sf_cards *cards = table->cards;
+    bool has_zero = false;
+    int rc = sf_key_int(cards, "ZBLANK", INT32_MIN, INT32_MAX, &t->blank, &t->has_blank, err);
+    if (rc == SHEAR_OK && !t->has_blank) {
+        rc = sf_key_int(cards, "BLANK", INT32_MIN, INT32_MAX, &t->blank, &t->has_blank, err);
+    }
+    t->scale = 1.0;
+    t->zero = 0.0;
+    if (rc == SHEAR_OK) {
+        rc = sf_key_double(cards, "ZSCALE", &t->scale, &t->has_scale, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = sf_key_double(cards, "ZZERO", &t->zero, &has_zero, err);
+    }
+    if (rc == SHEAR_OK && t->scale == 0.0) {
+        rc = bad(table, "ZSCALE is 0", err);
+    }
+    t->has_scale = (t->has_scale || has_zero) && t->column[SF_ZSCALE] == NULL;
+    return rc;
+}
+
+int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err) {
+    *t = (sf_tiling){.block = 32, .width = 4};
+    int rc = take_algorithm(t, table, err);
+    if (rc == SHEAR_OK) {
+        rc = take_sizes(t, table, err);
+    }
+    if (rc == SHEAR_OK && t->algorithm == SF_RICE) {
+        rc = take_rice(t, table, err);
+    }
+    if (rc == SHEAR_OK && t->algorithm == SF_HCOMPRESS) {
+        rc = take_hcompress(t, table, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = take_columns(t, table, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = take_heap(t, table, err);
+    }
+    if (rc == SHEAR_OK) {
+        rc = take_quantization(t, table, err);
+    }
+    return rc == SHEAR_OK ? take_numbers(t, table, err) : rc;
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sf_tiling_show: the header of a compressed image for CFITSIO. */
+#include "fits/tiles/tiling.h"
+
+#include "fits/header/card.h"
+
+#include <stdio.h>
+
+static const char *indexed(char out[SF_KEY + 16], const char *root, int i) {
+    snprintf(out, SF_KEY + 16, "%s%d", root, i + 1);
+    return out;
+}
+
+static void show_primary(sf_view *v) {
+    sf_view_logical(v, "SIMPLE", true);
+    sf_view_int(v, "BITPIX", 8);
+    sf_view_int(v, "NAXIS", 0);
+    sf_view_logical(v, "EXTEND", true);
+    sf_view_end(v);
+}
+
+static void show_table(const sf_tiling *t, const sf_table *table, sf_view *v) {
+    const int64_t rows = table->hdu->axes[0] * table->hdu->axes[1];
+    sf_view_string(v, "XTENSION", "BINTABLE");
+    sf_view_int(v, "BITPIX", 8);
+    sf_view_int(v, "NAXIS", 2);
+    sf_view_int(v, "NAXIS1", table->hdu->axes[0]);
+    sf_view_int(v, "NAXIS2", table->hdu->axes[1]);
+    sf_view_int(v, "PCOUNT", table->hdu->data_bytes - rows);
+    sf_view_int(v, "GCOUNT", 1);
+    sf_view_int(v, "TFIELDS", table->n);
+    sf_view_int(v, "THEAP", t->heap);
+}
+
+/* Columns that do not belong to the image are so many characters without a name. */
+static void show_column(const sf_tiling *t, const sf_column *c, int i, sf_view *v) {
+    static const char *const names[SF_TILE_COLUMNS] = {
+        "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO",
+        "ZBLANK"};
+    char key[SF_KEY + 16];
+    char form[32];
+    snprintf(form, sizeof form, "%lldA", (long long)c->width);
+    for (int k = 0; k < SF_TILE_COLUMNS; k++) {
+        if (t->column[k] == c) {
+            sf_view_string(v, indexed(key, "TTYPE", i), names[k]);
+            snprintf(form, sizeof form, "1%c%c", c->type, k <= SF_RAW_DATA ? c->element : '\0');
+        }
+    }
+    sf_view_string(v, indexed(key, "TFORM", i), form);
+}
+
+static void show_algorithm(const sf_tiling *t, sf_view *v) {
+    static const char *const names[] = {"RICE_1", "GZIP_1", "GZIP_2", "PLIO_1", "HCOMPRESS_1"};
+    sf_view_string(v, "ZCMPTYPE", names[t->algorithm]);
+    if (t->algorithm == SF_RICE) {
+        sf_view_int(v, "ZVAL1", t->block);
+        sf_view_int(v, "ZVAL2", t->width);
+    }
+    if (t->algorithm == SF_HCOMPRESS) {
+        sf_view_int(v, "ZVAL1", 0);
+        sf_view_int(v, "ZVAL2", t->smooth ? 1 : 0);
+    }
+}
+
+static void show_numbers(const sf_tiling *t, double bscale, double bzero, sf_view *v) {
+    static const char *const dithers[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1",
+                                          "SUBTRACTIVE_DITHER_2"};
+    if (t->bitpix < 0) {
+        sf_view_string(v, "ZQUANTIZ", t->lossless_float ? "NONE" : dithers[t->dither]);
+        sf_view_int(v, "ZDITHER0", t->seed);
+    }
+    if (t->has_blank) {
+        sf_view_int(v, "ZBLANK", t->blank);
+    }
+    if (t->has_scale) {
+        sf_view_double(v, "ZSCALE", t->scale);
+        sf_view_double(v, "ZZERO", t->zero);
+    }
+    if (bscale != 1.0 || bzero != 0.0) {
+        sf_view_double(v, "BSCALE", bscale);
+        sf_view_double(v, "BZERO", bzero);
+    }
+}
+
+void sf_tiling_show(const sf_tiling *t, const sf_table *table, double bscale, double bzero,
+                    sf_view *view) {
+    char key[SF_KEY + 16];
+    show_primary(view);
+    show_table(t, table, view);
+    for (int i = 0; i < table->n; i++) {
+        show_column(t, &table->columns[i], i, view);
+    }
+    sf_view_logical(view, "ZIMAGE", true);
+    sf_view_int(view, "ZBITPIX", t->bitpix);
+    sf_view_int(view, "ZNAXIS", t->naxis);
+    for (int k = 0; k < t->naxis; k++) {
+        sf_view_int(view, indexed(key, "ZNAXIS", k), t->axes[k]);
+        sf_view_int(view, indexed(key, "ZTILE", k), t->tile[k]);
+    }
+    show_algorithm(t, view);
+    show_numbers(t, bscale, bzero, view);
+    sf_view_end(view);
+}
