@@ -77,10 +77,10 @@ static void call_life(database *d, shear_error *err) {
     const int64_t id = submit(d->s, 1, err);
     pick_field(d, field);
     snprintf(content, sizeof content, "new %" PRId64, id);
-    const store_learned learned = {field, content, 16};
+    const store_input learned = {field, content, 16};
     const store_work work = {.sums = d->sums, .result = "{}", .elapsed_us = 9, .now_ms = 9};
     must(store_next(d->s, 6, &job, err), err);
-    must(store_learn(d->s, job.id, &learned, &of, err), err);
+    must(store_set_input(d->s, job.id, &learned, &of, err), err);
     must(store_finish(d->s, job.id, &work, &end, err), err);
     store_job_deinit(&job);
 }

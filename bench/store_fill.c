@@ -39,7 +39,7 @@ static int make_pattern(store *s, shear_error *err) {
                              .settings_digest = "0123456789abcdef0123456789abcdef",
                              .owner = 1000,
                              .created_ms = 1};
-    const store_learned learned = {NULL, "00000000000000000000000000000001", SHEAR_BLOCK};
+    const store_input learned = {NULL, "00000000000000000000000000000001", SHEAR_BLOCK};
     const store_work work = {.sums = sums,
                              .result = "{\"g1\":0.0123,\"g2\":-0.0045,\"g1_err\":0.001}",
                              .catalog = "/survey/out/field-0000000.csv",
@@ -51,7 +51,7 @@ static int make_pattern(store *s, shear_error *err) {
         code = store_next(s, 1, &job, err);
     }
     if (code == SHEAR_OK) {
-        code = store_learn(s, id, &learned, &of, err);
+        code = store_set_input(s, id, &learned, &of, err);
     }
     if (code == SHEAR_OK) {
         code = store_finish(s, id, &work, &end, err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/budget.h"
 
-#include "engine/inner.h"
+#include "engine/internal.h"
 
 /* ---- under the lock ---- */
 
@@ -19,7 +19,7 @@ static bool comes_first(const engine *e, const job *j) {
 /* Whether so much more may be reserved; idle plans give way to it. */
 static bool has_room(engine *e, int64_t more) {
     const int64_t left = e->budget.total - e->budget.reserved - more;
-    return left >= 0 && plans_shrink_to(e->plans, left) <= left;
+    return left >= 0 && plan_cache_shrink_to(e->plans, left) <= left;
 }
 
 static void reserve(engine *e, job *j, int64_t bytes) {

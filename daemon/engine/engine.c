@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The owner's calls. */
-#include "engine/inner.h"
+#include "engine/internal.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -100,7 +100,7 @@ int engine_new(engine **out, const engine_options *options, shear_error *err) {
     e->program = strdup(options->limits.program);
     e->scratch = strdup(options->limits.scratch);
     e->threads = calloc((size_t)options->workers, sizeof(pthread_t));
-    e->plans = plans_new(options->plans_count, options->plans_bytes);
+    e->plans = plan_cache_new(options->plans_count, options->plans_bytes);
     int code = e->program != NULL && e->scratch != NULL && e->threads != NULL && e->plans != NULL
                    ? SHEAR_OK
                    : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
@@ -136,7 +136,7 @@ void engine_free(engine *e) {
         pthread_join(e->threads[i], NULL);
     }
     events_deinit(&e->events);
-    plans_free(e->plans);
+    plan_cache_free(e->plans);
     pthread_mutex_destroy(&e->lock);
     pthread_cond_destroy(&e->work_there);
     pthread_cond_destroy(&e->moved);
@@ -269,7 +269,7 @@ engine_load engine_get_load(engine *e) {
         load.blocks_left += blocks_left(j);
     }
     pthread_mutex_unlock(&e->lock);
-    load.plans = plans_get_statistics(e->plans);
+    load.plans = plan_cache_get_statistics(e->plans);
     load.memory_used += load.plans.bytes;
     return load;
 }
@@ -289,5 +289,5 @@ void engine_limit_memory(engine *e, int64_t bytes) {
 }
 
 void engine_limit_plans(engine *e, int64_t count, int64_t bytes) {
-    plans_limit(e->plans, count, bytes);
+    plan_cache_limit(e->plans, count, bytes);
 }

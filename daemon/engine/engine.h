@@ -20,7 +20,7 @@
 #ifndef SHEARD_ENGINE_H
 #define SHEARD_ENGINE_H
 
-#include "engine/plans.h"
+#include "engine/plan_cache.h"
 #include "reader/reader.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
@@ -41,7 +41,7 @@ typedef struct engine_options {
     int workers;           /* >= 1 */
     reader_limits limits;  /* texts are copied */
     int64_t checkpoint_ms; /* least time between two checkpoints of a job */
-    int64_t plans_count;   /* plans kept at most for later jobs: engine/plans.h */
+    int64_t plans_count;   /* plans kept at most for later jobs: engine/plan_cache.h */
     int64_t plans_bytes;
     int64_t memory_bytes; /* that jobs and plans may take together: engine/budget.h */
     void (*wake)(void *context);
@@ -146,7 +146,7 @@ typedef struct engine_load {
     int64_t memory_total; /* the budget */
     int64_t memory_used;  /* of it, by jobs and plans */
     int memory_waiting;   /* jobs that wait for some */
-    plans_statistics plans;
+    plan_cache_statistics plans;
 } engine_load;
 engine_load engine_get_load(engine *e);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/budget.h"
-#include "engine/inner.h"
+#include "engine/internal.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -63,7 +63,7 @@ void job_free(job *j) {
     shear_field_sums_free(j->before);
     shear_symmetry_free(j->terms_before);
     pthread_mutex_destroy(&j->saving);
-    plans_give_back(j->engine->plans, j->plan);
+    plan_cache_release(j->engine->plans, j->plan);
     budget_change(j, 0);
     job_files_close(&j->files);
     free(j->catalog_path);

@@ -6,8 +6,8 @@
 #define SHEARD_ENGINE_JOB_H
 
 #include "engine/engine.h"
-#include "engine/files.h"
-#include "engine/plans.h"
+#include "engine/job_files.h"
+#include "engine/plan_cache.h"
 #include "shear/catalog.h"
 #include "shear/run.h"
 #include "shear/work.h"

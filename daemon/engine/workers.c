@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The workers: which job a worker serves next, and what it does there. */
-#include "engine/inner.h"
+#include "engine/internal.h"
 
 #include <stdlib.h>
 

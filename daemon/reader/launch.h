@@ -11,7 +11,7 @@
 typedef struct launch_ends {
     int socket;         /* its end of the pair */
     int memory;         /* shared */
-    int said;           /* its standard error (reader/last_words.h) */
+    int said;           /* its standard error (reader/child_stderr.h) */
     const int *scratch; /* [SHEAR_N_PARTS], the first -1 ends them (reader/scratch.h) */
 } launch_ends;
 

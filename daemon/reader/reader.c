@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/reader.h"
 
-#include "reader/last_words.h"
+#include "reader/child_stderr.h"
 #include "reader/launch.h"
 #include "reader/scratch.h"
 #include "reader/wire.h"
@@ -24,7 +24,7 @@ struct reader {
     pid_t pid; /* 0 once reaped */
     int socket;
     int memory_fd;
-    int said; /* what it writes to its standard error: reader/last_words.h */
+    int said; /* what it writes to its standard error: reader/child_stderr.h */
     int timeout_ms;
     const atomic_bool *stop;
     int64_t shared_bytes;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/connection.h"
 
-#include "server/inner.h"
+#include "server/internal.h"
 
 #include <poll.h>
 #include <stdlib.h>

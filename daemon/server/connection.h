@@ -4,9 +4,9 @@
 #define SERVER_CONNECTION_H
 
 #include "server/open_requests.h"
-#include "server/out.h"
+#include "server/out_queue.h"
 #include "server/server.h"
-#include "server/watched.h"
+#include "server/subscriptions.h"
 #include "sheard/frame.h"
 
 #include <sys/queue.h>

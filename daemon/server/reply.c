@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the owner sends: replies to one, notifications to many. */
-#include "server/inner.h"
+#include "server/internal.h"
 
 #include <stdlib.h>
 

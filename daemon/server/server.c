@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/server.h"
 
-#include "server/inner.h"
+#include "server/internal.h"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ void server_limits_init(server_limits *limits) {
                               .subscriptions = 1024,
                               .queue_bytes = (size_t)32 << 20,
                               .unsent_bytes = (size_t)64 << 20,
-                              .turn_us = 3000,
+                              .slice_us = 3000,
                               .idle_timeout_ms = 600000,
                               .stall_timeout_ms = 60000,
                               .crowded_ms = 5000};
@@ -130,7 +130,7 @@ static void fill_limits(server *s, const server_limits *given) {
         .subscriptions = or_default(given->subscriptions, d.subscriptions),
         .queue_bytes = or_default(given->queue_bytes, d.queue_bytes),
         .unsent_bytes = or_default(given->unsent_bytes, d.unsent_bytes),
-        .turn_us = or_default(given->turn_us, d.turn_us),
+        .slice_us = or_default(given->slice_us, d.slice_us),
         .idle_timeout_ms = given->idle_timeout_ms,
         .stall_timeout_ms = given->stall_timeout_ms,
         .crowded_ms = given->crowded_ms,

@@ -6,7 +6,7 @@
  * call causes (writing, reading on, closing) happens in a later turn of the loop, so any function
  * may be called from any callback.
  *
- * Time is given in turns of `turn_us`, after which the loop looks at its other events. In a turn,
+ * Time is given in turns of `slice_us`, after which the loop looks at its other events. In a turn,
  * the user (uid) who has had the least of it lately is first, then that user's connection that has
  * had the least: each takes one request, or one step of the work of one (server_defer), at a time.
  * So whoever asks for little is answered at once, whatever the others ask for.
@@ -87,7 +87,7 @@ typedef struct server_limits {
     size_t subscriptions;        /* jobs and fields watched by a connection */
     size_t queue_bytes;          /* of a connection; one more reply may lie above it */
     size_t unsent_bytes;         /* of all */
-    size_t turn_us;              /* the last thing that is begun may take longer */
+    size_t slice_us;             /* the last thing that is begun may take longer */
     int64_t idle_timeout_ms;     /* 0: never */
     int64_t stall_timeout_ms;    /* 0: never */
     int64_t crowded_ms;          /* 0: never */

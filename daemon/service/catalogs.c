@@ -120,7 +120,7 @@ static bool remove_retracted(int64_t id, const char *path) {
     return gone;
 }
 
-bool catalog_leaves(const service *s, const store_leaving *l) {
+bool catalog_leaves(const service *s, const store_removal *l) {
     char *path = l->kept ? NULL : path_in(s->config.catalogs.directory, l->job);
     const char *named = l->kept ? l->catalog : path;
     const bool gone = named == NULL || !is_catalog_of(named, l->job) ||

@@ -101,7 +101,7 @@ void ending_fail(service *s, int64_t id, int64_t failures, ending_reason reason,
                  const shear_error *error) {
     const int64_t now = wall_ms();
     shear_error err = {0};
-    int state = 0;
+    enum store_state state = STORE_QUEUED;
     const store_failure f = {.failure_class = reason.class,
                              .code = reason.name,
                              .message = error->message[0] != '\0' ? error->message : reason.name,

@@ -48,9 +48,9 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     snprintf(j->checksum, sizeof j->checksum, "%s", e->checksum);
     j->info = e->info;
     j->plan = e->plan;
-    const store_learned learned = {.field = j->field == NULL ? e->info.name : NULL,
-                                   .content = e->checksum,
-                                   .n_stamps = e->info.n_stamps};
+    const store_input learned = {.field = j->field == NULL ? e->info.name : NULL,
+                                 .content = e->checksum,
+                                 .n_stamps = e->info.n_stamps};
     const bool named = j->field == NULL;
     if (named && shear_field_need_name(&e->info, j->path, &err) != SHEAR_OK) {
         ending_fail(s, j->id, j->failures, ending_reason_of(&err), &err);
@@ -63,7 +63,7 @@ static void opened(service *s, active_job *j, const engine_event *e) {
     }
     int code = group_begin(s, &err);
     if (code == SHEAR_OK) {
-        code = store_learn(s->store, j->id, &learned, &duplicate_of, &err);
+        code = store_set_input(s->store, j->id, &learned, &duplicate_of, &err);
     }
     if (code != SHEAR_OK) {
         log_error("job %lld: %s", (long long)j->id, err.message);
@@ -102,9 +102,9 @@ static void opened(service *s, active_job *j, const engine_event *e) {
 /* A commit failed since the job was opened, and with it, it may be, what the store learned then. */
 static int learn_again(service *s, const active_job *j, shear_error *err) {
     int64_t duplicate_of = 0;
-    const store_learned learned = {
+    const store_input learned = {
         .field = j->field, .content = j->checksum, .n_stamps = j->info.n_stamps};
-    return store_learn(s->store, j->id, &learned, &duplicate_of, err);
+    return store_set_input(s->store, j->id, &learned, &duplicate_of, err);
 }
 
 static sheard_report_file report_file(const active_job *j, const engine_event *e) {
@@ -191,7 +191,7 @@ static void done(service *s, active_job *j, const engine_event *e) {
 
 static void stopped(service *s, active_job *j) {
     shear_error err = {0};
-    int state = 0;
+    enum store_state state = STORE_QUEUED;
     int code = group_begin(s, &err);
     if (code == SHEAR_OK) {
         code = store_release(s->store, j->id, wall_ms(), &state, &err);

@@ -248,7 +248,7 @@ char *spooled_where(const service *s, const store_job *job);
  * is. */
 void spooled_end(service *s, store_job *job);
 /* A final job is to run again: its file, if it has one, back into active/. Errors as
- * spool_take_back; a job file may be missing, for the job knows all that it said. */
+ * spool_restore; a job file may be missing, for the job knows all that it said. */
 int spooled_take_back(service *s, const store_job *job, shear_error *err);
 
 int make_directory(const char *path, mode_t mode, shear_error *err); /* start.c; may be there */
@@ -266,7 +266,7 @@ int catalogs_open(service *s, shear_error *err);
 void catalogs_remove_retracted(service *s);
 /* That of a contribution of a forgotten field; of a retired job, as it is called in the directory.
  * True: there is none any more. */
-bool catalog_leaves(const service *s, const store_leaving *leaving);
+bool catalog_leaves(const service *s, const store_removal *leaving);
 
 /* method_forget.c */
 /* Contributions of fields that were forgotten are left, it may be from before the start: some of

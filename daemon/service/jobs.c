@@ -138,7 +138,7 @@ static void put_back_strays(service *s) {
     const store_job_filter running = {.states = 1u << STORE_RUNNING};
     store_job_page page = {0};
     shear_error err = {0};
-    int state = 0;
+    enum store_state state = STORE_QUEUED;
     int code = store_jobs(s->store, &running, STORE_PAGE_MAX, &page, &err);
     for (size_t i = 0; i < page.n && code == SHEAR_OK; i++) {
         const int64_t id = page.jobs[i].id;

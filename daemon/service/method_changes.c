@@ -97,7 +97,7 @@ bool method_may_change(service *s, const server_request *r, int64_t id) {
 void method_cancel(service *s, const server_request *r) {
     const int64_t id = r->request->params.id.id;
     shear_error err = {0};
-    int state = 0;
+    enum store_state state = STORE_QUEUED;
     if (!method_may_change(s, r, id)) {
         return;
     }

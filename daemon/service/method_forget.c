@@ -36,7 +36,7 @@ void forget_free(service *s) {
 /* ---- what is to leave ---- */
 
 typedef struct slice {
-    int64_t row; /* store_leaving's */
+    int64_t row; /* store_removal's */
     int64_t jobs;
     bool over;   /* that was all of the row */
     bool failed; /* a change that is tried again later */
@@ -87,11 +87,11 @@ static void have_left(service *s, after *a, int code, const shear_error *err) {
 }
 
 static int take_one(service *s, slice *out, shear_error *err) {
-    store_leaving next;
-    int code = store_next_leaving(s->store, &next, err);
+    store_removal next;
+    int code = store_next_removal(s->store, &next, err);
     if (code == SHEAR_OK && next.forgotten != 0) {
         const bool gone = next.contribution != 0 && catalog_leaves(s, &next);
-        code = store_leave(s->store, &next, gone, err);
+        code = store_remove(s->store, &next, gone, err);
     }
     if (code == SHEAR_OK) {
         out->row = next.forgotten;
@@ -102,7 +102,7 @@ static int take_one(service *s, slice *out, shear_error *err) {
         out->field = next.field;
         next.field = NULL;
     }
-    store_leaving_deinit(&next);
+    store_removal_deinit(&next);
     return code;
 }
 
@@ -117,11 +117,11 @@ static int take_some(service *s, slice *out, shear_error *err) {
 }
 
 static bool is_any_left(service *s) {
-    store_leaving next;
+    store_removal next;
     shear_error ignored;
-    store_next_leaving(s->store, &next, &ignored);
+    store_next_removal(s->store, &next, &ignored);
     const bool any = next.forgotten != 0;
-    store_leaving_deinit(&next);
+    store_removal_deinit(&next);
     return any;
 }
 

@@ -25,7 +25,7 @@ void method_job(service *s, const server_request *r) {
             history[i] = (sheard_msg_attempt){.number = a->number,
                                               .started_ms = a->started_ms,
                                               .ended_ms = a->ended_ms,
-                                              .outcome = a->ending,
+                                              .outcome = a->outcome,
                                               .job_class = a->failure_class,
                                               .code = a->code,
                                               .message = a->message};

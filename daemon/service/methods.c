@@ -51,7 +51,7 @@ static void do_hello(service *s, const server_request *r) {
 static bool jobs_known(service *s, const server_request *r, const int64_t *ids, size_t n) {
     for (size_t i = 0; i < n; i++) {
         shear_error err = {0};
-        int state;
+        enum store_state state;
         const int code = store_job_state(s->store, ids[i], &state, &err);
         if (code != SHEAR_OK) {
             method_refuse_store(s, r->handle, code, &err);
@@ -65,7 +65,7 @@ static bool jobs_known(service *s, const server_request *r, const int64_t *ids, 
 static void leave_final(service *s, uint64_t connection, const sheard_msg_subscribe *what,
                         sheard_msg_subscribed *now) {
     for (size_t i = 0; i < what->n_jobs; i++) {
-        int state;
+        enum store_state state;
         shear_error ignored;
         sheard_rpc_error error;
         if (store_job_state(s->store, what->jobs[i], &state, &ignored) == SHEAR_OK &&

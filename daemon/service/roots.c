@@ -127,8 +127,8 @@ static void hurry(service *s) {
     shear_error err = {0};
     int code = group_begin(s, &err);
     if (code == SHEAR_OK) {
-        code = store_hurry(s->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name, wall_ms(),
-                           &err);
+        code = store_retry_waiting(s->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name,
+                                   wall_ms(), &err);
     }
     if (code != SHEAR_OK) {
         log_warning("jobs that wait for a data root are tried later: %s", err.message);

@@ -42,10 +42,10 @@ bool spooled_is_own(const store_job *job) {
 
 static spool_place place_of(const store_job *job) {
     spool_place place = {.name = ""};
-    if (job->resting != NULL) {
-        snprintf(place.name, sizeof place.name, "%s", job->resting);
-        snprintf(place.print, sizeof place.print, "%s",
-                 job->resting_print != NULL ? job->resting_print : "");
+    if (job->place != NULL) {
+        snprintf(place.name, sizeof place.name, "%s", job->place);
+        snprintf(place.fingerprint, sizeof place.fingerprint, "%s",
+                 job->place_fingerprint != NULL ? job->place_fingerprint : "");
     }
     return place;
 }
@@ -59,9 +59,9 @@ char *spooled_where(const service *s, const store_job *job) {
     }
     spool_place place = place_of(job);
     if (place.name[0] == '\0' && sheard_job_state_is_final(job->state)) {
-        spool_find(s->spool, name, GLANCE, &place); /* the service died before it was kept */
+        spool_find_place(s->spool, name, GLANCE, &place); /* the service died before it was kept */
     }
-    const char *where = spool_where(s->spool, name, &place, buffer);
+    const char *where = spool_locate(s->spool, name, &place, buffer);
     return where != NULL && asprintf(&path, "%s/%s", s->config.spool.directory, where) > 0 ? path
                                                                                            : NULL;
 }
@@ -78,9 +78,9 @@ int spooled_take_back(service *s, const store_job *job, shear_error *err) {
     }
     spool_place place = place_of(job);
     if (place.name[0] == '\0') { /* of an older version's job, or the power failed */
-        spool_find(s->spool, name, SEARCH, &place);
+        spool_find_place(s->spool, name, SEARCH, &place);
     }
-    const int code = spool_take_back(s->spool, name, &place, err);
+    const int code = spool_restore(s->spool, name, &place, err);
     return is_job_file(job->dropped) ? SHEAR_OK : code;
 }
 
@@ -94,10 +94,10 @@ static void move(service *s, const char *active_name, bool good, const sheard_ms
     int code = sheard_side_text(&text, side, &error) == SHEARD_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
     if (code == SHEAR_OK) {
         /* Twice: the file may be there, and only an fsync missing; then it is not told again. */
-        code = spool_end(s->spool, active_name, good, text, place, &err);
+        code = spool_dispose(s->spool, active_name, good, text, place, &err);
         if (code == SHEAR_E_IO) {
             spool_place again;
-            code = spool_end(s->spool, active_name, good, text, &again, &err);
+            code = spool_dispose(s->spool, active_name, good, text, &again, &err);
             *place = again.name[0] != '\0' ? again : *place;
         }
     }
@@ -113,13 +113,13 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
     if (place->name[0] == '\0') {
         return; /* it had been moved before */
     }
-    free(job->resting);
-    free(job->resting_print);
-    job->resting = strdup(place->name);
-    job->resting_print = strdup(place->print);
+    free(job->place);
+    free(job->place_fingerprint);
+    job->place = strdup(place->name);
+    job->place_fingerprint = strdup(place->fingerprint);
     int code = group_begin(s, &err);
     if (code == SHEAR_OK) {
-        code = store_rested(s->store, job->id, place->name, place->print, &err);
+        code = store_set_disposal(s->store, job->id, place->name, place->fingerprint, &err);
     }
     if (code != SHEAR_OK) {
         log_warning("job %lld: where its file lies is not kept: %s", (long long)job->id,
@@ -340,7 +340,7 @@ int spooled_open(service *s, shear_error *err) {
     const sheard_config *c = &s->config;
     const spool_tuning tuning = reload_spool_tuning(c);
     const spool_callbacks callbacks = {
-        .room = room, .found = found, .log = spool_log, .now_ms = now_for_ages, .context = s};
+        .capacity = room, .found = found, .log = spool_log, .now_ms = now_for_ages, .context = s};
     return c->spool.enabled
                ? spool_open(&s->spool, &s->loop, c->spool.directory, &tuning, &callbacks, err)
                : SHEAR_OK;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How the service is put together, and taken apart. */
-#include "reader/find.h"
+#include "reader/program.h"
 #include "reader/scratch.h"
 #include "service/descriptors.h"
 #include "service/inner.h"
@@ -74,7 +74,7 @@ static int open_engine(service *s, shear_error *err) {
     char program[4200];
     char copies[4200];
     const bool chosen = strcmp(c->reader.scratch, "auto") != 0;
-    int code = reader_find(program, sizeof program, err);
+    int code = reader_find_program(program, sizeof program, err);
     if (code == SHEAR_OK) {
         code = scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
                             c->daemon.state_dir, err);

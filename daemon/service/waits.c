@@ -102,7 +102,7 @@ static int look(waiter *w) {
     const size_t end = w->n_ids - w->next > LOOKS_A_STEP ? w->next + LOOKS_A_STEP : w->n_ids;
     for (; w->next < end; w->next++) {
         shear_error err = {0};
-        int state = -1;
+        enum store_state state = STORE_QUEUED;
         const int code = store_job_state(w->list.s->store, w->ids[w->next], &state, &err);
         if (code != SHEAR_OK && !w->looked) {
             method_refuse_store(w->list.s, w->list.to, code, &err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From incoming/ to active/. */
-#include "spool/inner.h"
+#include "spool/internal.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -367,7 +367,7 @@ bool incoming_take(spool *s) {
         waiting_first(&s->waiting, WAITING_READY) == NULL) {
         return false;
     }
-    int64_t room = s->call.room(s->call.context);
+    int64_t room = s->call.capacity(s->call.context);
     const bool more = room > SPOOL_STEP_FILES;
     room = more ? SPOOL_STEP_FILES : room;
     for (; !s->closed && room > 0; room--) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening, closing, and the turn: what the spool does when the timer or inotify wakes it. */
-#include "spool/inner.h"
+#include "spool/internal.h"
 
 #include <errno.h>
 #include <fcntl.h>

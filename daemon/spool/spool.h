@@ -19,7 +19,7 @@
  *
  * Crashes: a file that was taken but has not ended is found again by the next spool_open, with the
  * same key. So the owner submits with the key as idempotency key, and commits a job's end before it
- * calls spool_end; then each file counts once.
+ * calls spool_dispose; then each file counts once.
  *
  * One thread: the loop's. Callbacks come from the loop (only messages come from within calls, too).
  * `found` may call everything here; the other callbacks nothing. The calls may wait for the disk.
@@ -46,7 +46,12 @@ enum spool_code {
 enum spool_level { SPOOL_ERROR, SPOOL_WARNING, SPOOL_NOTICE };
 
 /* Bytes, with the final NUL. */
-enum { SPOOL_KEY_SIZE = 35, SPOOL_NAME_SIZE = 256, SPOOL_PLACE_SIZE = 264, SPOOL_PRINT_SIZE = 64 };
+enum {
+    SPOOL_KEY_SIZE = 35,
+    SPOOL_NAME_SIZE = 256,
+    SPOOL_PLACE_SIZE = 264,
+    SPOOL_FINGERPRINT_SIZE = 64
+};
 
 typedef struct spool_file {
     const char *active_name; /* names the file to the calls below */
@@ -58,9 +63,9 @@ typedef struct spool_file {
 
 typedef struct spool_callbacks {
     /* How many new files may be taken now; 0: they wait in incoming/. Asked before every batch. */
-    int64_t (*room)(void *context);
+    int64_t (*capacity)(void *context);
     /* It is in active/, and on disk. Texts live during the call. The owner takes it (and calls
-     * spool_end one day), or refuses it for the time being with spool_refuse. */
+     * spool_dispose one day), or refuses it for the time being with spool_refuse. */
     void (*found)(void *context, const spool_file *file);
     void (*log)(void *context, int level, const char *text); /* one line */
     void *context;
@@ -70,21 +75,22 @@ typedef struct spool_callbacks {
 
 /* Where an ended file lies. */
 typedef struct spool_place {
-    char name[SPOOL_PLACE_SIZE];  /* "failed/NAME"; "": not known */
-    char print[SPOOL_PRINT_SIZE]; /* tells it from another file of this name; "": not known */
+    char name[SPOOL_PLACE_SIZE];              /* "failed/NAME"; "": not known */
+    char fingerprint[SPOOL_FINGERPRINT_SIZE]; /* tells it from another file of this name; "": not
+                                                 known */
 } spool_place;
 
 /* What stays in done/ or failed/; the oldest go first, a file and its report together. 0: no
  * limit. */
-typedef struct spool_keep {
+typedef struct spool_retention {
     int64_t max_age_ms, max_count, max_bytes;
-} spool_keep;
+} spool_retention;
 
 /* What may change while running. */
 typedef struct spool_tuning {
     int64_t settle_ms; /* >= 0 */
     int64_t scan_ms;   /* > 0: between two scans */
-    spool_keep done, failed;
+    spool_retention done, failed;
 } spool_tuning;
 
 typedef struct spool spool;
@@ -117,21 +123,21 @@ int spool_open_file(const spool *s, const char *active_name, int *fd, shear_erro
  * is missing: call it again. A file that is no longer in active/ has been moved before (or was
  * taken away): SHEAR_OK. *place (NULL: not wanted) tells where it is now; not known in that case.
  * SHEAR_E_IO, SHEAR_E_INTERNAL (not an active name). */
-int spool_end(spool *s, const char *active_name, bool good, const char *report, spool_place *place,
-              shear_error *err);
+int spool_dispose(spool *s, const char *active_name, bool good, const char *report,
+                  spool_place *place, shear_error *err);
 
 /* The way back: the file goes from `place` to active/ and its report away, all on disk when this
  * returns SHEAR_OK. The owner has accepted it already: it is not told, but by the next spool_open.
  * Where it is in active/ nothing happens. An error: the file is where it was. SPOOL_GONE,
  * SPOOL_REPLACED, SPOOL_NOT_REGULAR, SHEAR_E_IO, SHEAR_E_INTERNAL (no such names). */
-int spool_take_back(spool *s, const char *active_name, const spool_place *place, shear_error *err);
+int spool_restore(spool *s, const char *active_name, const spool_place *place, shear_error *err);
 /* Is it in active/, or at `place`? In active/: "active/ACTIVE_NAME"; else place->name, or NULL
  * where it is in neither. `buffer` is for the former. */
-const char *spool_where(const spool *s, const char *active_name, const spool_place *place,
-                        char buffer[SPOOL_PLACE_SIZE]);
+const char *spool_locate(const spool *s, const char *active_name, const spool_place *place,
+                         char buffer[SPOOL_PLACE_SIZE]);
 /* Look for an ended file whose place was not kept: for a report that has its key in it, among the
  * first `names` that it may have been given. The place is not known where there is none. */
-void spool_find(const spool *s, const char *active_name, int names, spool_place *place);
+void spool_find_place(const spool *s, const char *active_name, int names, spool_place *place);
 
 typedef struct spool_stats {
     int64_t waiting; /* in incoming/: those that settle, and those that wait for room */

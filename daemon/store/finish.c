@@ -46,7 +46,7 @@ static int job_sums_init(job_sums *j, const store_work *w, shear_error *err) {
 }
 
 /* The field's row: its id (0: there is none yet) and packed sums (the caller's). */
-static int find_field(store *s, const job_brief *b, int64_t *id, char **packed, shear_error *err) {
+static int find_field(store *s, const job_row *b, int64_t *id, char **packed, shear_error *err) {
     bool row = false;
     *id = 0;
     *packed = NULL;
@@ -63,7 +63,7 @@ static int find_field(store *s, const job_brief *b, int64_t *id, char **packed, 
     return code;
 }
 
-static int add_field(store *s, const job_brief *b, const job_sums *j, int64_t now_ms, int64_t *id,
+static int add_field(store *s, const job_row *b, const job_sums *j, int64_t now_ms, int64_t *id,
                      shear_error *err) {
     query q = query_on(s, SQL_FIELD_ADD);
     query_text(&q, b->field);
@@ -117,7 +117,7 @@ static int join_field(store *s, int64_t field, const char *field_packed, const j
     return code;
 }
 
-static int add_contribution(store *s, const job_brief *b, int64_t field, const job_sums *j,
+static int add_contribution(store *s, const job_row *b, int64_t field, const job_sums *j,
                             const store_work *w, shear_error *err) {
     query q = query_on(s, SQL_CONTRIBUTION_ADD);
     query_int(&q, field);
@@ -137,7 +137,7 @@ static int add_contribution(store *s, const job_brief *b, int64_t field, const j
     return query_run(&q, err);
 }
 
-static int count(store *s, const job_brief *b, const job_sums *j, const store_work *w,
+static int count(store *s, const job_row *b, const job_sums *j, const store_work *w,
                  shear_error *err) {
     int64_t field = 0;
     char *packed = NULL;
@@ -174,7 +174,7 @@ static int write_done(store *s, int64_t id, const store_work *w, const store_fin
 }
 
 /* The numbers that the job's row shows: the first job's where this one is its duplicate. */
-static int finish_done(store *s, const job_brief *b, const store_work *w, const job_sums *j,
+static int finish_done(store *s, const job_row *b, const store_work *w, const job_sums *j,
                        store_finished *end, shear_error *err) {
     identity_match m = {0};
     int code =
@@ -193,22 +193,22 @@ static int finish_done(store *s, const job_brief *b, const store_work *w, const 
         code = count(s, b, j, w, err);
     }
     if (code == SHEAR_OK) {
-        code = job_close_attempt(s, b->id, STORE_END_DONE, w->now_ms, NULL, err);
+        code = job_close_attempt(s, b->id, STORE_ATTEMPT_DONE, w->now_ms, NULL, err);
     }
     return code == SHEAR_OK ? write_done(s, b->id, w, end, &m, err) : code;
 }
 
-static int finish_cancelled(store *s, const job_brief *b, const store_work *w, store_finished *end,
+static int finish_cancelled(store *s, const job_row *b, const store_work *w, store_finished *end,
                             shear_error *err) {
     *end = (store_finished){.state = STORE_CANCELLED};
-    const int code = job_close_attempt(s, b->id, STORE_END_CANCELLED, w->now_ms, NULL, err);
+    const int code = job_close_attempt(s, b->id, STORE_ATTEMPT_CANCELLED, w->now_ms, NULL, err);
     return code == SHEAR_OK ? job_make_cancelled(s, b->id, w->now_ms, err) : code;
 }
 
 static int finish(store *s, int64_t id, const store_work *w, const job_sums *j, store_finished *end,
                   shear_error *err) {
-    job_brief b;
-    int code = job_brief_running(s, id, &b, err);
+    job_row b;
+    int code = job_row_get_running(s, id, &b, err);
     if (code == SHEAR_OK && b.cancel_asked) {
         code = finish_cancelled(s, &b, w, end, err);
     } else if (code == SHEAR_OK && (b.field == NULL || b.content == NULL)) {
@@ -217,7 +217,7 @@ static int finish(store *s, int64_t id, const store_work *w, const job_sums *j, 
     } else if (code == SHEAR_OK) {
         code = finish_done(s, &b, w, j, end, err);
     }
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     return code;
 }
 

@@ -106,15 +106,15 @@ int store_forget(store *s, const char *name, const char *settings_digest, store_
 
 /* ---- what was counted in them ---- */
 
-void store_leaving_deinit(store_leaving *l) {
+void store_removal_deinit(store_removal *l) {
     free(l->field);
     free(l->catalog);
-    *l = (store_leaving){0};
+    *l = (store_removal){0};
 }
 
-int store_next_leaving(store *s, store_leaving *next, shear_error *err) {
+int store_next_removal(store *s, store_removal *next, shear_error *err) {
     bool row = false;
-    *next = (store_leaving){0};
+    *next = (store_removal){0};
     query q = query_on(s, SQL_FORGOTTEN_NEXT);
     int code = query_step(&q, &row, err);
     if (row) {
@@ -128,12 +128,12 @@ int store_next_leaving(store *s, store_leaving *next, shear_error *err) {
     }
     query_end(&q);
     if (code != SHEAR_OK) {
-        store_leaving_deinit(next);
+        store_removal_deinit(next);
     }
     return code;
 }
 
-static int leave(store *s, const store_leaving *l, bool catalog_gone, shear_error *err) {
+static int leave(store *s, const store_removal *l, bool catalog_gone, shear_error *err) {
     if (l->contribution == 0) {
         return query_run_id(s, SQL_FORGOTTEN_DROP, l->forgotten, err);
     }
@@ -146,7 +146,7 @@ static int leave(store *s, const store_leaving *l, bool catalog_gone, shear_erro
                : code;
 }
 
-int store_leave(store *s, const store_leaving *l, bool catalog_gone, shear_error *err) {
+int store_remove(store *s, const store_removal *l, bool catalog_gone, shear_error *err) {
     const int code = operation_begin(s, err);
     return code == SHEAR_OK ? operation_end(s, leave(s, l, catalog_gone, err), err) : code;
 }

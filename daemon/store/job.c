@@ -4,21 +4,21 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
-void job_brief_deinit(job_brief *b) {
+void job_row_deinit(job_row *b) {
     free(b->field);
     free(b->settings_digest);
     free(b->content);
-    *b = (job_brief){0};
+    *b = (job_row){0};
 }
 
-int job_brief_get(store *s, int64_t id, job_brief *b, shear_error *err) {
+int job_row_get(store *s, int64_t id, job_row *b, shear_error *err) {
     bool row = false;
-    *b = (job_brief){.id = id};
-    query q = query_on(s, SQL_JOB_BRIEF);
+    *b = (job_row){.id = id};
+    query q = query_on(s, SQL_JOB_ROW);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
     if (row) {
-        b->state = (int)query_get_int(&q);
+        b->state = (enum store_state)query_get_int(&q);
         b->cancel_asked = query_get_int(&q) != 0;
         b->force = query_get_int(&q) != 0;
         b->field = query_get_text(&q);
@@ -32,13 +32,13 @@ int job_brief_get(store *s, int64_t id, job_brief *b, shear_error *err) {
     return code;
 }
 
-int job_wrong_state(const job_brief *b, const char *wanted, shear_error *err) {
+int job_wrong_state(const job_row *b, const char *wanted, shear_error *err) {
     return shear_fail(err, STORE_WRONG_STATE, NULL, "job %" PRId64 " is %s, not %s", b->id,
                       store_state_name(b->state), wanted);
 }
 
-int job_brief_running(store *s, int64_t id, job_brief *b, shear_error *err) {
-    const int code = job_brief_get(s, id, b, err);
+int job_row_get_running(store *s, int64_t id, job_row *b, shear_error *err) {
+    const int code = job_row_get(s, id, b, err);
     return code == SHEAR_OK && b->state != STORE_RUNNING ? job_wrong_state(b, "running", err)
                                                          : code;
 }
@@ -70,19 +70,20 @@ static int requeue(store *s, int64_t id, bool interrupted, shear_error *err) {
     return query_run(&q, err);
 }
 
-int job_put_back(store *s, int64_t id, int ending, int64_t now_ms, int *state, shear_error *err) {
-    job_brief b;
-    *state = 0;
-    int code = job_brief_running(s, id, &b, err);
+int job_put_back(store *s, int64_t id, int ending, int64_t now_ms, enum store_state *state,
+                 shear_error *err) {
+    job_row b;
+    *state = STORE_QUEUED;
+    int code = job_row_get_running(s, id, &b, err);
     if (code == SHEAR_OK) {
         code = job_close_attempt(s, id, ending, now_ms, NULL, err);
     }
     if (code == SHEAR_OK) {
         *state = b.cancel_asked ? STORE_CANCELLED : STORE_QUEUED;
         code = b.cancel_asked ? job_make_cancelled(s, id, now_ms, err)
-                              : requeue(s, id, ending == STORE_END_INTERRUPTED, err);
+                              : requeue(s, id, ending == STORE_ATTEMPT_INTERRUPTED, err);
     }
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     return code;
 }
 

@@ -7,7 +7,7 @@
 
 static void read_numbers(query *q, store_job *job) {
     job->id = query_get_int(q);
-    job->state = (int)query_get_int(q);
+    job->state = (enum store_state)query_get_int(q);
     job->outcome = (int)query_get_int(q);
     job->origin = (int)query_get_int(q);
     job->priority = (int)query_get_int(q);
@@ -44,15 +44,15 @@ static void read_texts(query *q, store_job *job) {
     job->catalog = query_get_text(q);
     job->groups = query_get_text(q);
     job->dropped = query_get_text(q);
-    job->resting = query_get_text(q);
-    job->resting_print = query_get_text(q);
+    job->place = query_get_text(q);
+    job->place_fingerprint = query_get_text(q);
 }
 
 void store_job_deinit(store_job *job) {
-    char *const texts[] = {job->field,   job->source,  job->settings,     job->settings_digest,
-                           job->key,     job->content, job->code,         job->message,
-                           job->advice,  job->result,  job->catalog,      job->groups,
-                           job->dropped, job->resting, job->resting_print};
+    char *const texts[] = {
+        job->field,   job->source, job->settings, job->settings_digest, job->key,
+        job->content, job->code,   job->message,  job->advice,          job->result,
+        job->catalog, job->groups, job->dropped,  job->place,           job->place_fingerprint};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         free(texts[i]);
     }
@@ -83,13 +83,13 @@ int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
     return code;
 }
 
-int store_job_state(store *s, int64_t id, int *state, shear_error *err) {
+int store_job_state(store *s, int64_t id, enum store_state *state, shear_error *err) {
     bool row = false;
     query q = query_on(s, SQL_JOB_STATE);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
     if (row) {
-        *state = (int)query_get_int(&q);
+        *state = (enum store_state)query_get_int(&q);
     } else if (code == SHEAR_OK) {
         code = no_job(id, err);
     }
@@ -110,7 +110,7 @@ static void read_attempt(query *q, store_attempt *a) {
     a->number = query_get_int(q);
     a->started_ms = query_get_int(q);
     a->ended_ms = query_get_int(q);
-    a->ending = (int)query_get_int(q);
+    a->outcome = (int)query_get_int(q);
     a->failure_class = (int)query_get_int(q);
     a->code = query_get_text(q);
     a->message = query_get_text(q);
@@ -133,7 +133,7 @@ static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error
 }
 
 static int check_exists(store *s, int64_t id, shear_error *err) {
-    int state;
+    enum store_state state;
     return store_job_state(s, id, &state, err);
 }
 

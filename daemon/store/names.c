@@ -4,7 +4,7 @@
 static const char *name_in(const char *const *names, int n, int value) {
     return value >= 0 && value < n ? names[value] : "unknown";
 }
-#define NAME_IN(names, value) name_in(names, (int)(sizeof(names) / sizeof(names)[0]), value)
+#define NAME_IN(names, value) name_in(names, (int)(sizeof(names) / sizeof(names)[0]), (int)(value))
 
 const char *store_code_name(int code) {
     static const char *const names[] = {"queue_full", "key_reused", "not_found", "wrong_state",
@@ -13,31 +13,31 @@ const char *store_code_name(int code) {
                                    : NAME_IN(names, code - STORE_QUEUE_FULL);
 }
 
-const char *store_state_name(int state) {
+const char *store_state_name(enum store_state state) {
     static const char *const names[] = {"queued", "running",   "waiting",  "done",
                                         "failed", "cancelled", "retracted"};
     return NAME_IN(names, state);
 }
 
-const char *store_outcome_name(int outcome) {
+const char *store_outcome_name(enum store_outcome outcome) {
     static const char *const names[] = {"none", "counted", "duplicate"};
     return NAME_IN(names, outcome);
 }
 
-const char *store_origin_name(int origin) {
+const char *store_origin_name(enum store_origin origin) {
     static const char *const names[] = {"spool", "socket"};
     return NAME_IN(names, origin);
 }
 
-const char *store_class_name(int failure_class) {
+const char *store_class_name(enum store_class failure_class) {
     static const char *const names[] = {"none", "transient", "data", "bug"};
     return NAME_IN(names, failure_class);
 }
 
-const char *store_ending_name(int ending) {
+const char *store_attempt_outcome_name(enum store_attempt_outcome outcome) {
     static const char *const names[] = {"open",      "done",     "failed",
                                         "cancelled", "released", "interrupted"};
-    return NAME_IN(names, ending);
+    return NAME_IN(names, outcome);
 }
 
 bool store_is_transient(int code) {

@@ -2,7 +2,7 @@
 /* store/query.h: one use of a cached statement: bind the parameters in order, step, read the
  * columns in order, end.
  *
- *     query q = query_on(s, SQL_JOB_BRIEF);
+ *     query q = query_on(s, SQL_JOB_ROW);
  *     query_int(&q, id);
  *     int code = query_step(&q, &row, err);
  *     ... query_get_int(&q) ...

@@ -104,12 +104,12 @@ int store_waiting_reasons(store *s, store_waiting *reasons, size_t room, size_t 
     return code;
 }
 
-int store_hurry(store *s, const char *failure, int64_t now_ms, shear_error *err) {
+int store_retry_waiting(store *s, const char *failure, int64_t now_ms, shear_error *err) {
     const int code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    query q = query_on(s, SQL_HURRY);
+    query q = query_on(s, SQL_RETRY_WAITING);
     query_int(&q, now_ms);
     query_text(&q, failure);
     return operation_end(s, query_run(&q, err), err);
@@ -143,11 +143,12 @@ static int write_failure(store *s, int64_t id, const store_failure *f, int state
     return query_run(&q, err);
 }
 
-static int fail(store *s, int64_t id, const store_failure *f, int *state, shear_error *err) {
-    job_brief b;
-    int code = job_brief_running(s, id, &b, err);
+static int fail(store *s, int64_t id, const store_failure *f, enum store_state *state,
+                shear_error *err) {
+    job_row b;
+    int code = job_row_get_running(s, id, &b, err);
     if (code == SHEAR_OK) {
-        code = job_close_attempt(s, id, STORE_END_FAILED, f->now_ms, f, err);
+        code = job_close_attempt(s, id, STORE_ATTEMPT_FAILED, f->now_ms, f, err);
     }
     if (code == SHEAR_OK) {
         *state = b.cancel_asked        ? STORE_CANCELLED
@@ -158,12 +159,13 @@ static int fail(store *s, int64_t id, const store_failure *f, int *state, shear_
     if (code == SHEAR_OK && *state == STORE_CANCELLED) {
         code = query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
     }
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     return code;
 }
 
-int store_fail(store *s, int64_t id, const store_failure *failure, int *state, shear_error *err) {
-    *state = 0;
+int store_fail(store *s, int64_t id, const store_failure *failure, enum store_state *state,
+               shear_error *err) {
+    *state = STORE_QUEUED;
     int code = check_failure(failure, err);
     if (code == SHEAR_OK) {
         code = operation_begin(s, err);
@@ -172,24 +174,24 @@ int store_fail(store *s, int64_t id, const store_failure *failure, int *state, s
         return code;
     }
     code = operation_end(s, fail(s, id, failure, state, err), err);
-    *state = code == SHEAR_OK ? *state : 0;
+    *state = code == SHEAR_OK ? *state : STORE_QUEUED;
     return code;
 }
 
-int store_release(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err) {
-    *state = 0;
+int store_release(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
+    *state = STORE_QUEUED;
     int code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_end(s, job_put_back(s, id, STORE_END_RELEASED, now_ms, state, err), err);
-    *state = code == SHEAR_OK ? *state : 0;
+    code = operation_end(s, job_put_back(s, id, STORE_ATTEMPT_RELEASED, now_ms, state, err), err);
+    *state = code == SHEAR_OK ? *state : STORE_QUEUED;
     return code;
 }
 
-static int cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err) {
-    job_brief b;
-    int code = job_brief_get(s, id, &b, err);
+static int cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
+    job_row b;
+    int code = job_row_get(s, id, &b, err);
     if (code != SHEAR_OK) {
         goto done;
     }
@@ -211,17 +213,17 @@ static int cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error 
         break;
     }
 done:
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     return code;
 }
 
-int store_cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err) {
-    *state = 0;
+int store_cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
+    *state = STORE_QUEUED;
     int code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
     code = operation_end(s, cancel(s, id, now_ms, state, err), err);
-    *state = code == SHEAR_OK ? *state : 0;
+    *state = code == SHEAR_OK ? *state : STORE_QUEUED;
     return code;
 }

@@ -41,8 +41,8 @@ const char *const sql_texts[SQL_N] = {
                  " ORDER BY priority DESC, id LIMIT 1",
     [SQL_START] = "UPDATE jobs SET state = 1, attempts = attempts + 1, attempt = attempt + 1,"
                   " started_ms = ?2 WHERE id = ?1",
-    [SQL_HURRY] = "UPDATE jobs INDEXED BY jobs_waiting SET not_before_ms = ?1"
-                  " WHERE state = 2 AND not_before_ms > ?1 AND code = ?2",
+    [SQL_RETRY_WAITING] = "UPDATE jobs INDEXED BY jobs_waiting SET not_before_ms = ?1"
+                          " WHERE state = 2 AND not_before_ms > ?1 AND code = ?2",
     [SQL_DUE] = "SELECT not_before_ms FROM jobs INDEXED BY jobs_waiting WHERE state = 2"
                 " ORDER BY not_before_ms LIMIT 1",
     [SQL_WAITING_SHIFT] = "UPDATE jobs INDEXED BY jobs_waiting"
@@ -67,9 +67,9 @@ const char *const sql_texts[SQL_N] = {
                           " WHERE job = ?1 AND number = (SELECT attempt FROM jobs WHERE id = ?1)",
 
     [SQL_JOB_STATE] = "SELECT state FROM jobs WHERE id = ?1",
-    [SQL_JOB_BRIEF] = "SELECT state, cancel_asked, forced, field, settings, content"
-                      " FROM jobs WHERE id = ?1",
-    [SQL_JOB_LEARN] =
+    [SQL_JOB_ROW] = "SELECT state, cancel_asked, forced, field, settings, content"
+                    " FROM jobs WHERE id = ?1",
+    [SQL_JOB_SET_INPUT] =
         "UPDATE jobs SET field = coalesce(?2, field), content = coalesce(?3, content),"
         " n_stamps = iif(?4 < 0, n_stamps, ?4) WHERE id = ?1",
     [SQL_JOB_DONE] = "UPDATE jobs SET state = 3, outcome = ?2, duplicate_of = ?3, n_stamps = ?4,"
@@ -84,7 +84,7 @@ const char *const sql_texts[SQL_N] = {
     [SQL_JOB_RETRY] = "UPDATE jobs SET state = 0, finished_ms = 0, attempts = 0, failures = 0,"
                       " interrupted = 0, failure_class = 0, code = NULL, message = NULL,"
                       " advice = NULL, resting = NULL, resting_print = NULL WHERE id = ?1",
-    [SQL_JOB_RESTED] = "UPDATE jobs SET resting = ?2, resting_print = ?3 WHERE id = ?1",
+    [SQL_JOB_SET_DISPOSAL] = "UPDATE jobs SET resting = ?2, resting_print = ?3 WHERE id = ?1",
     [SQL_CHECKPOINT_SET] = "INSERT INTO checkpoints(job, next_block, sums) VALUES (?1, ?2, ?3)"
                            " ON CONFLICT (job) DO UPDATE SET next_block = ?2, sums = ?3",
     [SQL_CHECKPOINT_GET] = "SELECT next_block, sums FROM checkpoints WHERE job = ?1",

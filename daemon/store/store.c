@@ -70,7 +70,7 @@ static int next_running(store *s, int64_t *id, shear_error *err) {
 /* No job can run while the database is being opened: those marked so ran when the service died. */
 static int recover(store *s, int64_t now_ms, shear_error *err) {
     int64_t id = 0;
-    int state = 0;
+    enum store_state state = STORE_QUEUED;
     int code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
@@ -78,7 +78,7 @@ static int recover(store *s, int64_t now_ms, shear_error *err) {
     do {
         code = next_running(s, &id, err);
         if (code == SHEAR_OK && id != 0) {
-            code = job_put_back(s, id, STORE_END_INTERRUPTED, now_ms, &state, err);
+            code = job_put_back(s, id, STORE_ATTEMPT_INTERRUPTED, now_ms, &state, err);
             s->opening.requeued += state == STORE_QUEUED;
             s->opening.cancelled += state == STORE_CANCELLED;
         }

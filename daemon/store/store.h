@@ -94,23 +94,23 @@ enum store_outcome {
 }; /* of a done job */
 enum store_origin { STORE_SPOOL = 0, STORE_SOCKET = 1 };
 enum store_class { STORE_NO_CLASS = 0, STORE_TRANSIENT = 1, STORE_DATA = 2, STORE_BUG = 3 };
-enum store_ending { /* of an attempt */
-                    STORE_OPEN = 0,
-                    STORE_END_DONE = 1,
-                    STORE_END_FAILED = 2,
-                    STORE_END_CANCELLED = 3,
-                    STORE_END_RELEASED = 4,   /* given back in good order */
-                    STORE_END_INTERRUPTED = 5 /* the service died */
+enum store_attempt_outcome { /* of an attempt */
+                             STORE_ATTEMPT_OPEN = 0,
+                             STORE_ATTEMPT_DONE = 1,
+                             STORE_ATTEMPT_FAILED = 2,
+                             STORE_ATTEMPT_CANCELLED = 3,
+                             STORE_ATTEMPT_RELEASED = 4,   /* given back in good order */
+                             STORE_ATTEMPT_INTERRUPTED = 5 /* the service died */
 };
 
 /* Stable lower-case names ("queue_full", "running", ...; "unknown" for what is none). Never NULL.
  */
 const char *store_code_name(int code); /* also of enum shear_code */
-const char *store_state_name(int state);
-const char *store_outcome_name(int outcome);
-const char *store_origin_name(int origin);
-const char *store_class_name(int failure_class);
-const char *store_ending_name(int ending);
+const char *store_state_name(enum store_state state);
+const char *store_outcome_name(enum store_outcome outcome);
+const char *store_origin_name(enum store_origin origin);
+const char *store_class_name(enum store_class failure_class);
+const char *store_attempt_outcome_name(enum store_attempt_outcome outcome);
 
 /* True where the same call may succeed later: the disk is full, an I/O error, memory is out. */
 bool store_is_transient(int code);
@@ -177,13 +177,13 @@ typedef struct store_spec {
         *settings_digest; /* stands for it: the same digest with another text is SHEAR_E_INTERNAL */
     const char *key;      /* idempotency key, unique for an owner; NULL: none */
     const char *dropped;  /* STORE_SPOOL: the file's name; else NULL */
-    int origin;           /* enum store_origin */
-    int priority;         /* higher runs first */
-    bool force;           /* count it even where its identity was counted before */
-    uint32_t owner;       /* uid */
-    uint32_t gid;         /* the owner's group ... */
-    const char *groups;   /* ... and supplementary ones when it asked, a text of the caller's; NULL:
-                             not known, and gid does not count */
+    enum store_origin origin;
+    int priority;       /* higher runs first */
+    bool force;         /* count it even where its identity was counted before */
+    uint32_t owner;     /* uid */
+    uint32_t gid;       /* the owner's group ... */
+    const char *groups; /* ... and supplementary ones when it asked, a text of the caller's; NULL:
+                           not known, and gid does not count */
     int64_t created_ms;
 } store_spec;
 
@@ -200,13 +200,14 @@ int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dr
                        shear_error *err);
 /* Where a dropped file lies now that its job is final: a place and a mark of the caller's, both at
  * most STORE_PATH_MAX bytes; forgotten by store_retry. */
-int store_rested(store *s, int64_t id, const char *resting, const char *print, shear_error *err);
+int store_set_disposal(store *s, int64_t id, const char *place, const char *fingerprint,
+                       shear_error *err);
 
 typedef struct store_job {
     int64_t id;
-    int state;   /* enum store_state */
-    int outcome; /* enum store_outcome */
-    int origin;  /* enum store_origin */
+    enum store_state state;
+    enum store_outcome outcome;
+    enum store_origin origin;
     int priority;
     bool force;
     bool cancel_asked; /* while running */
@@ -217,19 +218,19 @@ typedef struct store_job {
     int64_t interrupted; /* ... and those that ended with the service's death */
     int64_t attempt;     /* the number of the last attempt ever; 0: none */
     int64_t created_ms;
-    int64_t started_ms;    /* last attempt; 0: none */
-    int64_t finished_ms;   /* 0: unfinished */
-    int64_t not_before_ms; /* of a waiting job; else 0 */
-    int64_t n_stamps;      /* of the file; -1: not known yet */
-    int64_t n_used;        /* of a done job, else -1 */
-    int64_t elapsed_us;    /* of a done job, else 0 */
-    int64_t duplicate_of;  /* the job that was counted for this one; 0: none */
-    int failure_class; /* enum store_class: of the last failure; none once done or retried by hand
-                        */
-    char *field;       /* asked for, or learned from the file */
-    char *source;      /* never NULL */
-    char *settings;    /* never NULL */
-    char *settings_digest; /* never NULL */
+    int64_t started_ms;             /* last attempt; 0: none */
+    int64_t finished_ms;            /* 0: unfinished */
+    int64_t not_before_ms;          /* of a waiting job; else 0 */
+    int64_t n_stamps;               /* of the file; -1: not known yet */
+    int64_t n_used;                 /* of a done job, else -1 */
+    int64_t elapsed_us;             /* of a done job, else 0 */
+    int64_t duplicate_of;           /* the job that was counted for this one; 0: none */
+    enum store_class failure_class; /* of the last failure; none once done or retried by hand
+                                     */
+    char *field;                    /* asked for, or learned from the file */
+    char *source;                   /* never NULL */
+    char *settings;                 /* never NULL */
+    char *settings_digest;          /* never NULL */
     char *key;
     char *groups;  /* as given to store_submit */
     char *content; /* checksum */
@@ -239,8 +240,8 @@ typedef struct store_job {
     char *result; /* of a done job, as given to store_finish */
     char *catalog;
     char *dropped; /* as given to store_submit */
-    char *resting; /* as given to store_rested, both */
-    char *resting_print;
+    char *place;   /* as given to store_set_disposal, both */
+    char *place_fingerprint;
 } store_job;
 void store_job_deinit(store_job *job);
 
@@ -251,7 +252,7 @@ int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err);
 /* When the first waiting job wants to run; INT64_MAX: none waits. */
 int store_next_due(store *s, int64_t *due_ms, shear_error *err);
 /* What those waiting jobs that failed last with `code` wait for has come: they run at `now_ms`. */
-int store_hurry(store *s, const char *code, int64_t now_ms, shear_error *err);
+int store_retry_waiting(store *s, const char *code, int64_t now_ms, shear_error *err);
 
 /* Why jobs wait: those with the same code together. */
 typedef struct store_waiting {
@@ -261,8 +262,8 @@ typedef struct store_waiting {
     int64_t attempts; /* of the one with the most */
     int64_t next_ms;  /* when the first is tried again */
 } store_waiting;
-/* At most `room` of them; *n how many. */
-int store_waiting_reasons(store *s, store_waiting *reasons, size_t room, size_t *n,
+/* At most `capacity` of them; *n how many. */
+int store_waiting_reasons(store *s, store_waiting *reasons, size_t capacity, size_t *n,
                           shear_error *err);
 
 /* The caller's clock was set (or was found to be another one at a start): waiting jobs are moved by
@@ -273,18 +274,18 @@ typedef struct store_clock {
 } store_clock;
 int store_set_clock(store *s, const store_clock *clock, shear_error *err);
 
-typedef struct store_learned {
+typedef struct store_input {
     const char *field;   /* NULL: leave as it is */
     const char *content; /* checksum; NULL: leave as it is */
     int64_t n_stamps;    /* negative: leave as it is */
-} store_learned;
+} store_input;
 
 /* What opening a running job's input told. Another content than before drops the job's checkpoint.
  * *duplicate_of: the first job that was counted with the same identity (field, settings, content),
  * for an early store_finish without sums; 0: none, or the job is forced, or field and content are
  * not both known. */
-int store_learn(store *s, int64_t id, const store_learned *learned, int64_t *duplicate_of,
-                shear_error *err);
+int store_set_input(store *s, int64_t id, const store_input *input, int64_t *duplicate_of,
+                    shear_error *err);
 
 /* Remember the exact sums (shear/sums.h) of blocks [0, next_block) of a running job whose content
  * is known (STORE_WRONG_STATE otherwise). The last one counts. It is dropped when the job is done
@@ -308,7 +309,7 @@ int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums
 int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, shear_error *err);
 
 typedef struct store_work {
-    const char *sums;    /* the job's exact sums; NULL only for an early duplicate (store_learn) */
+    const char *sums; /* the job's exact sums; NULL only for an early duplicate (store_set_input) */
     const char *result;  /* text of the caller's; may be NULL */
     const char *catalog; /* path; may be NULL */
     int64_t elapsed_us;
@@ -322,9 +323,10 @@ typedef struct store_work {
 } store_work;
 
 typedef struct store_finished {
-    int state;   /* STORE_DONE, or STORE_CANCELLED where that was asked: then nothing is counted */
-    int outcome; /* of a done job */
-    int64_t duplicate_of; /* STORE_DUPLICATE: the job that was counted before */
+    enum store_state
+        state; /* STORE_DONE, or STORE_CANCELLED where that was asked: then nothing is counted */
+    enum store_outcome outcome; /* of a done job */
+    int64_t duplicate_of;       /* STORE_DUPLICATE: the job that was counted before */
 } store_finished;
 
 /* End a running job whose field and content are known (STORE_WRONG_STATE otherwise). One
@@ -336,8 +338,8 @@ int store_finish(store *s, int64_t id, const store_work *work, store_finished *e
 
 enum { STORE_NEVER = -1 };
 typedef struct store_failure {
-    int failure_class; /* enum store_class, not STORE_NO_CLASS */
-    const char *code;  /* stable name */
+    enum store_class failure_class; /* not STORE_NO_CLASS */
+    const char *code;               /* stable name */
     const char *message;
     const char *advice;  /* may be NULL */
     int64_t retry_at_ms; /* or STORE_NEVER */
@@ -346,13 +348,14 @@ typedef struct store_failure {
 
 /* A running job's attempt failed. *state: STORE_WAITING, STORE_FAILED, or STORE_CANCELLED where
  * that was asked. */
-int store_fail(store *s, int64_t id, const store_failure *failure, int *state, shear_error *err);
+int store_fail(store *s, int64_t id, const store_failure *failure, enum store_state *state,
+               shear_error *err);
 /* Put a running job back into the queue in good order (the service stops); where cancel was asked,
  * cancel it. */
-int store_release(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err);
+int store_release(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err);
 /* *state: STORE_CANCELLED at once, or STORE_RUNNING: marked, and the caller is to stop it. A
  * cancelled job stays so (SHEAR_OK); a done or failed one is STORE_WRONG_STATE. */
-int store_cancel(store *s, int64_t id, int64_t now_ms, int *state, shear_error *err);
+int store_cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err);
 /* A counted job's contribution leaves its field: the field's sums, numbers and terms are then, to
  * the last bit, what they would be had it never been (a field without contributions is gone). The
  * job is RETRACTED, with no outcome; its content may be counted again. Jobs that were found to be
@@ -362,7 +365,7 @@ int store_retract(store *s, int64_t id, shear_error *err);
 
 typedef struct store_forgotten {
     int64_t rows, contributions;
-    int64_t last; /* the rows' numbers (store_leaving) are those up to this one */
+    int64_t last; /* the rows' numbers (store_removal) are those up to this one */
 } store_forgotten;
 /* All that was counted in a field, with these settings (NULL: any): its records are gone, whose
  * contributions are to leave (below): they count and are recognised no more. STORE_NOT_FOUND where
@@ -372,18 +375,18 @@ int store_forget(store *s, const char *name, const char *settings_digest, store_
 
 /* What is to leave next, first of the field that was forgotten first, until nothing is left, also
  * after a restart: whoever has forgotten fields calls these two in turn. */
-typedef struct store_leaving {
+typedef struct store_removal {
     int64_t forgotten; /* number of the field's row, in the order of forgetting; 0: none is left */
     int64_t contribution; /* 0: all of them have left, and the row's number is to go */
     int64_t job;          /* the contribution's */
     bool kept;            /* not retired: it becomes RETRACTED */
     char *field;          /* its name */
     char *catalog;        /* of a job that is kept */
-} store_leaving;
-void store_leaving_deinit(store_leaving *leaving);
-int store_next_leaving(store *s, store_leaving *next, shear_error *err);
+} store_removal;
+void store_removal_deinit(store_removal *removal);
+int store_next_removal(store *s, store_removal *next, shear_error *err);
 /* `catalog_gone`: the job's file is not there any more; else store_next_leftover tells of it. */
-int store_leave(store *s, const store_leaving *leaving, bool catalog_gone, shear_error *err);
+int store_remove(store *s, const store_removal *removal, bool catalog_gone, shear_error *err);
 
 /* A retracted job tells its catalog until store_catalog_gone: the file must go after the change
  * is on disk, and may be left where the service dies between. The first such job after `after`, in
@@ -401,7 +404,7 @@ int store_last_job(store *s, int64_t *id, shear_error *err); /* the newest ever;
 
 int store_job_get(store *s, int64_t id, store_job *job, shear_error *err); /* STORE_NOT_FOUND */
 /* Its state alone, a hundred times as fast. STORE_NOT_FOUND. */
-int store_job_state(store *s, int64_t id, int *state, shear_error *err);
+int store_job_state(store *s, int64_t id, enum store_state *state, shear_error *err);
 
 typedef struct store_job_filter {
     unsigned states;   /* 1u << STORE_FAILED and so on, or'ed; 0: all */
@@ -426,8 +429,8 @@ int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job
 typedef struct store_attempt {
     int64_t number;               /* 1, 2, ... over the job's whole life */
     int64_t started_ms, ended_ms; /* ended: 0 while it is open */
-    int ending;                   /* enum store_ending */
-    int failure_class;            /* enum store_class */
+    enum store_attempt_outcome outcome;
+    enum store_class failure_class;
     char *code, *message;
 } store_attempt;
 typedef struct store_attempts {

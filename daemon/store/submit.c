@@ -196,14 +196,15 @@ int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dr
 }
 
 static int rested(store *s, int64_t id, const char *resting, const char *print, shear_error *err) {
-    query q = query_on(s, SQL_JOB_RESTED);
+    query q = query_on(s, SQL_JOB_SET_DISPOSAL);
     query_int(&q, id);
     query_text(&q, resting);
     query_text(&q, print);
     return query_run(&q, err);
 }
 
-int store_rested(store *s, int64_t id, const char *resting, const char *print, shear_error *err) {
+int store_set_disposal(store *s, int64_t id, const char *resting, const char *print,
+                       shear_error *err) {
     int code = query_check_text("place of a dropped file", resting, STORE_PATH_MAX, false, err);
     if (code == SHEAR_OK) {
         code = query_check_text("mark of a dropped file", print, STORE_PATH_MAX, true, err);
@@ -215,8 +216,8 @@ int store_rested(store *s, int64_t id, const char *resting, const char *print, s
 }
 
 static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
-    job_brief b;
-    int code = job_brief_get(s, id, &b, err);
+    job_row b;
+    int code = job_row_get(s, id, &b, err);
     if (code == SHEAR_OK && b.state != STORE_FAILED && b.state != STORE_CANCELLED) {
         code = job_wrong_state(&b, "failed or cancelled", err);
     }
@@ -226,7 +227,7 @@ static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err)
     if (code == SHEAR_OK) {
         code = query_run_id(s, SQL_JOB_RETRY, id, err);
     }
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     return code;
 }
 

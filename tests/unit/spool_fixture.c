@@ -179,7 +179,8 @@ int fixture_count(const spool_fixture *f, const char *folder) {
 
 void fixture_end(spool_fixture *f, int found, bool good, const char *report) {
     shear_error err = {0};
-    if (spool_end(f->spool, f->found[found].active_name, good, report, NULL, &err) != SHEAR_OK) {
+    if (spool_dispose(f->spool, f->found[found].active_name, good, report, NULL, &err) !=
+        SHEAR_OK) {
         fail_msg("%s", err.message);
     }
 }

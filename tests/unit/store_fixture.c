@@ -56,16 +56,16 @@ int fx_teardown(void **state) {
 
 int64_t fx_leave(fixture *f, int64_t n) {
     shear_error err = {0};
-    store_leaving next;
+    store_removal next;
     int64_t jobs = 0;
     for (int64_t i = 0; i < n; i++) {
-        FX_OK(store_next_leaving(f->s, &next, &err));
+        FX_OK(store_next_removal(f->s, &next, &err));
         const bool none = next.forgotten == 0;
         if (!none) {
-            FX_OK(store_leave(f->s, &next, false, &err));
+            FX_OK(store_remove(f->s, &next, false, &err));
             jobs += next.kept;
         }
-        store_leaving_deinit(&next);
+        store_removal_deinit(&next);
         if (none) {
             break;
         }
@@ -201,9 +201,9 @@ int64_t fx_running(fixture *f, const char *field, const char *content) {
     shear_error err = {0};
     int64_t duplicate_of = 0;
     const int64_t id = fx_submit(f, field);
-    const store_learned learned = {field, content, 16};
+    const store_input learned = {field, content, 16};
     assert_int_equal(fx_next(f), id);
-    FX_OK(store_learn(f->s, id, &learned, &duplicate_of, &err));
+    FX_OK(store_set_input(f->s, id, &learned, &duplicate_of, &err));
     return id;
 }
 
@@ -221,7 +221,7 @@ int64_t fx_done(fixture *f, const char *field, const char *content, unsigned see
 int fx_state(fixture *f, int64_t id) {
     shear_error err = {0};
     store_job job;
-    int state = -1;
+    enum store_state state = STORE_QUEUED;
     FX_OK(store_job_get(f->s, id, &job, &err));
     FX_OK(store_job_state(f->s, id, &state, &err));
     assert_int_equal(state, job.state);

@@ -147,10 +147,10 @@ int model_finish(model *m, int64_t id, bool sums, int64_t now_ms, store_finished
 }
 
 int model_fail(model *m, int64_t id, int failure_class, int64_t retry_at_ms, int64_t now_ms,
-               int *state) {
+               enum store_state *state) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
-    *state = 0;
+    *state = STORE_QUEUED;
     if (code == SHEAR_OK) {
         *state = job->cancel_asked  ? STORE_CANCELLED
                  : retry_at_ms >= 0 ? STORE_WAITING
@@ -163,10 +163,11 @@ int model_fail(model *m, int64_t id, int failure_class, int64_t retry_at_ms, int
     return code;
 }
 
-int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, int *state) {
+int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms,
+                   enum store_state *state) {
     model_job *job = NULL;
     const int code = find_in(m, id, STORE_RUNNING, &job);
-    *state = 0;
+    *state = STORE_QUEUED;
     if (code == SHEAR_OK) {
         *state = job->cancel_asked ? STORE_CANCELLED : STORE_QUEUED;
         move(m, job, *state, now_ms);
@@ -176,9 +177,9 @@ int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, int *
     return code;
 }
 
-int model_cancel(model *m, int64_t id, int64_t now_ms, int *state) {
+int model_cancel(model *m, int64_t id, int64_t now_ms, enum store_state *state) {
     model_job *job = find(m, id);
-    *state = 0;
+    *state = STORE_QUEUED;
     if (job == NULL) {
         return STORE_NOT_FOUND;
     }
@@ -319,7 +320,7 @@ int64_t model_retire(model *m, const store_retention *rule) {
 }
 
 void model_restart(model *m, int64_t now_ms) {
-    int state = 0;
+    enum store_state state = STORE_QUEUED;
     for (int64_t id = 1; id <= m->n_jobs; id++) {
         if (m->jobs[id].kept && m->jobs[id].state == STORE_RUNNING) {
             model_put_back(m, id, true, now_ms, &state);

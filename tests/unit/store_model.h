@@ -39,9 +39,9 @@ int model_learn(model *m, int64_t id, int field, int content, int64_t *duplicate
 int model_checkpoint(model *m, int64_t id, int64_t next_block);
 int model_finish(model *m, int64_t id, bool sums, int64_t now_ms, store_finished *end);
 int model_fail(model *m, int64_t id, int failure_class, int64_t retry_at_ms, int64_t now_ms,
-               int *state);
-int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, int *state);
-int model_cancel(model *m, int64_t id, int64_t now_ms, int *state);
+               enum store_state *state);
+int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms, enum store_state *state);
+int model_cancel(model *m, int64_t id, int64_t now_ms, enum store_state *state);
 int model_retry(model *m, int64_t id);
 int model_retract(model *m, int64_t id);
 typedef struct model_forgotten {

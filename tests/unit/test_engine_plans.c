@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Kept plans: equal bases share one, anything that differs does not, the bounds hold, and what is
  * in use is never given up. */
-#include "engine/plans.h"
+#include "engine/plan_cache.h"
 #include "gaussian.h"
 #include "test.h"
 
@@ -57,7 +57,7 @@ static int try_to_take(plans *p, fake_field *f, const shear_plan **plan, shear_e
     const shear_psf_source psfs = {.self = f, .read = read_psf};
     assert_int_equal(shear_plan_request_read(&request, &f->settings, &f->info, psfs, err),
                      SHEAR_OK);
-    const int code = plans_take(p, &request, plan, err);
+    const int code = plan_cache_acquire(p, &request, plan, err);
     shear_plan_request_deinit(&request);
     return code;
 }
@@ -72,7 +72,7 @@ static const shear_plan *take(plans *p, fake_field *f) {
 }
 
 static void expect(plans *p, int64_t count, int64_t hits, int64_t misses) {
-    const plans_statistics s = plans_get_statistics(p);
+    const plan_cache_statistics s = plan_cache_get_statistics(p);
     assert_int_equal(s.count, count);
     assert_int_equal(s.hits, hits);
     assert_int_equal(s.misses, misses);
@@ -81,19 +81,19 @@ static void expect(plans *p, int64_t count, int64_t hits, int64_t misses) {
 
 static void test_equal_fields_share(void **state) {
     (void)state;
-    plans *p = plans_new(4, much);
+    plans *p = plan_cache_new(4, much);
     fake_field a = a_field(1.3);
     fake_field b = a_field(1.3);
     const shear_plan *first = take(p, &a);
     assert_ptr_equal(take(p, &b), first);
     assert_int_equal(a.reads + b.reads, 2);
-    plans_give_back(p, first);
-    plans_give_back(p, first);
+    plan_cache_release(p, first);
+    plan_cache_release(p, first);
     b.info.n_stamps = 5; /* not the plan's business */
     assert_ptr_equal(take(p, &b), first);
-    plans_give_back(p, first);
+    plan_cache_release(p, first);
     expect(p, 1, 2, 1);
-    plans_free(p);
+    plan_cache_free(p);
 }
 
 /* One thing differs from the base field, each time another. */
@@ -140,7 +140,7 @@ enum { WAYS = 10 };
 
 static void test_whatever_differs_is_another(void **state) {
     (void)state;
-    plans *p = plans_new(MANY, much);
+    plans *p = plan_cache_new(MANY, much);
     fake_field base = a_field(1.3);
     const shear_plan *seen[WAYS + 1] = {take(p, &base)};
     for (int how = 0; how < WAYS; how++) {
@@ -155,23 +155,23 @@ static void test_whatever_differs_is_another(void **state) {
         fake_field f = a_field(1.3);
         differ(&f, how);
         assert_ptr_equal(take(p, &f), seen[how + 1]);
-        plans_give_back(p, seen[how + 1]);
+        plan_cache_release(p, seen[how + 1]);
     }
     expect(p, WAYS + 1, WAYS, WAYS + 1);
     for (int i = 0; i <= WAYS; i++) {
-        plans_give_back(p, seen[i]);
+        plan_cache_release(p, seen[i]);
     }
-    plans_free(p);
+    plan_cache_free(p);
 }
 
 static void touch(plans *p, double r) {
     fake_field f = a_field(r);
-    plans_give_back(p, take(p, &f));
+    plan_cache_release(p, take(p, &f));
 }
 
 static void test_the_oldest_goes_first(void **state) {
     (void)state;
-    plans *p = plans_new(2, much);
+    plans *p = plan_cache_new(2, much);
     touch(p, 1.1);
     touch(p, 1.2);
     touch(p, 1.1); /* hit: now 1.2 is the older one */
@@ -181,77 +181,77 @@ static void test_the_oldest_goes_first(void **state) {
     expect(p, 2, 2, 3);
     touch(p, 1.2);
     expect(p, 2, 2, 4);
-    plans_free(p);
+    plan_cache_free(p);
 }
 
 static void test_bytes_and_none(void **state) {
     (void)state;
-    plans *p = plans_new(MANY, much);
+    plans *p = plan_cache_new(MANY, much);
     touch(p, 1.1);
-    const int64_t one = plans_get_statistics(p).bytes;
+    const int64_t one = plan_cache_get_statistics(p).bytes;
     touch(p, 1.2);
-    assert_int_equal(plans_get_statistics(p).bytes, 2 * one);
-    plans_limit(p, MANY, 2 * one);
+    assert_int_equal(plan_cache_get_statistics(p).bytes, 2 * one);
+    plan_cache_limit(p, MANY, 2 * one);
     expect(p, 2, 0, 2);
-    plans_limit(p, MANY, 2 * one - 1);
+    plan_cache_limit(p, MANY, 2 * one - 1);
     expect(p, 1, 0, 2);
     touch(p, 1.2);
     expect(p, 1, 1, 2);
-    plans_limit(p, 0, much);
+    plan_cache_limit(p, 0, much);
     expect(p, 0, 1, 2);
     touch(p, 1.2);
     expect(p, 0, 1, 3);
-    plans_free(p);
+    plan_cache_free(p);
 }
 
 /* Kept beyond the bounds while it is in use, and shared all the same; given up when it is not. */
 static void test_in_use_stays(void **state) {
     (void)state;
-    plans *p = plans_new(0, 0);
+    plans *p = plan_cache_new(0, 0);
     fake_field a = a_field(1.1);
     fake_field b = a_field(1.2);
     const shear_plan *one = take(p, &a);
     const shear_plan *two = take(p, &b);
     assert_ptr_equal(take(p, &a), one);
     assert_true(shear_plan_get_info(one)->r_psf_px < shear_plan_get_info(two)->r_psf_px);
-    plans_give_back(p, one);
+    plan_cache_release(p, one);
     expect(p, 2, 1, 2);
-    plans_give_back(p, two);
+    plan_cache_release(p, two);
     assert_true(shear_plan_get_info(one)->r_psf_px > 0.0);
     expect(p, 1, 1, 2);
-    plans_give_back(p, one);
+    plan_cache_release(p, one);
     expect(p, 0, 1, 2);
-    plans_free(p);
+    plan_cache_free(p);
 }
 
 /* What is idle goes, the longest unused first, and no more than must. */
 static void test_shrunk(void **state) {
     (void)state;
-    plans *p = plans_new(MANY, much);
+    plans *p = plan_cache_new(MANY, much);
     fake_field a = a_field(1.3);
     fake_field b = a_field(1.4);
     fake_field c = a_field(1.5);
     const shear_plan *kept = take(p, &a);
-    plans_give_back(p, take(p, &b));
-    plans_give_back(p, take(p, &c));
-    const int64_t all = plans_get_statistics(p).bytes;
-    assert_int_equal(plans_shrink_to(p, all), all);
+    plan_cache_release(p, take(p, &b));
+    plan_cache_release(p, take(p, &c));
+    const int64_t all = plan_cache_get_statistics(p).bytes;
+    assert_int_equal(plan_cache_shrink_to(p, all), all);
     expect(p, 3, 0, 3);
-    assert_true(plans_shrink_to(p, all - 1) < all);
+    assert_true(plan_cache_shrink_to(p, all - 1) < all);
     expect(p, 2, 0, 3);
-    plans_give_back(p, take(p, &c)); /* still there */
+    plan_cache_release(p, take(p, &c)); /* still there */
     expect(p, 2, 1, 3);
-    assert_true(plans_shrink_to(p, 0) >= shear_plan_bytes(kept)); /* in use */
+    assert_true(plan_cache_shrink_to(p, 0) >= shear_plan_bytes(kept)); /* in use */
     expect(p, 1, 1, 3);
-    plans_give_back(p, kept);
-    assert_int_equal(plans_shrink_to(p, 0), 0);
+    plan_cache_release(p, kept);
+    assert_int_equal(plan_cache_shrink_to(p, 0), 0);
     expect(p, 0, 1, 3);
-    plans_free(p);
+    plan_cache_free(p);
 }
 
 static void test_errors_are_not_kept(void **state) {
     (void)state;
-    plans *p = plans_new(4, much);
+    plans *p = plan_cache_new(4, much);
     fake_field f = a_field(1.3);
     const shear_plan *plan = NULL;
     shear_error err = {0};
@@ -259,8 +259,8 @@ static void test_errors_are_not_kept(void **state) {
     assert_int_equal(try_to_take(p, &f, &plan, &err), SHEAR_E_BETA);
     assert_null(plan);
     expect(p, 0, 0, 1);
-    plans_give_back(p, NULL);
-    plans_free(p);
+    plan_cache_release(p, NULL);
+    plan_cache_free(p);
 }
 
 /* ---- many threads ---- */
@@ -278,14 +278,14 @@ static void *work(void *argument) {
         fake_field f = a_field(r);
         const shear_plan *plan = take(b->p, &f);
         assert_true(fabs(shear_plan_get_info(plan)->r_psf_px - r) < 0.05);
-        plans_give_back(b->p, plan);
+        plan_cache_release(b->p, plan);
     }
     return NULL;
 }
 
 static void test_many_threads(void **state) {
     (void)state;
-    plans *p = plans_new(1, much);
+    plans *p = plan_cache_new(1, much);
     pthread_t threads[THREADS];
     busy b[THREADS];
     for (int i = 0; i < THREADS; i++) {
@@ -295,10 +295,10 @@ static void test_many_threads(void **state) {
     for (int i = 0; i < THREADS; i++) {
         pthread_join(threads[i], NULL);
     }
-    const plans_statistics s = plans_get_statistics(p);
+    const plan_cache_statistics s = plan_cache_get_statistics(p);
     assert_int_equal(s.hits + s.misses, THREADS * ROUNDS);
     assert_int_equal(s.count, 1);
-    plans_free(p);
+    plan_cache_free(p);
 }
 
 int main(void) {

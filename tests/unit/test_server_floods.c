@@ -53,7 +53,7 @@ static void test_flood_and_fairness(void **state) {
     fixture *f = *state;
     client flood;
     client other;
-    f->options.limits.turn_us = 1; /* one thing a turn */
+    f->options.limits.slice_us = 1; /* one thing a turn */
     fx_open(f);
     cl_connect(f, &flood);
     cl_connect(f, &other);

@@ -240,7 +240,7 @@ static void test_gone(void **state) {
     client gone;
     client stays;
     fx_open(f);
-    f->options.limits.turn_us = 1;
+    f->options.limits.slice_us = 1;
     cl_connect(f, &gone);
     cl_connect(f, &stays);
     ask(f, &gone, "wait");

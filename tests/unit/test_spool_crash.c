@@ -109,11 +109,11 @@ static void log_nothing(void *context, int level, const char *text) {
 /* A job that failed is tried again once, and fails again. */
 static int end_again(service *v, const spool_file *file, const spool_place *failed,
                      const char *report) {
-    const int code = spool_take_back(v->spool, file->active_name, failed, NULL);
+    const int code = spool_restore(v->spool, file->active_name, failed, NULL);
     if (code != SHEAR_OK) {
         return SHEAR_OK; /* it lies in failed/; or in active/, and the next start tells it */
     }
-    return spool_end(v->spool, file->active_name, false, report, NULL, NULL);
+    return spool_dispose(v->spool, file->active_name, false, report, NULL, NULL);
 }
 
 /* The job is done the moment it is found; where it cannot be ended, it is told again. */
@@ -130,7 +130,7 @@ static void found(void *context, const spool_file *file) {
     close(fd);
     dprintf(v->ledger, "%c %s\n", content, file->key);
     snprintf(report, sizeof report, "of %c", content);
-    int code = spool_end(v->spool, file->active_name, content != 'B', report, &place, NULL);
+    int code = spool_dispose(v->spool, file->active_name, content != 'B', report, &place, NULL);
     if (code == SHEAR_OK && content == 'B') {
         code = end_again(v, file, &place, report);
     }

@@ -138,15 +138,15 @@ static void opening_taken_files(void **state) {
 static spool_place fail_it(spool_fixture *f, int found) {
     shear_error err = {0};
     spool_place place;
-    assert_int_equal(
-        spool_end(f->spool, f->found[found].active_name, false, f->found[found].key, &place, &err),
-        SHEAR_OK);
+    assert_int_equal(spool_dispose(f->spool, f->found[found].active_name, false,
+                                   f->found[found].key, &place, &err),
+                     SHEAR_OK);
     return place;
 }
 
 static int take_back(const spool_fixture *f, int found, const spool_place *place) {
     shear_error err = {0};
-    const int code = spool_take_back(f->spool, f->found[found].active_name, place, &err);
+    const int code = spool_restore(f->spool, f->found[found].active_name, place, &err);
     assert_true(code == SHEAR_OK || code == SHEAR_E_INTERNAL || err.advice[0] != '\0');
     return code;
 }
@@ -160,11 +160,11 @@ static void back_and_again(void **state) {
     const char *name = f->found[n].active_name;
     spool_place place = {.name = ""};
     snprintf(path, sizeof path, "active/%s", name);
-    assert_string_equal(spool_where(f->spool, name, &place, buffer), path);
+    assert_string_equal(spool_locate(f->spool, name, &place, buffer), path);
     for (int i = 0; i < 3; i++) {
         place = fail_it(f, n);
         assert_string_equal(place.name, "failed/a.fits");
-        assert_string_equal(spool_where(f->spool, name, &place, buffer), "failed/a.fits");
+        assert_string_equal(spool_locate(f->spool, name, &place, buffer), "failed/a.fits");
         assert_int_equal(fixture_count(f, "active"), 0);
         assert_int_equal(take_back(f, n, &place), SHEAR_OK);
         assert_int_equal(take_back(f, n, &place), SHEAR_OK); /* it is there already */
@@ -176,7 +176,7 @@ static void back_and_again(void **state) {
     assert_int_equal(f->n_found, 1); /* its owner knows of it */
     fixture_end(f, n, true, "{}");
     fixture_expect(f, "done/a.fits", "a");
-    assert_null(spool_where(f->spool, name, &place, buffer));
+    assert_null(spool_locate(f->spool, name, &place, buffer));
 }
 
 static void not_what_it_was(void **state) {
@@ -197,7 +197,7 @@ static void not_what_it_was(void **state) {
     assert_int_equal(take_back(f, n, &nowhere), SPOOL_GONE);
     assert_int_equal(take_back(f, n, &foreign), SPOOL_GONE);
     assert_int_equal(take_back(f, n, &outside), SPOOL_GONE);
-    assert_int_equal(spool_take_back(f->spool, "mine.fits", &place, NULL), SHEAR_E_INTERNAL);
+    assert_int_equal(spool_restore(f->spool, "mine.fits", &place, NULL), SHEAR_E_INTERNAL);
 }
 
 /* By its report, among others of its name, some of which retention has taken. */
@@ -210,11 +210,11 @@ static void found_by_its_report(void **state) {
     }
     assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits")), 0);
     assert_int_equal(unlink(fixture_path(f, "failed/a.1.fits.json")), 0);
-    spool_find(f->spool, f->found[2].active_name, 9, &place);
+    spool_find_place(f->spool, f->found[2].active_name, 9, &place);
     assert_string_equal(place.name, "failed/a.2.fits");
     assert_int_equal(take_back(f, 2, &place), SHEAR_OK);
     assert_int_equal(fixture_count(f, "failed"), 4);
-    spool_find(f->spool, f->found[1].active_name, 9, &place);
+    spool_find_place(f->spool, f->found[1].active_name, 9, &place);
     assert_string_equal(place.name, "");
 }
 
@@ -223,8 +223,9 @@ static void names_of_others_are_refused(void **state) {
     shear_error err = {0};
     fixture_open(f);
     fixture_write(f, "active/mine.fits", "?");
-    assert_int_equal(spool_end(f->spool, "mine.fits", true, "{}", NULL, &err), SHEAR_E_INTERNAL);
-    assert_int_equal(spool_end(f->spool, "../done", true, "{}", NULL, &err), SHEAR_E_INTERNAL);
+    assert_int_equal(spool_dispose(f->spool, "mine.fits", true, "{}", NULL, &err),
+                     SHEAR_E_INTERNAL);
+    assert_int_equal(spool_dispose(f->spool, "../done", true, "{}", NULL, &err), SHEAR_E_INTERNAL);
     assert_true(fixture_has(f, "active/mine.fits"));
 }
 

@@ -146,7 +146,7 @@ static void removed_done_is_made_anew(void **state) {
     fixture_write(f, "incoming/a.fits", "a");
     fixture_run_until_found(f, 1);
     assert_int_equal(rmdir(fixture_path(f, "done")), 0);
-    assert_int_equal(spool_end(f->spool, f->found[0].active_name, true, "{}", NULL, &err),
+    assert_int_equal(spool_dispose(f->spool, f->found[0].active_name, true, "{}", NULL, &err),
                      SHEAR_E_IO);
     assert_int_equal(fixture_count(f, "active"), 1);
     f->tuning.scan_ms = 1;

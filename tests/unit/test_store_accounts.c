@@ -147,7 +147,7 @@ static void accounts_of_before_are_taken_from_results(void **state) {
 
 static int64_t wait_until(fixture *f, const char *code, const char *message, int64_t at_ms) {
     shear_error err = {0};
-    int state = 0;
+    enum store_state state = STORE_QUEUED;
     store_failure failure = fx_failure(f, STORE_TRANSIENT, at_ms);
     failure.code = code;
     failure.message = message;

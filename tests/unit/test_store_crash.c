@@ -86,13 +86,13 @@ static void serve_finish(service *v, const store_job *job) {
 static void serve_next(service *v) {
     store_job job;
     int64_t of = 0;
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     must(store_next(v->f->s, fx_now(v->f), &job, NULL));
     if (job.id == 0) {
         return;
     }
-    const store_learned learned = {NULL, job.source, 16};
-    must(store_learn(v->f->s, job.id, &learned, &of, NULL));
+    const store_input learned = {NULL, job.source, 16};
+    must(store_set_input(v->f->s, job.id, &learned, &of, NULL));
     if (draw(v, 4) == 0) {
         char *sums = fx_sums(0);
         must(store_checkpoint(v->f->s, job.id, 1, sums, NULL));

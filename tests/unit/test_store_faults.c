@@ -63,7 +63,7 @@ static char *sums_2;
 
 static void fill(fixture *f) {
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     f->now = START_MS;
     FX_OK(store_begin(f->s, &err)); /* for speed */
     fx_done(f, "a", "c1", 1);
@@ -108,8 +108,8 @@ static int act_next(store *s, shear_error *err) {
 
 static int act_learn(store *s, shear_error *err) {
     int64_t of = 0;
-    const store_learned learned = {"c", "changed", 32};
-    return store_learn(s, 4, &learned, &of, err);
+    const store_input learned = {"c", "changed", 32};
+    return store_set_input(s, 4, &learned, &of, err);
 }
 
 /* Any terms are as good as others: of the 14 stamps that sums_2 has used. */
@@ -146,18 +146,18 @@ static int act_finish_new_field(store *s, shear_error *err) {
 }
 
 static int act_fail(store *s, shear_error *err) {
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     const store_failure f = {STORE_TRANSIENT, "io", "no room", NULL, 9000, 2000};
     return store_fail(s, 4, &f, &end, err);
 }
 
 static int act_release(store *s, shear_error *err) {
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     return store_release(s, 4, 2000, &end, err);
 }
 
 static int act_cancel(store *s, shear_error *err) {
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     return store_cancel(s, 6, 2000, &end, err);
 }
 
@@ -185,12 +185,12 @@ static int forget_new_field(store *s, shear_error *err) {
 }
 
 static int leave(store *s, shear_error *err) {
-    store_leaving next;
-    int code = store_next_leaving(s, &next, err);
+    store_removal next;
+    int code = store_next_removal(s, &next, err);
     if (code == SHEAR_OK) {
-        code = store_leave(s, &next, true, err);
+        code = store_remove(s, &next, true, err);
     }
-    store_leaving_deinit(&next);
+    store_removal_deinit(&next);
     return code;
 }
 

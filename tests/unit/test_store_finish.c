@@ -47,7 +47,7 @@ static void a_finished_job_is_counted(void **state) {
     assert_int_equal(job.n_used, 15); /* seed 4: one is flagged */
     store_job_deinit(&job);
     FX_OK(store_attempts_get(f->s, id, &list, &err));
-    assert_int_equal(list.attempts[0].ending, STORE_END_DONE);
+    assert_int_equal(list.attempts[0].outcome, STORE_ATTEMPT_DONE);
     store_attempts_deinit(&list);
 
     store_field_page page = get_field(f, "m31");
@@ -100,9 +100,9 @@ static void a_duplicate_is_not_counted(void **state) {
     char *sums = fx_sums(4);
     const int64_t first = fx_done(f, "a", "c", 4);
     const int64_t again = fx_submit(f, "a");
-    const store_learned learned = {"a", "c", 16};
+    const store_input learned = {"a", "c", 16};
     assert_int_equal(fx_next(f), again);
-    FX_OK(store_learn(f->s, again, &learned, &of, &err));
+    FX_OK(store_set_input(f->s, again, &learned, &of, &err));
     assert_int_equal(of, first);
     /* Recognised early: no sums are needed. */
     const store_finished end = finish(f, again, NULL);
@@ -152,8 +152,8 @@ static void another_identity_is_counted(void **state) {
     spec.settings_digest = "d1";
     FX_OK(store_submit(f->s, &spec, 100, &id, &known, &err));
     assert_int_equal(fx_next(f), id);
-    const store_learned learned = {"a", "c", 16};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    const store_input learned = {"a", "c", 16};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     assert_int_equal(of, 0);
     assert_int_equal(finish(f, id, sums).outcome, STORE_COUNTED);
     /* Kept apart by settings. */
@@ -180,8 +180,8 @@ static void force_counts_again(void **state) {
     spec.force = true;
     FX_OK(store_submit(f->s, &spec, 100, &id, &known, &err));
     assert_int_equal(fx_next(f), id);
-    const store_learned learned = {"a", "c", 16};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    const store_input learned = {"a", "c", 16};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     assert_int_equal(of, 0);
     assert_int_equal(finish(f, id, sums).outcome, STORE_COUNTED);
     const char *twice[] = {sums, sums};
@@ -206,11 +206,11 @@ static void finish_wants_all_it_needs(void **state) {
     const int64_t id = fx_submit(f, NULL);
     fx_next(f);
     FX_CODE(STORE_WRONG_STATE, store_finish(f->s, id, &work, &end, &err));
-    store_learned learned = {"a", NULL, -1};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    store_input learned = {"a", NULL, -1};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     FX_CODE(STORE_WRONG_STATE, store_finish(f->s, id, &work, &end, &err));
-    learned = (store_learned){NULL, "c", -1};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    learned = (store_input){NULL, "c", -1};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     work.sums = NULL;
     FX_CODE(STORE_WRONG_STATE, store_finish(f->s, id, &work, &end, &err));
     work.sums = "shear-sums 1 nonsense";
@@ -241,14 +241,14 @@ static void learning_has_limits(void **state) {
     static char endless[STORE_FIELD_MAX + 2];
     memset(endless, 'x', sizeof endless - 1);
     const int64_t id = fx_running(f, "a", "c");
-    store_learned learned = {endless, NULL, 0};
-    FX_CODE(STORE_BAD_TEXT, store_learn(f->s, id, &learned, &of, &err));
-    learned = (store_learned){NULL, "", 0};
-    FX_CODE(STORE_BAD_TEXT, store_learn(f->s, id, &learned, &of, &err));
-    learned = (store_learned){NULL, endless, 0};
-    FX_CODE(STORE_BAD_TEXT, store_learn(f->s, id, &learned, &of, &err));
-    learned = (store_learned){NULL, NULL, 77};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    store_input learned = {endless, NULL, 0};
+    FX_CODE(STORE_BAD_TEXT, store_set_input(f->s, id, &learned, &of, &err));
+    learned = (store_input){NULL, "", 0};
+    FX_CODE(STORE_BAD_TEXT, store_set_input(f->s, id, &learned, &of, &err));
+    learned = (store_input){NULL, endless, 0};
+    FX_CODE(STORE_BAD_TEXT, store_set_input(f->s, id, &learned, &of, &err));
+    learned = (store_input){NULL, NULL, 77};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     store_job job;
     FX_OK(store_job_get(f->s, id, &job, &err));
     assert_string_equal(job.field, "a");
@@ -260,7 +260,7 @@ static void learning_has_limits(void **state) {
 static void cancel_while_running_counts_nothing(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end_state = 0;
+    enum store_state end_state = STORE_QUEUED;
     store_attempts list;
     store_field_page page;
     int64_t block = 0;
@@ -274,7 +274,7 @@ static void cancel_while_running_counts_nothing(void **state) {
     assert_int_equal(end.outcome, STORE_NO_OUTCOME);
     assert_int_equal(fx_state(f, id), STORE_CANCELLED);
     FX_OK(store_attempts_get(f->s, id, &list, &err));
-    assert_int_equal(list.attempts[0].ending, STORE_END_CANCELLED);
+    assert_int_equal(list.attempts[0].outcome, STORE_ATTEMPT_CANCELLED);
     store_attempts_deinit(&list);
     FX_CODE(STORE_NOT_FOUND, store_field_get(f->s, "a", &page, &err));
     FX_CODE(STORE_NOT_FOUND, store_checkpoint_load(f->s, id, &block, &loaded, &err));
@@ -318,14 +318,14 @@ static void a_checkpoint_belongs_to_a_content(void **state) {
     const int64_t id = fx_submit(f, "a");
     fx_next(f);
     FX_CODE(STORE_WRONG_STATE, store_checkpoint(f->s, id, 5, sums, &err));
-    store_learned learned = {"a", "c", 160};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    store_input learned = {"a", "c", 160};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     FX_OK(store_checkpoint(f->s, id, 5, sums, &err));
-    FX_OK(store_learn(f->s, id, &learned, &of, &err)); /* the same file again */
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err)); /* the same file again */
     FX_OK(store_checkpoint_load(f->s, id, &block, &loaded, &err));
     free(loaded);
     learned.content = "d"; /* the file was changed */
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     FX_CODE(STORE_NOT_FOUND, store_checkpoint_load(f->s, id, &block, &loaded, &err));
     free(sums);
 }
@@ -349,8 +349,8 @@ static void the_file_names_the_field(void **state) {
     char *sums = fx_sums(1);
     const int64_t id = fx_submit(f, NULL);
     fx_next(f);
-    const store_learned learned = {"learned", "c", 16};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    const store_input learned = {"learned", "c", 16};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     /* Known, unfinished, nothing counted yet. */
     page = get_field(f, "learned");
     assert_int_equal(page.n, 0);
@@ -369,7 +369,7 @@ static void the_file_names_the_field(void **state) {
 static void totals_follow(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     store_totals t;
     store_counts c;
     char *sums = fx_sums(4);

@@ -69,7 +69,7 @@ static void a_failed_operation_leaves_the_group(void **state) {
 static void an_operation_is_undone_from_the_middle(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     const int64_t id = fx_running(f, "a", "c");
     const store_failure failure = fx_failure(f, STORE_DATA, STORE_NEVER);
     assert_int_equal(sqlite3_exec(f->s->db,

@@ -24,7 +24,7 @@ static store_job get(fixture *f, int64_t id) {
 
 static int fail_job(fixture *f, int64_t id, int64_t retry_at_ms) {
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     const store_failure failure = fx_failure(f, STORE_TRANSIENT, retry_at_ms);
     FX_OK(store_fail(f->s, id, &failure, &end, &err));
     assert_int_equal(end, fx_state(f, id));
@@ -33,7 +33,7 @@ static int fail_job(fixture *f, int64_t id, int64_t retry_at_ms) {
 
 static int cancel(fixture *f, int64_t id) {
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     FX_OK(store_cancel(f->s, id, fx_now(f), &end, &err));
     assert_int_equal(end, fx_state(f, id));
     return end;
@@ -71,7 +71,7 @@ static void next_opens_an_attempt(void **state) {
     assert_int_equal(list.attempts[0].number, 1);
     assert_int_equal(list.attempts[0].started_ms, 5000);
     assert_int_equal(list.attempts[0].ended_ms, 0);
-    assert_int_equal(list.attempts[0].ending, STORE_OPEN);
+    assert_int_equal(list.attempts[0].outcome, STORE_ATTEMPT_OPEN);
     store_attempts_deinit(&list);
     FX_CODE(STORE_NOT_FOUND, store_attempts_get(f->s, 99, &list, &err));
     assert_int_equal(list.n, 0);
@@ -120,13 +120,13 @@ static void waiting_jobs_are_hurried(void **state) {
     fx_next(f);
     const int64_t at = f->now + 1000;
     assert_int_equal(fail_job(f, id, at), STORE_WAITING);
-    FX_OK(store_hurry(f->s, "disk_full", f->now, &err));
+    FX_OK(store_retry_waiting(f->s, "disk_full", f->now, &err));
     FX_OK(store_next_due(f->s, &due, &err));
     assert_int_equal(due, at);
-    FX_OK(store_hurry(f->s, "io", at + 1000, &err)); /* never later than it was to run */
+    FX_OK(store_retry_waiting(f->s, "io", at + 1000, &err)); /* never later than it was to run */
     FX_OK(store_next_due(f->s, &due, &err));
     assert_int_equal(due, at);
-    FX_OK(store_hurry(f->s, "io", f->now, &err));
+    FX_OK(store_retry_waiting(f->s, "io", f->now, &err));
     FX_OK(store_next(f->s, f->now, &job, &err));
     assert_int_equal(job.id, id);
     store_job_deinit(&job);
@@ -162,7 +162,7 @@ static void a_failure_can_be_for_good(void **state) {
     store_job_deinit(&job);
     FX_OK(store_attempts_get(f->s, id, &list, &err));
     assert_int_equal(list.n, 1);
-    assert_int_equal(list.attempts[0].ending, STORE_END_FAILED);
+    assert_int_equal(list.attempts[0].outcome, STORE_ATTEMPT_FAILED);
     assert_int_equal(list.attempts[0].ended_ms, f->now);
     assert_int_equal(list.attempts[0].failure_class, STORE_TRANSIENT);
     assert_string_equal(list.attempts[0].code, "io");
@@ -173,7 +173,7 @@ static void a_failure_can_be_for_good(void **state) {
 static void a_failure_is_described(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     static char endless[STORE_MESSAGE_MAX + 2];
     const int64_t id = submit_at(f, 0);
     fx_next(f);
@@ -231,7 +231,7 @@ static void cancel_acts_at_once_or_asks(void **state) {
 static void release_queues_again(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     store_attempts list;
     const int64_t id = submit_at(f, 0);
     fx_next(f);
@@ -240,8 +240,8 @@ static void release_queues_again(void **state) {
     assert_int_equal(fx_next(f), id);
     FX_OK(store_attempts_get(f->s, id, &list, &err));
     assert_int_equal(list.n, 2);
-    assert_int_equal(list.attempts[0].ending, STORE_END_RELEASED);
-    assert_int_equal(list.attempts[1].ending, STORE_OPEN);
+    assert_int_equal(list.attempts[0].outcome, STORE_ATTEMPT_RELEASED);
+    assert_int_equal(list.attempts[1].outcome, STORE_ATTEMPT_OPEN);
     store_attempts_deinit(&list);
     store_job job = get(f, id);
     assert_int_equal(job.attempts, 2);
@@ -279,7 +279,7 @@ static void retry_starts_over(void **state) {
 static void only_the_last_attempts_are_kept(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     store_attempts list;
     const int64_t id = submit_at(f, 0);
     for (int i = 0; i < STORE_ATTEMPTS_KEPT + 10; i++) {
@@ -297,11 +297,11 @@ static void only_the_last_attempts_are_kept(void **state) {
 static void wrong_states_are_refused(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 1;
+    enum store_state end = STORE_RUNNING;
     int64_t duplicate_of = 0;
     store_finished finished;
     char *sums = fx_sums(1);
-    const store_learned learned = {"a", "c", 1};
+    const store_input learned = {"a", "c", 1};
     const store_work work = {.sums = sums, .now_ms = fx_now(f)};
     const store_failure failure = fx_failure(f, STORE_DATA, STORE_NEVER);
 
@@ -320,7 +320,7 @@ static void wrong_states_are_refused(void **state) {
 
     const int64_t idle[] = {queued, waiting, done, failed, cancelled};
     for (size_t i = 0; i < sizeof idle / sizeof idle[0]; i++) {
-        FX_CODE(STORE_WRONG_STATE, store_learn(f->s, idle[i], &learned, &duplicate_of, &err));
+        FX_CODE(STORE_WRONG_STATE, store_set_input(f->s, idle[i], &learned, &duplicate_of, &err));
         FX_CODE(STORE_WRONG_STATE, store_checkpoint(f->s, idle[i], 1, sums, &err));
         FX_CODE(STORE_WRONG_STATE, store_finish(f->s, idle[i], &work, &finished, &err));
         assert_int_equal(finished.state, 0);
@@ -335,7 +335,7 @@ static void wrong_states_are_refused(void **state) {
     FX_CODE(STORE_WRONG_STATE, store_retry(f->s, running, 100, &err));
     FX_CODE(STORE_WRONG_STATE, store_retry(f->s, waiting, 100, &err));
 
-    FX_CODE(STORE_NOT_FOUND, store_learn(f->s, 99, &learned, &duplicate_of, &err));
+    FX_CODE(STORE_NOT_FOUND, store_set_input(f->s, 99, &learned, &duplicate_of, &err));
     FX_CODE(STORE_NOT_FOUND, store_checkpoint(f->s, 99, 1, sums, &err));
     FX_CODE(STORE_NOT_FOUND, store_finish(f->s, 99, &work, &finished, &err));
     FX_CODE(STORE_NOT_FOUND, store_fail(f->s, 99, &failure, &end, &err));
@@ -372,7 +372,7 @@ static void a_restart_queues_what_ran(void **state) {
 
     FX_OK(store_attempts_get(f->s, running, &list, &err));
     assert_int_equal(list.n, 1);
-    assert_int_equal(list.attempts[0].ending, STORE_END_INTERRUPTED);
+    assert_int_equal(list.attempts[0].outcome, STORE_ATTEMPT_INTERRUPTED);
     assert_int_equal(list.attempts[0].ended_ms, f->now);
     store_attempts_deinit(&list);
     store_job job = get(f, running);

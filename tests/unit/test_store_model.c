@@ -98,9 +98,9 @@ static void do_learn(pair *p) {
     const int64_t id = pick(p, STORE_RUNNING);
     const int field = draw_or_none(p, FIELDS);
     const int content = draw_or_none(p, CONTENTS);
-    const store_learned learned = {name_of(fields, field), name_of(contents, content), 16};
+    const store_input learned = {name_of(fields, field), name_of(contents, content), 16};
     FX_CODE(model_learn(p->m, id, field, content, &of[0]),
-            store_learn(p->f.s, id, &learned, &of[1], &err));
+            store_set_input(p->f.s, id, &learned, &of[1], &err));
     assert_int_equal(of[0], of[1]);
 }
 
@@ -129,7 +129,7 @@ static void do_finish(pair *p) {
 
 static void do_fail(pair *p) {
     shear_error err = {0};
-    int end[2];
+    enum store_state end[2];
     const int64_t id = pick(p, STORE_RUNNING);
     const int64_t retry = draw(p, 2) == 0 ? STORE_NEVER : p->f.now + draw(p, 30);
     const int class = 1 + (int)draw(p, 3);
@@ -141,7 +141,7 @@ static void do_fail(pair *p) {
 
 static void do_release(pair *p) {
     shear_error err = {0};
-    int end[2];
+    enum store_state end[2];
     const int64_t id = pick(p, STORE_RUNNING);
     const int64_t now = fx_now(&p->f);
     FX_CODE(model_put_back(p->m, id, false, now, &end[0]),
@@ -151,7 +151,7 @@ static void do_release(pair *p) {
 
 static void do_cancel(pair *p) {
     shear_error err = {0};
-    int end[2];
+    enum store_state end[2];
     const int64_t id = pick(p, (int)draw(p, STORE_N_STATES));
     const int64_t now = fx_now(&p->f);
     FX_CODE(model_cancel(p->m, id, now, &end[0]), store_cancel(p->f.s, id, now, &end[1], &err));

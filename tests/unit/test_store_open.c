@@ -433,7 +433,7 @@ static void is_dropped(fixture *f, int64_t id, const char *name) {
     } else {
         assert_string_equal(job.dropped, name);
     }
-    assert_null(job.resting);
+    assert_null(job.place);
     store_job_deinit(&job);
 }
 
@@ -520,7 +520,7 @@ static void names_are_stable(void **state) {
     assert_string_equal(store_outcome_name(STORE_DUPLICATE), "duplicate");
     assert_string_equal(store_origin_name(STORE_SOCKET), "socket");
     assert_string_equal(store_class_name(STORE_BUG), "bug");
-    assert_string_equal(store_ending_name(STORE_END_INTERRUPTED), "interrupted");
+    assert_string_equal(store_attempt_outcome_name(STORE_ATTEMPT_INTERRUPTED), "interrupted");
     assert_true(store_is_transient(SHEAR_E_IO));
     assert_true(store_is_transient(SHEAR_E_FULL));
     assert_true(store_is_transient(SHEAR_E_NOMEM));

@@ -13,7 +13,7 @@ enum { JOBS = 60 };
 static void make_jobs(fixture *f) {
     static const char *const fields[] = {"a", "b", NULL};
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     char content[16];
     for (int i = 0; i < JOBS; i++) {
         int64_t id = 0;
@@ -28,10 +28,10 @@ static void make_jobs(fixture *f) {
             int64_t of = 0;
             const int64_t next = fx_next(f);
             snprintf(content, sizeof content, "c%d", i);
-            const store_learned learned = {"a", content, 16};
+            const store_input learned = {"a", content, 16};
             const store_failure failure =
                 fx_failure(f, STORE_TRANSIENT, i % 7 == 2 ? STORE_NEVER : INT64_MAX);
-            FX_OK(store_learn(f->s, next, &learned, &of, &err));
+            FX_OK(store_set_input(f->s, next, &learned, &of, &err));
             if (i % 7 <= 3) {
                 FX_OK(store_fail(f->s, next, &failure, &end, &err));
             } else if (i % 7 <= 5) {
@@ -243,8 +243,8 @@ static void a_page_may_end_within_a_name(void **state) {
     spec.settings_digest = "d1";
     FX_OK(store_submit(f->s, &spec, 10, &id, &known, &err));
     fx_next(f);
-    const store_learned learned = {"a", "c", 16};
-    FX_OK(store_learn(f->s, id, &learned, &of, &err));
+    const store_input learned = {"a", "c", 16};
+    FX_OK(store_set_input(f->s, id, &learned, &of, &err));
     char *sums = fx_sums(9);
     const store_work work = {.sums = sums, .now_ms = fx_now(f)};
     FX_OK(store_finish(f->s, id, &work, &end, &err));

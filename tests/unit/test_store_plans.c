@@ -96,7 +96,7 @@ static int64_t steps_of(store *s) {
 
 static void use_everything(fixture *f, const char *content) {
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     int64_t due = 0;
     store_counts counts;
     store_totals totals;

@@ -58,7 +58,7 @@ static void by_number_and_in_batches(void **state) {
 static void only_finished_ones(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     const int64_t waiting = fx_submit(f, "a");
     const store_failure passing = fx_failure(f, STORE_TRANSIENT, INT64_MAX);
     fx_next(f);
@@ -115,7 +115,7 @@ static void unused_settings_go(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     int64_t id = 0;
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     bool known = false;
     store_spec spec = fx_spec(f, "a");
     spec.key = "k";
@@ -146,7 +146,7 @@ static void credentials_are_shared(void **state) {
     shear_error err = {0};
     int64_t ids[4] = {0};
     bool known = false;
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     const char *const groups[] = {"4 27", "4 27", "", NULL};
     for (int i = 0; i < 4; i++) {
         store_spec spec = fx_spec(f, "a");

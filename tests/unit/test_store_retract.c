@@ -156,7 +156,7 @@ static void the_job_is_retracted(void **state) {
     FX_OK(store_total(f->s, &totals, &err));
     assert_int_equal(totals.counted, 1); /* that happened */
     assert_int_equal(totals.retracted, 1);
-    int state_now = 0;
+    enum store_state state_now = STORE_QUEUED;
     FX_CODE(STORE_WRONG_STATE, store_cancel(f->s, id, 1, &state_now, &err));
     FX_CODE(STORE_WRONG_STATE, store_retry(f->s, id, 10, &err));
     store_field_page page;
@@ -184,7 +184,7 @@ static void counts_again(void **state) {
 static void only_what_was_counted(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int now = 0;
+    enum store_state now = STORE_QUEUED;
     FX_CODE(STORE_NOT_FOUND, store_retract(f->s, 1, &err));
     const int64_t id = fx_running(f, "a", "c");
     FX_CODE(STORE_WRONG_STATE, store_retract(f->s, id, &err));
@@ -229,7 +229,7 @@ static void whole_fields(void **state) {
     const int64_t running = fx_running(f, "a", "e");
     FX_CODE(STORE_WRONG_STATE, store_forget(f->s, "a", NULL, &gone, &err));
     assert_non_null(strstr(err.message, "1 unfinished"));
-    int now = 0;
+    enum store_state now = STORE_QUEUED;
     FX_OK(store_cancel(f->s, running, fx_now(f), &now, &err));
     FX_OK(store_release(f->s, running, fx_now(f), &now, &err));
     FX_OK(store_forget(f->s, "a", "d0", &gone, &err));
@@ -295,26 +295,26 @@ static void tells_retired_jobs(void **state) {
     fixture *f = *state;
     shear_error err = {0};
     store_forgotten gone;
-    store_leaving next;
+    store_removal next;
     int64_t retired = 0;
     const int64_t first = count_one(f, "a", "c", 3, false);
     const store_retention rule = {INT64_MAX, -1, 10};
     FX_OK(store_retire(f->s, &rule, &retired, &err));
     const int64_t second = count_one(f, "a", "d", 4, false);
     FX_OK(store_forget(f->s, "a", NULL, &gone, &err));
-    FX_OK(store_next_leaving(f->s, &next, &err));
+    FX_OK(store_next_removal(f->s, &next, &err));
     assert_int_equal(next.job, first);
     assert_false(next.kept);
     assert_null(next.catalog);
     assert_string_equal(next.field, "a");
-    FX_OK(store_leave(f->s, &next, true, &err));
-    store_leaving_deinit(&next);
-    FX_OK(store_next_leaving(f->s, &next, &err));
+    FX_OK(store_remove(f->s, &next, true, &err));
+    store_removal_deinit(&next);
+    FX_OK(store_next_removal(f->s, &next, &err));
     assert_int_equal(next.job, second);
     assert_true(next.kept);
     assert_string_equal(next.catalog, "/c/1.shear.fits");
-    FX_OK(store_leave(f->s, &next, true, &err));
-    store_leaving_deinit(&next);
+    FX_OK(store_remove(f->s, &next, true, &err));
+    store_removal_deinit(&next);
     int64_t id = 0;
     char *path = NULL;
     FX_OK(store_next_leftover(f->s, 0, &id, &path, &err));

@@ -83,7 +83,7 @@ static void a_field_and_a_key_may_be_missing(void **state) {
 static void ids_grow_and_never_return(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int last_state = 0;
+    enum store_state last_state = STORE_QUEUED;
     int64_t gone = 0;
     const int64_t first = fx_submit(f, "a");
     const int64_t second = fx_submit(f, "a");
@@ -214,9 +214,9 @@ static void a_key_compares_what_was_asked(void **state) {
     store_spec spec = fx_spec(f, NULL);
     spec.key = "k";
     const int64_t id = submit(f, &spec, SHEAR_OK, false);
-    const store_learned learned = {"a", "c", 16};
+    const store_input learned = {"a", "c", 16};
     assert_int_equal(fx_next(f), id);
-    FX_OK(store_learn(f->s, id, &learned, &duplicate_of, &err));
+    FX_OK(store_set_input(f->s, id, &learned, &duplicate_of, &err));
     assert_int_equal(submit(f, &spec, SHEAR_OK, true), id);
     spec.field = "a";
     submit(f, &spec, STORE_KEY_REUSED, false);
@@ -237,7 +237,7 @@ static void the_queue_is_bounded(void **state) {
     shear_error err = {0};
     int64_t id = 0;
     bool known = false;
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     store_spec spec = fx_spec(f, "a");
     spec.key = "k0";
     FX_OK(store_submit(f->s, &spec, 3, &id, &known, &err));

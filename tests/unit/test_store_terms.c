@@ -111,7 +111,7 @@ static void pieces_follow_each_other(void **state) {
 static void pieces_go_with_their_checkpoint(void **state) {
     fixture *f = *state;
     shear_error err = {0};
-    int end = 0;
+    enum store_state end = STORE_QUEUED;
     int64_t of = 0;
     const int64_t done = fx_running(f, "a", "c");
     const int64_t cancelled = fx_running(f, "a", "d");
@@ -125,8 +125,8 @@ static void pieces_go_with_their_checkpoint(void **state) {
     FX_OK(store_release(f->s, cancelled, fx_now(f), &end, &err));
     assert_int_equal(end, STORE_CANCELLED);
     assert_saved(f, cancelled, 0);
-    const store_learned learned = {.content = "other", .n_stamps = -1};
-    FX_OK(store_learn(f->s, changed, &learned, &of, &err));
+    const store_input learned = {.content = "other", .n_stamps = -1};
+    FX_OK(store_set_input(f->s, changed, &learned, &of, &err));
     assert_saved(f, changed, 0);
 }
 

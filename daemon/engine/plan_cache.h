@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/plans.h: plans that outlive their jobs. Files of one survey mostly have stamps of one
+/* engine/plan_cache.h: plans that outlive their jobs. Files of one survey mostly have stamps of one
  * shape, one set of settings and often one PSF: such jobs share a plan (shear/plan.h: immutable,
  * any number of threads), and the next one need not make it again.
  *
@@ -19,27 +19,27 @@ typedef struct plans plans;
 
 /* At most `max_count` plans of `max_bytes` together; 0 in either: none is kept. NULL: out of
  * memory. */
-plans *plans_new(int64_t max_count, int64_t max_bytes);
+plans *plan_cache_new(int64_t max_count, int64_t max_bytes);
 /* No plan may be in use. NULL is accepted. */
-void plans_free(plans *p);
+void plan_cache_free(plans *p);
 
 /* Other bounds, from now on. */
-void plans_limit(plans *p, int64_t max_count, int64_t max_bytes);
+void plan_cache_limit(plans *p, int64_t max_count, int64_t max_bytes);
 
 /* Give up idle plans, the longest unused first, until all take at most `bytes`, or none is idle.
  * What they take then. */
-int64_t plans_shrink_to(plans *p, int64_t bytes);
+int64_t plan_cache_shrink_to(plans *p, int64_t bytes);
 
 /* The plan for these, kept or new. *plan is NULL on an error: those of shear_plan_new. To be given
- * back by plans_give_back, which NULL is accepted by. */
-int plans_take(plans *p, const shear_plan_request *request, const shear_plan **plan,
-               shear_error *err);
-void plans_give_back(plans *p, const shear_plan *plan);
+ * back by plan_cache_release, which NULL is accepted by. */
+int plan_cache_acquire(plans *p, const shear_plan_request *request, const shear_plan **plan,
+                       shear_error *err);
+void plan_cache_release(plans *p, const shear_plan *plan);
 
-typedef struct plans_statistics {
+typedef struct plan_cache_statistics {
     int64_t count, bytes; /* now, with those in use; bytes as of shear_plan_bytes */
     int64_t hits, misses; /* since the start */
-} plans_statistics;
-plans_statistics plans_get_statistics(plans *p);
+} plan_cache_statistics;
+plan_cache_statistics plan_cache_get_statistics(plans *p);
 
 #endif

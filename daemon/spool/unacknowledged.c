@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "spool/offers.h"
+#include "spool/unacknowledged.h"
 
-#include "spool/inner.h"
+#include "spool/internal.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "spool/waiting.h"
+#include "spool/candidates.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -8,7 +8,7 @@
  *
  * The last fsync keeps a link that is gone from coming back with the power: by then another file
  * may lie at failed/NAME, with a report of its own. */
-#include "spool/inner.h"
+#include "spool/internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -20,8 +20,8 @@
 
 /* The file's size and time of change: they go with it through renames and copies that keep times.
  */
-static void print_of(const struct stat *st, char out[SPOOL_PRINT_SIZE]) {
-    snprintf(out, SPOOL_PRINT_SIZE, "%" PRId64 " %" PRId64 ".%09ld", (int64_t)st->st_size,
+static void print_of(const struct stat *st, char out[SPOOL_FINGERPRINT_SIZE]) {
+    snprintf(out, SPOOL_FINGERPRINT_SIZE, "%" PRId64 " %" PRId64 ".%09ld", (int64_t)st->st_size,
              (int64_t)st->st_mtim.tv_sec, st->st_mtim.tv_nsec);
 }
 
@@ -30,7 +30,7 @@ void place_set(const folders *f, spool_place *place, int folder, const char *nam
     *place = (spool_place){.name = ""};
     if (folder_stat(f, folder, name, &st) == 0) {
         snprintf(place->name, sizeof place->name, "%s/%.255s", folder_name(folder), name);
-        print_of(&st, place->print);
+        print_of(&st, place->fingerprint);
     }
 }
 
@@ -47,8 +47,8 @@ static const char *read_place(const spool_place *place, int *folder) {
     return NULL;
 }
 
-const char *spool_where(const spool *s, const char *active_name, const spool_place *place,
-                        char buffer[SPOOL_PLACE_SIZE]) {
+const char *spool_locate(const spool *s, const char *active_name, const spool_place *place,
+                         char buffer[SPOOL_PLACE_SIZE]) {
     struct stat st;
     int folder = 0;
     if (name_of_active(active_name) != NULL &&
@@ -81,7 +81,7 @@ static bool has_key(const folders *f, int folder, const char *report, const char
     return found;
 }
 
-void spool_find(const spool *s, const char *active_name, int names, spool_place *place) {
+void spool_find_place(const spool *s, const char *active_name, int names, spool_place *place) {
     const char *name = name_of_active(active_name);
     char key[SPOOL_KEY_SIZE];
     *place = (spool_place){.name = ""};
@@ -108,7 +108,7 @@ void spool_find(const spool *s, const char *active_name, int names, spool_place 
 static int check_same(const spool *s, int folder, const char *name, const spool_place *place,
                       shear_error *err) {
     struct stat st;
-    char print[SPOOL_PRINT_SIZE];
+    char print[SPOOL_FINGERPRINT_SIZE];
     const int error = folder_stat(&s->folders, folder, name, &st);
     if (error != 0) {
         return shear_fail(err, error == ENOENT ? SPOOL_GONE : SHEAR_E_IO,
@@ -122,7 +122,7 @@ static int check_same(const spool *s, int folder, const char *name, const spool_
                           "%s/%s: is no regular file", s->folders.path, place->name);
     }
     print_of(&st, print);
-    if (place->print[0] != '\0' && strcmp(print, place->print) != 0) {
+    if (place->fingerprint[0] != '\0' && strcmp(print, place->fingerprint) != 0) {
         return shear_fail(err, SPOOL_REPLACED,
                           "put what is to be measured into incoming/, it becomes a new job",
                           "%s/%s: is not the file that was dropped: its size or its time has "
@@ -162,7 +162,7 @@ static int move_back(const folders *f, const char *active_name, int folder, cons
     return 0;
 }
 
-int spool_take_back(spool *s, const char *active_name, const spool_place *place, shear_error *err) {
+int spool_restore(spool *s, const char *active_name, const spool_place *place, shear_error *err) {
     struct stat st;
     int folder = 0;
     const char *name = read_place(place, &folder);

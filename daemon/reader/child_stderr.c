@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "reader/last_words.h"
+#include "reader/child_stderr.h"
 
 #include <errno.h>
 #include <fcntl.h>

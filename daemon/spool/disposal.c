@@ -10,7 +10,7 @@
  * Where a link is found at the start and its file is still in active/, the report goes; where the
  * file has moved, only the link. The link itself needs no fsync: if the power fails and it is lost
  * but the report is not, there is a report too many, and no file is lost or overwritten. */
-#include "spool/inner.h"
+#include "spool/internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -275,8 +275,8 @@ static int end_file(spool *s, ending *e, const char *text, spool_place *place) {
     return error;
 }
 
-int spool_end(spool *s, const char *active_name, bool good, const char *report, spool_place *place,
-              shear_error *err) {
+int spool_dispose(spool *s, const char *active_name, bool good, const char *report,
+                  spool_place *place, shear_error *err) {
     spool_place ignored;
     ending e = {.active_name = active_name,
                 .name = name_of_active(active_name),

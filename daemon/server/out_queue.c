@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/out.h"
+#include "server/out_queue.h"
 
 #include <stdlib.h>
 

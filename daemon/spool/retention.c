@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "spool/sweep.h"
+#include "spool/retention.h"
 
-#include "spool/inner.h"
+#include "spool/internal.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -45,7 +45,7 @@ void sweep_begin(sweep *w) {
     }
 }
 
-static const spool_keep *limits(const spool *s) {
+static const spool_retention *limits(const spool *s) {
     return s->sweep.folder == DONE ? &s->tuning.done : &s->tuning.failed;
 }
 
@@ -163,7 +163,7 @@ static bool read_some(spool *s) {
 
 /* ---- removing ---- */
 
-static bool too_much(const sweep *w, const spool_keep *keep, int64_t now_ns) {
+static bool too_much(const sweep *w, const spool_retention *keep, int64_t now_ns) {
     if (w->next == w->n) {
         return false;
     }
@@ -219,7 +219,7 @@ bool sweep_step(spool *s) {
     if (w->items != NULL) {
         return remove_some(s);
     }
-    const spool_keep *keep = limits(s);
+    const spool_retention *keep = limits(s);
     const bool limited = keep->max_age_ms > 0 || keep->max_count > 0 || keep->max_bytes > 0;
     w->dir = limited ? folder_list(&s->folders, w->folder) : NULL;
     if (w->dir == NULL) {

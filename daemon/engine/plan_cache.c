@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One lock guards the list; no plan is made and no PSF is read under it. Two threads that miss the
  * same plan at the same time both make it, and the later one takes the earlier one's. */
-#include "engine/plans.h"
+#include "engine/plan_cache.h"
 
 #include <pthread.h>
 #include <stdio.h>
@@ -26,7 +26,7 @@ struct plans {
     pthread_mutex_t lock;
     TAILQ_HEAD(plan_list_head, kept_plan) list; /* last used first */
     int64_t max_count, max_bytes;
-    plans_statistics statistics;
+    plan_cache_statistics statistics;
 };
 
 /* ---- keys ---- */
@@ -113,7 +113,7 @@ static void shrink(plans *p, int64_t max_count, int64_t max_bytes) {
 
 /* ---- the calls ---- */
 
-plans *plans_new(int64_t max_count, int64_t max_bytes) {
+plans *plan_cache_new(int64_t max_count, int64_t max_bytes) {
     plans *p = calloc(1, sizeof *p);
     if (p != NULL) {
         pthread_mutex_init(&p->lock, NULL);
@@ -124,7 +124,7 @@ plans *plans_new(int64_t max_count, int64_t max_bytes) {
     return p;
 }
 
-void plans_limit(plans *p, int64_t max_count, int64_t max_bytes) {
+void plan_cache_limit(plans *p, int64_t max_count, int64_t max_bytes) {
     pthread_mutex_lock(&p->lock);
     p->max_count = max_count;
     p->max_bytes = max_bytes;
@@ -132,11 +132,11 @@ void plans_limit(plans *p, int64_t max_count, int64_t max_bytes) {
     pthread_mutex_unlock(&p->lock);
 }
 
-void plans_free(plans *p) {
+void plan_cache_free(plans *p) {
     if (p == NULL) {
         return;
     }
-    plans_limit(p, 0, 0);
+    plan_cache_limit(p, 0, 0);
     pthread_mutex_destroy(&p->lock);
     free(p);
 }
@@ -185,8 +185,8 @@ static const shear_plan *take_kept(plans *p, const key *k) {
     return kept != NULL ? kept->plan : NULL;
 }
 
-int plans_take(plans *p, const shear_plan_request *request, const shear_plan **plan,
-               shear_error *err) {
+int plan_cache_acquire(plans *p, const shear_plan_request *request, const shear_plan **plan,
+                       shear_error *err) {
     key k = {0};
     int code = SHEAR_OK;
     *plan = NULL;
@@ -202,7 +202,7 @@ int plans_take(plans *p, const shear_plan_request *request, const shear_plan **p
     return code;
 }
 
-int64_t plans_shrink_to(plans *p, int64_t bytes) {
+int64_t plan_cache_shrink_to(plans *p, int64_t bytes) {
     pthread_mutex_lock(&p->lock);
     shrink(p, INT64_MAX, bytes);
     const int64_t left = p->statistics.bytes;
@@ -210,7 +210,7 @@ int64_t plans_shrink_to(plans *p, int64_t bytes) {
     return left;
 }
 
-void plans_give_back(plans *p, const shear_plan *plan) {
+void plan_cache_release(plans *p, const shear_plan *plan) {
     kept_plan *kept = NULL;
     if (plan == NULL) {
         return;
@@ -226,9 +226,9 @@ void plans_give_back(plans *p, const shear_plan *plan) {
     pthread_mutex_unlock(&p->lock);
 }
 
-plans_statistics plans_get_statistics(plans *p) {
+plan_cache_statistics plan_cache_get_statistics(plans *p) {
     pthread_mutex_lock(&p->lock);
-    const plans_statistics now = p->statistics;
+    const plan_cache_statistics now = p->statistics;
     pthread_mutex_unlock(&p->lock);
     return now;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The course of one job, on a thread of its own. The reader is started by this thread and lives no
  * longer than it: the kernel kills a child whose parent thread ends (PR_SET_PDEATHSIG). */
-#include "engine/inner.h"
+#include "engine/internal.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/last_words.h: what a reader child writes to its standard error, which is mostly nothing:
+/* reader/child_stderr.h: what a reader child writes to its standard error, which is mostly nothing:
  * the dynamic linker's complaint of a missing library, say. */
 #ifndef SHEARD_READER_LAST_WORDS_H
 #define SHEARD_READER_LAST_WORDS_H

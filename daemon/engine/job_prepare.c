@@ -2,7 +2,7 @@
 /* A job until it can be measured: its files are open in its reader, hashed, and there are memory
  * and a plan for it. */
 #include "engine/budget.h"
-#include "engine/inner.h"
+#include "engine/internal.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -73,7 +73,7 @@ static int plan_within_budget(job *j, const shear_plan_request *request, shear_e
     for (int64_t bytes = planning; code == SHEAR_OK;) {
         code = reserve(j, bytes, err);
         if (code == SHEAR_OK) {
-            code = plans_take(j->engine->plans, request, &j->plan, err);
+            code = plan_cache_acquire(j->engine->plans, request, &j->plan, err);
         }
         if (code != SHEAR_OK) {
             return code;
@@ -86,7 +86,7 @@ static int plan_within_budget(job *j, const shear_plan_request *request, shear_e
         if (budget_change(j, rest)) {
             return SHEAR_OK;
         }
-        plans_give_back(j->engine->plans, j->plan);
+        plan_cache_release(j->engine->plans, j->plan);
         j->plan = NULL;
         bytes = memory.plan + rest > planning ? memory.plan + rest : planning;
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/watched.h"
+#include "server/subscriptions.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int write_learned(store *s, int64_t id, const store_learned *l, shear_error *err) {
-    query q = query_on(s, SQL_JOB_LEARN);
+static int write_learned(store *s, int64_t id, const store_input *l, shear_error *err) {
+    query q = query_on(s, SQL_JOB_SET_INPUT);
     query_int(&q, id);
     query_text(&q, l->field);
     query_text(&q, l->content);
@@ -19,11 +19,11 @@ static int write_learned(store *s, int64_t id, const store_learned *l, shear_err
     return query_run(&q, err);
 }
 
-static int learn(store *s, int64_t id, const store_learned *l, int64_t *duplicate_of,
+static int learn(store *s, int64_t id, const store_input *l, int64_t *duplicate_of,
                  shear_error *err) {
-    job_brief b;
+    job_row b;
     identity_match match = {0};
-    int code = job_brief_running(s, id, &b, err);
+    int code = job_row_get_running(s, id, &b, err);
     if (code == SHEAR_OK) {
         code = write_learned(s, id, l, err);
     }
@@ -32,20 +32,20 @@ static int learn(store *s, int64_t id, const store_learned *l, int64_t *duplicat
     if (code == SHEAR_OK && changed) {
         code = query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
     }
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     if (code == SHEAR_OK) {
-        code = job_brief_get(s, id, &b, err);
+        code = job_row_get(s, id, &b, err);
     }
     if (code == SHEAR_OK && !b.force) {
         code = identity_find(s, b.field, b.settings_digest, b.content, &match, err);
     }
     *duplicate_of = match.job;
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     return code;
 }
 
-int store_learn(store *s, int64_t id, const store_learned *learned, int64_t *duplicate_of,
-                shear_error *err) {
+int store_set_input(store *s, int64_t id, const store_input *learned, int64_t *duplicate_of,
+                    shear_error *err) {
     *duplicate_of = 0;
     int code = query_check_text("field's name", learned->field, STORE_FIELD_MAX, true, err);
     if (code == SHEAR_OK) {
@@ -77,8 +77,8 @@ static int check_checkpoint(int64_t id, const store_progress *p, shear_error *er
 
 static int write_checkpoint(store *s, int64_t id, const store_progress *p, const char *packed,
                             shear_error *err) {
-    job_brief b;
-    int code = job_brief_running(s, id, &b, err);
+    job_row b;
+    int code = job_row_get_running(s, id, &b, err);
     if (code == SHEAR_OK && b.content == NULL) {
         code = shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": its content must be known before a checkpoint", id);
@@ -93,7 +93,7 @@ static int write_checkpoint(store *s, int64_t id, const store_progress *p, const
     if (code == SHEAR_OK && p->terms != NULL) {
         code = terms_save(s, id, p, err);
     }
-    job_brief_deinit(&b);
+    job_row_deinit(&b);
     return code;
 }
 

@@ -3,12 +3,12 @@
 #ifndef SHEARD_SPOOL_INNER_H
 #define SHEARD_SPOOL_INNER_H
 
+#include "spool/candidates.h"
 #include "spool/folders.h"
 #include "spool/names.h"
-#include "spool/offers.h"
+#include "spool/retention.h"
 #include "spool/spool.h"
-#include "spool/sweep.h"
-#include "spool/waiting.h"
+#include "spool/unacknowledged.h"
 #include "spool/watch.h"
 
 /* A look at all of incoming/, over several turns of the loop. */

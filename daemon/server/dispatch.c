@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From lines to requests. */
-#include "server/inner.h"
+#include "server/internal.h"
 
 #include <string.h>
 

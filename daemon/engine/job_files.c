@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/files.h"
+#include "engine/job_files.h"
 
 #include "engine/engine.h"
 

@@ -5,7 +5,7 @@
 
 #include "server/connection.h"
 #include "server/server.h"
-#include "server/socket.h"
+#include "server/socket_file.h"
 #include "server/users.h"
 
 enum { SERVER_MAX_LISTENERS = 16, SERVER_SCRATCH = 16384 };

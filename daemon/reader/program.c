@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "reader/find.h"
+#include "reader/program.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -24,7 +24,7 @@ static int own_directory(char *out, size_t size, shear_error *err) {
     return SHEAR_OK;
 }
 
-int reader_find(char *path, size_t size, shear_error *err) {
+int reader_find_program(char *path, size_t size, shear_error *err) {
     char directory[PATH_MAX];
     const int code = own_directory(directory, sizeof directory, err);
     if (code != SHEAR_OK) {

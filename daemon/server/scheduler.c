@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Whose turn it is, and for how long. */
-#include "server/inner.h"
+#include "server/internal.h"
 
 #include <time.h>
 
@@ -157,7 +157,7 @@ static bool anybody_is_ready(const server *s) {
 
 static void on_turn(uv_idle_t *idle) {
     server *s = idle->data;
-    const uint64_t turn_ns = (uint64_t)s->limits.turn_us * 1000;
+    const uint64_t turn_ns = (uint64_t)s->limits.slice_us * 1000;
     serve(s, uv_hrtime() + turn_ns);
     flush_some(s, uv_hrtime() + turn_ns);
     s->accepts = ACCEPTS;

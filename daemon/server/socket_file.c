@@ -10,7 +10,7 @@
  *      the whole process with its threads, is not touched;
  *   4. the group, then the mode (in this order: the mode must not be there for the old group);
  *   5. listen: only now can anybody get through. */
-#include "server/socket.h"
+#include "server/socket_file.h"
 
 #include <errno.h>
 #include <fcntl.h>

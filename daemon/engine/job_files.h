@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/files.h: the open files of a job, and whether they are still what they were. */
+/* engine/job_files.h: the open files of a job, and whether they are still what they were. */
 #ifndef SHEARD_ENGINE_FILES_H
 #define SHEARD_ENGINE_FILES_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* engine/inner.h: what the files of the engine share.
+/* engine/internal.h: what the files of the engine share.
  *
  * Threads: a worker measures, and does nothing that may wait for a strange file beyond one read. A
  * job has a thread of its own (course.c), which opens it, starts and stops its reader, and finishes
