@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Root and the state directory of somebody else. */
-#include "service/owner.h"
+#include "service/core/owner.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What control groups and affinity leave of the machine's processors. */
-#include "service/processors.h"
+#include "service/core/processors.h"
 #include "test.h"
 
 #include <ftw.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/descriptors.h"
+#include "service/core/descriptors.h"
 
 #include "log/log.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/source.h: the files that a job reads: opened for the one who asked, and for no other. */
+/* service/jobs/job_source.h: the files that a job reads: opened for the one who asked, and for no
+ * other. */
 #ifndef SHEARD_SERVICE_SOURCE_H
 #define SHEARD_SERVICE_SOURCE_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* submit, cancel, retry: answered when the change is on disk. */
-#include "service/methods.h"
-#include "service/source.h"
+#include "service/jobs/job_source.h"
+#include "service/rpc/methods.h"
 
 #include <string.h>
 

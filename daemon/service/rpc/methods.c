@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which method does what, error replies, and the methods that concern a connection or the service.
  */
-#include "service/methods.h"
+#include "service/rpc/methods.h"
 
 #include <stdlib.h>
 

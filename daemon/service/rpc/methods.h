@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/methods.h: the methods of the protocol, each with its request; the reply is given now or
- * later. */
+/* service/rpc/methods.h: the methods of the protocol, each with its request; the reply is given now
+ * or later. */
 #ifndef SHEARD_SERVICE_METHODS_H
 #define SHEARD_SERVICE_METHODS_H
 

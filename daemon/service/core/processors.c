@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/processors.h"
+#include "service/core/processors.h"
 
 #include <sched.h>
 #include <stdbool.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The configuration anew, while the service runs. */
 #include "engine/machine.h"
-#include "service/descriptors.h"
+#include "service/core/descriptors.h"
 #include "service/inner.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/probe_field.h"
+#include "service/rpc/probe_field.h"
 
 #include "shear/field.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* job, jobs, wait: looking at jobs. */
-#include "service/listing.h"
-#include "service/methods.h"
+#include "service/rpc/listing.h"
+#include "service/rpc/methods.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Files of the watch folder: taken as jobs with their key, ended when their jobs are. */
 #include "service/inner.h"
-#include "service/source.h"
+#include "service/jobs/job_source.h"
 
 #include <stdlib.h>
 #include <string.h>

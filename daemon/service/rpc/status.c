@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the service says of itself. */
-#include "service/descriptors.h"
+#include "service/core/descriptors.h"
 #include "service/inner.h"
 
 #include <inttypes.h>

@@ -3,8 +3,8 @@
  * it looks at its jobs' states; where some are not final, it sleeps until the last of them ends, or
  * its time is over; then its reply is made, a few jobs at a time. The store is asked no more often
  * than that: many clients may wait for many jobs. */
-#include "service/listing.h"
-#include "service/methods.h"
+#include "service/rpc/listing.h"
+#include "service/rpc/methods.h"
 
 #include <math.h>
 #include <stdlib.h>

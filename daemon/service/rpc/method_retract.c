@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* retract: what was counted is taken back; answered when that is on disk. */
-#include "service/methods.h"
+#include "service/rpc/methods.h"
 
 /* The fields' news, and the catalogs that are to go, come after the commit. */
 static void reply_retracted(service *s, after *a, int code, const shear_error *err) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/processors.h: how many processors this process may keep busy. */
+/* service/core/processors.h: how many processors this process may keep busy. */
 #ifndef SHEARD_SERVICE_PROCESSORS_H
 #define SHEARD_SERVICE_PROCESSORS_H
 

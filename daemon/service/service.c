@@ -2,10 +2,10 @@
 /* How the service is put together, and taken apart. */
 #include "reader/program.h"
 #include "reader/scratch.h"
-#include "service/descriptors.h"
+#include "service/core/descriptors.h"
+#include "service/core/owner.h"
+#include "service/core/processors.h"
 #include "service/inner.h"
-#include "service/owner.h"
-#include "service/processors.h"
 
 #include <errno.h>
 #include <pwd.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/owner.h: whose state directory is it? */
+/* service/core/owner.h: whose state directory is it? */
 #ifndef SHEARD_SERVICE_OWNER_H
 #define SHEARD_SERVICE_OWNER_H
 

@@ -3,8 +3,8 @@
  * job through the engine (reader, sandbox, plan, workers), and past the store. One at a time: who
  * asks meanwhile gets the same answer. */
 #include "reader/sandbox.h"
-#include "service/methods.h"
-#include "service/probe_field.h"
+#include "service/rpc/methods.h"
+#include "service/rpc/probe_field.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/descriptors.h: clients may not use up the file descriptors that the service itself needs
- * for its files, its jobs and its administrators. */
+/* service/core/descriptors.h: clients may not use up the file descriptors that the service itself
+ * needs for its files, its jobs and its administrators. */
 #ifndef SHEARD_SERVICE_DESCRIPTORS_H
 #define SHEARD_SERVICE_DESCRIPTORS_H
 

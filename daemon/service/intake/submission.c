@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/source.h"
+#include "service/jobs/job_source.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/probe_field.h: a tiny field whose shear is known, drawn by formula: for measuring that
- * the service can measure. */
+/* service/rpc/probe_field.h: a tiny field whose shear is known, drawn by formula: for measuring
+ * that the service can measure. */
 #ifndef SHEARD_SERVICE_PROBE_FIELD_H
 #define SHEARD_SERVICE_PROBE_FIELD_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The jobs that this process works on: from the queue into the engine. */
 #include "service/inner.h"
-#include "service/source.h"
+#include "service/jobs/job_source.h"
 
 #include <stdlib.h>
 #include <string.h>

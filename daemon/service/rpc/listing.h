@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/listing.h: a request whose reply is a long list: made a few items at a time, in the steps
- * of deferred work (server.h), so that nobody waits for the whole of it. */
+/* service/rpc/listing.h: a request whose reply is a long list: made a few items at a time, in the
+ * steps of deferred work (server.h), so that nobody waits for the whole of it. */
 #ifndef SHEARD_SERVICE_LISTING_H
 #define SHEARD_SERVICE_LISTING_H
 

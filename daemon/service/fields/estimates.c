@@ -4,7 +4,7 @@
  * the loop only reads the terms. Requests wait for theirs. Results are kept until another job is
  * counted: those that a waiting request needs, and else of the fields that were asked for last. A
  * result takes less than 1 KiB; solving takes 76 bytes a stamp for its time. */
-#include "service/methods.h"
+#include "service/rpc/methods.h"
 
 #include <math.h>
 #include <search.h>

@@ -3,7 +3,7 @@
  * its contributions leave, a few milliseconds of them in a group, for there may be very many, and
  * each takes its job's catalog along. The store keeps what is left to do: whoever waits for the
  * reply may go, and the service, too. */
-#include "service/methods.h"
+#include "service/rpc/methods.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/owner.h"
+#include "service/core/owner.h"
 
 #include <pwd.h>
 #include <stdio.h>
