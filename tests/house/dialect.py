@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The dialect of CONTRIBUTING.md, "Style", as far as a program of regular expressions can tell. Each rule takes the path and
+the text of a file, and gives [(line, what is wrong)]."""
+import re
+
+import house
+
+POINTER = re.compile(r"(?<![\w)\]])(?:const\s+|volatile\s+|static\s+|struct\s+|enum\s+|unsigned\s+)*"
+                     r"([A-Za-z_]\w*)\s+(?:const\s+)?\*+\s*(?:const\s+|restrict\s+)*([A-Za-z_]\w*)\s*(?=[,;)=\[]|$)")
+NOT_TYPES = {"return", "case", "else", "sizeof", "goto"}
+
+
+def line_of(text, at):
+    return text.count("\n", 0, at) + 1
+
+
+def pointer_tests(path, text):
+    """`!p`, `if (p)`, `p && q`: a pointer that is asked without NULL. Pointers are known by their declarations in the same
+    function; members are not known."""
+    del path
+    found = []
+    lines = house.bare_code_of(text).split("\n")
+    for _, begin, end in house.functions_of(text):
+        body = "\n".join(lines[begin - 1:end])
+        names = {m.group(2) for m in POINTER.finditer(body) if m.group(1) not in NOT_TYPES}
+        names -= {m.group(1) for m in re.finditer(r"\b(?:bool|int|size_t|double|unsigned)\s+(\w+)\s*[;=,)]", body)}
+        if not names:
+            continue
+        name = r"(?:" + "|".join(sorted(map(re.escape, names))) + r")"
+        bare = name + r"\b(?!\s*(?:->|\[|\(|\.|[=!<>]=|[-+*/%&<>=]\s*[^&|]))"
+        for rule in (r"(?<![\w>.])!\s*" + bare, r"\b(?:if|while)\s*\(" + bare + r"\s*(?=\)|&&|\|\|)",
+                     r"(?:&&|\|\|)\s*" + bare + r"\s*(?=\)|&&|\|\||;|\?)", r"(?<![=!<>])=\s*" + bare + r"\s*\?"):
+            for m in re.finditer(rule, body):
+                found.append((begin + body.count("\n", 0, m.start()), f"a pointer is asked without NULL: {m.group().strip()}"))
+    return sorted(set(found))
+
+
+def typedefs(path, text):
+    """`typedef struct name { ... } name;`, and no typedef of an enum."""
+    del path
+    found = []
+    code = house.bare_code_of(text)
+    for m in re.finditer(r"^(?:static\s+|const\s+)*struct\s+(\w+)\s*\{", code, re.M):
+        found.append((line_of(code, m.start()), f"struct {m.group(1)} without its typedef"))
+    for m in re.finditer(r"^typedef\s+enum\b", code, re.M):
+        found.append((line_of(code, m.start()), "a typedef of an enum"))
+    for m in re.finditer(r"^typedef\s+struct\s+(\w*)\s*\{", code, re.M):
+        end = re.compile(r"^\}\s*(\w+)", re.M).search(code, m.end())
+        if end is None or m.group(1) != end.group(1):
+            found.append((line_of(code, m.start()), f"tag and typedef differ: {m.group(1)}, {end and end.group(1)}"))
+    return found
+
+
+def lengths(path, text):
+    """Files of at most 400 lines, functions of at most 60: (0, ...) for the file."""
+    del path
+    n = len(text.splitlines())
+    found = [(0, f"file of {n} lines")] if n > 400 else []
+    return found + [(begin, f"function {name} of {end - begin + 1} lines")
+                    for name, begin, end in house.functions_of(text) if end - begin + 1 > 60]
+
+
+def ladders(path, text):
+    """`if (code == SHEAR_OK`: a rung where an early return would do."""
+    del path
+    code = house.bare_code_of(text)
+    return [(line_of(code, m.start()), "a rung of a ladder")
+            for m in re.finditer(r"\bif \(\w+ == SHEARD?_(?:RPC_)?OK\b", code)]
+
+
+def include_style(path, text):
+    """The own header first, then <system>, then "others"; no inner.h."""
+    found = []
+    lines = house.code_of(text).split("\n")
+    seen = []  # (line, kind, name)
+    for number, line in enumerate(lines, 1):
+        m = re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)
+        if m:
+            seen.append((number, m.group(1), m.group(2)))
+    stem = re.sub(r"\.[ch]$", "", path.split("/")[-1])
+    if path.endswith(".c") and seen and seen[0][1] == '"':
+        own = seen[0][2].split("/")[-1]
+        if own != stem + ".h" and any(kind == "<" for _, kind, _ in seen):
+            found.append((seen[0][0], f'"{seen[0][2]}" before <system>, and not this file\'s own header'))
+        seen = seen[1:]
+    quoted = False
+    for number, kind, name in seen:
+        quoted = quoted or kind == '"'
+        if kind == "<" and quoted:
+            found.append((number, f"<{name}> after \"others\""))
+        if name.split("/")[-1] == "inner.h":
+            found.append((number, f'"{name}": a private header is called internal.h'))
+    return found
+
+
+class Words:
+    """The words of words.txt."""
+
+    def __init__(self, lines):
+        self.prose, self.parts = [], []
+        for kind, word in lines:
+            if kind == "prose":
+                self.prose.append((word, re.compile(r"\b" + word.replace("_", r"[\s*]+"))))
+            else:
+                self.parts.append((word, re.compile(r"(?<![A-Za-z0-9])" + word + r"(?![A-Za-z0-9])", re.I)))
+
+    def of_prose(self, text):
+        """[(line, word)] in a text of any kind."""
+        return sorted((line_of(text, m.start()), word) for word, pattern in self.prose for m in pattern.finditer(text))
+
+    def of_source(self, path, text):
+        """[(line, word)] in the comments and strings of a C file, and in its names."""
+        del path
+        found = [(line + inner - 1, word) for line, token in house.comments_of(text) + house.strings_of(text)
+                 for inner, word in self.of_prose(token)]
+        code = house.bare_code_of(text)
+        names = [(line_of(code, m.start()), m.group()) for m in re.finditer(r"[A-Za-z_]\w*", code)] if self.parts else []
+        return sorted(found + [(line, word) for word, pattern in self.parts for line, name in names if pattern.search(name)])

@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The dialect (CONTRIBUTING.md, "Style"): pointers, types, lengths, includes, ladders and words. What is excepted has its
+name and its reason in exceptions.txt."""
+import unittest
+
+import dialect
+import house
+
+TREE = house.Tree()
+SOURCES = TREE.sources()
+TESTS = TREE.files(".c", ".h", folders=("tests",))
+DOCUMENTS = [p for p in ("README.md", "CONTRIBUTING.md", "SECURITY.md") if (TREE.root / p).is_file()] + TREE.files(
+    ".md", ".in", folders=("docs", "man", "validation"))
+WORDS = dialect.Words(house.rules("words.txt"))
+
+
+def found(rule, files):
+    return [(path, line, text) for path in files for line, text in rule(path, TREE.read(path))]
+
+
+class Dialect(house.Case):
+    def test_pointers_are_compared_with_NULL(self):
+        self.nothing(found(dialect.pointer_tests, SOURCES + TESTS), "pointers")
+
+    def test_types(self):
+        self.nothing(found(dialect.typedefs, SOURCES), "types")
+
+    def test_lengths(self):
+        self.nothing(found(dialect.lengths, SOURCES), "lengths", "long")
+
+    def test_includes(self):
+        self.nothing(found(dialect.include_style, SOURCES), "includes")
+        self.nothing([(p, 0, "a private header is called internal.h") for p in SOURCES if p.endswith("/inner.h")], "inner")
+
+    def test_ladders_become_fewer(self):
+        self.nothing(found(dialect.ladders, SOURCES), "ladders")
+
+    def test_words_of_sources(self):
+        self.nothing(found(WORDS.of_source, SOURCES), "words", "word")
+
+    def test_words_of_documents(self):
+        self.nothing([(path, line, word) for path in DOCUMENTS for line, word in WORDS.of_prose(TREE.read(path))],
+                     "words_of_documents", "word")
+
+
+if __name__ == "__main__":
+    unittest.main()
