@@ -69,25 +69,17 @@ def ladders(path, text):
 
 
 def include_style(path, text):
-    """The own header first, then <system>, then "others"; no inner.h."""
+    """The own header first, then "others", and <system> last; a private header is called internal.h."""
     found = []
-    lines = house.code_of(text).split("\n")
-    seen = []  # (line, kind, name)
-    for number, line in enumerate(lines, 1):
-        m = re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)
-        if m:
-            seen.append((number, m.group(1), m.group(2)))
+    seen = [(number, m.group(1), m.group(2)) for number, line in enumerate(house.code_of(text).split("\n"), 1)
+            for m in [re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)] if m]
     stem = re.sub(r"\.[ch]$", "", path.split("/")[-1])
-    if path.endswith(".c") and seen and seen[0][1] == '"':
-        own = seen[0][2].split("/")[-1]
-        if own != stem + ".h" and any(kind == "<" for _, kind, _ in seen):
-            found.append((seen[0][0], f'"{seen[0][2]}" before <system>, and not this file\'s own header'))
-        seen = seen[1:]
-    quoted = False
-    for number, kind, name in seen:
-        quoted = quoted or kind == '"'
-        if kind == "<" and quoted:
-            found.append((number, f"<{name}> after \"others\""))
+    for at, (number, kind, name) in enumerate(seen):
+        before = seen[:at]
+        if kind == '"' and any(k == "<" for _, k, _ in before):
+            found.append((number, f'"{name}" after <system>'))
+        if path.endswith(".c") and kind == '"' and name.split("/")[-1] == stem + ".h" and before:
+            found.append((number, f'"{name}" is the own header, and not the first'))
         if name.split("/")[-1] == "inner.h":
             found.append((number, f'"{name}": a private header is called internal.h'))
     return found

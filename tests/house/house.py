@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the tests of the house share: which sources there are, what they say without comments, where functions begin and
 end, and the two text files with the rules (rooms.txt) and what is excepted from them (exceptions.txt)."""
+import fnmatch
 import functools
 import pathlib
 import re
@@ -136,7 +137,7 @@ class Case(unittest.TestCase):
 
 
 def matches(words, path, text):
-    return path == words[0] and all(word in text for word in words[1:])
+    return fnmatch.fnmatch(path, words[0]) and all(word in text for word in words[1:])
 
 
 def run(*command, **options):
