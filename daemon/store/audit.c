@@ -1,40 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Is the database sound, and does what it says agree? These read everything: not for every day. */
+#include <math.h>
+#include <string.h>
+
 #include "store/query.h"
 #include "store/sums_text.h"
 
-#include "shear/sums.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const char damaged[] = "stop the service and restore the database from a copy";
 
-static int finish_check(store *s, sqlite3_stmt *stmt, int rc, const char *doing, shear_error *err) {
-    const int code = rc == SQLITE_DONE ? SHEAR_OK : database_fail(s->db, s->path, rc, doing, err);
-    sqlite3_finalize(stmt);
-    return code;
-}
-
 int store_check(store *s, shear_error *err) {
-    static const char doing[] = "checking the database's pages";
-    sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(s->db, "PRAGMA quick_check(1)", -1, &stmt, NULL);
-    if (rc == SQLITE_OK) {
-        rc = sqlite3_step(stmt);
+    bool row = false;
+    CLEANUP(query_end)
+    query q = query_once(s, "PRAGMA quick_check(1)", "checking the database's pages");
+    const int code = query_step(&q, &row, err);
+    if (!row) {
+        return code;
     }
-    if (rc == SQLITE_ROW) {
-        const char *verdict = (const char *)sqlite3_column_text(stmt, 0);
-        if (verdict == NULL || strcmp(verdict, "ok") != 0) {
-            shear_fail(err, SHEAR_E_FORMAT, damaged, "%s: is damaged: %s", s->path,
-                       verdict != NULL ? verdict : "no verdict");
-            sqlite3_finalize(stmt);
-            return SHEAR_E_FORMAT;
-        }
-        rc = sqlite3_step(stmt);
+    const char *answer = query_peek_text(&q);
+    if (answer == NULL || strcmp(answer, "ok") != 0) {
+        return shear_fail(err, SHEAR_E_FORMAT, damaged, "%s: is damaged: %s", s->path,
+                          answer != NULL ? answer : "no answer");
     }
-    return finish_check(s, stmt, rc, doing, err);
+    return query_step(&q, &row, err);
 }
 
 /* Each finds what must not be: its first column is a number that tells where. */
@@ -85,140 +72,106 @@ static const char *const contradictions[][2] = {
 };
 
 static int find_contradiction(store *s, const char *sql, const char *meaning, shear_error *err) {
-    sqlite3_stmt *stmt = NULL;
-    int rc = sqlite3_prepare_v2(s->db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK) {
-        rc = sqlite3_step(stmt);
+    bool row = false;
+    CLEANUP(query_end) query q = query_once(s, sql, meaning);
+    const int code = query_step(&q, &row, err);
+    if (!row) {
+        return code;
     }
-    if (rc == SQLITE_ROW) {
-        const char *where = (const char *)sqlite3_column_text(stmt, 0);
-        shear_fail(err, SHEAR_E_FORMAT, damaged, "%s: %s (%s)", s->path, meaning,
-                   where != NULL ? where : "null");
-        sqlite3_finalize(stmt);
-        return SHEAR_E_FORMAT;
-    }
-    return finish_check(s, stmt, rc, meaning, err);
+    const char *where = query_peek_text(&q);
+    return shear_fail(err, SHEAR_E_FORMAT, damaged, "%s: %s (%s)", s->path, meaning,
+                      where != NULL ? where : "null");
 }
 
-static int parse_packed(const char *packed, shear_field_sums **sums, shear_error *err) {
-    char *text = NULL;
-    *sums = NULL;
-    int code = sums_unpack(packed, &text, err);
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_parse(sums, text, err);
+/* The row: sums, top_size, top_stamp. Is that the stamp that counts most of these sums? */
+static int add_row(store *s, query *q, shear_field_sums *sums, shear_error *err) {
+    CLEANUP(shear_field_sums_release) shear_field_sums *one = NULL;
+    bool null = false;
+    const int code = sums_parse_packed(&one, query_peek_text(q), err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    free(text);
-    return code;
-}
-
-/* Does the row (sums, top_size, top_stamp) tell the stamp that counts most of its sums? */
-static bool top_agrees(sqlite3_stmt *row, const shear_field_sums *sums) {
-    const shear_influence top = shear_field_sums_top(sums);
-    return sqlite3_column_type(row, 1) == SQLITE_NULL
-               ? isnan(top.size)
-               : sqlite3_column_double(row, 1) == top.size &&
-                     sqlite3_column_int64(row, 2) == top.stamp;
-}
-
-/* sums += those of the row. */
-static int add_row(store *s, sqlite3_stmt *row, shear_field_sums *sums, shear_error *err) {
-    shear_field_sums *one = NULL;
-    int code = parse_packed((const char *)sqlite3_column_text(row, 0), &one, err);
-    if (code == SHEAR_OK && !top_agrees(row, one)) {
-        code = shear_fail(err, SHEAR_E_FORMAT, damaged,
+    const double size = query_get_real(q, &null);
+    const int64_t stamp = query_get_int(q);
+    const shear_influence top = shear_field_sums_top(one);
+    const bool agrees = null ? isnan(top.size) : size == top.size && stamp == top.stamp;
+    if (!agrees) {
+        return shear_fail(err, SHEAR_E_FORMAT, damaged,
                           "%s: the stamp that counts most is not that of the sums", s->path);
     }
-    if (code == SHEAR_OK) {
-        shear_field_sums_join(sums, one);
-    }
-    shear_field_sums_free(one);
-    return code;
+    shear_field_sums_join(sums, one);
+    return SHEAR_OK;
 }
 
 /* The exact join of a field's contributions, as text. */
 static int join_contributions(store *s, int64_t field, char **text, shear_error *err) {
     static const char sql[] =
         "SELECT sums, top_size, top_stamp FROM contributions WHERE field = ?1";
-    sqlite3_stmt *stmt = NULL;
-    shear_field_sums *sums = NULL;
-    *text = NULL;
+    CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
+    bool row = false;
     int code = shear_field_sums_new(&sums, err);
-    int rc = sqlite3_prepare_v2(s->db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK) {
-        sqlite3_bind_int64(stmt, 1, field);
-        rc = sqlite3_step(stmt);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    while (rc == SQLITE_ROW && code == SHEAR_OK) {
-        code = add_row(s, stmt, sums, err);
-        rc = sqlite3_step(stmt);
+    CLEANUP(query_end) query q = query_once(s, sql, sql);
+    query_int(&q, field);
+    code = query_step(&q, &row, err);
+    while (row && code == SHEAR_OK) {
+        code = add_row(s, &q, sums, err);
+        if (code == SHEAR_OK) {
+            code = query_step(&q, &row, err);
+        }
     }
-    if (code == SHEAR_OK && rc != SQLITE_DONE) {
-        code = database_fail(s->db, s->path, rc, sql, err);
-    }
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_format(sums, text, err);
-    }
-    sqlite3_finalize(stmt);
-    shear_field_sums_free(sums);
-    return code;
+    return code != SHEAR_OK ? code : shear_field_sums_format(sums, text, err);
 }
 
 /* The packed sums as text of the present version: what was counted once may be of an older one. */
 static int read_packed(const char *packed, char **text, shear_error *err) {
-    shear_field_sums *sums = NULL;
-    *text = NULL;
-    int code = parse_packed(packed, &sums, err);
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_format(sums, text, err);
-    }
-    shear_field_sums_free(sums);
-    return code;
+    CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
+    const int code = sums_parse_packed(&sums, packed, err);
+    return code != SHEAR_OK ? code : shear_field_sums_format(sums, text, err);
 }
 
 static int audit_field(store *s, int64_t field, const char *name, const char *packed,
                        shear_error *err) {
-    char *joined = NULL;
-    char *kept = NULL;
+    CLEANUP(release_free) char *joined = NULL;
+    CLEANUP(release_free) char *kept = NULL;
     int code = join_contributions(s, field, &joined, err);
-    if (code == SHEAR_OK) {
-        code = read_packed(packed, &kept, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = read_packed(packed, &kept, err);
     if (code == SHEAR_OK && strcmp(joined, kept) != 0) {
-        code = shear_fail(err, SHEAR_E_FORMAT, damaged,
+        return shear_fail(err, SHEAR_E_FORMAT, damaged,
                           "%s: the sums of field '%s' are not those of its contributions", s->path,
                           name);
     }
-    free(joined);
-    free(kept);
     return code;
 }
 
 static int audit_fields(store *s, shear_error *err) {
     static const char sql[] = "SELECT id, name, sums FROM fields";
-    sqlite3_stmt *stmt = NULL;
-    int code = SHEAR_OK;
-    int rc = sqlite3_prepare_v2(s->db, sql, -1, &stmt, NULL);
-    if (rc == SQLITE_OK) {
-        rc = sqlite3_step(stmt);
+    bool row = false;
+    CLEANUP(query_end) query q = query_once(s, sql, sql);
+    int code = query_step(&q, &row, err);
+    while (row && code == SHEAR_OK) {
+        const int64_t id = query_get_int(&q);
+        const char *name = query_peek_text(&q);
+        code = audit_field(s, id, name, query_peek_text(&q), err);
+        if (code == SHEAR_OK) {
+            code = query_step(&q, &row, err);
+        }
     }
-    while (rc == SQLITE_ROW && code == SHEAR_OK) {
-        code = audit_field(s, sqlite3_column_int64(stmt, 0),
-                           (const char *)sqlite3_column_text(stmt, 1),
-                           (const char *)sqlite3_column_text(stmt, 2), err);
-        rc = sqlite3_step(stmt);
-    }
-    if (code != SHEAR_OK) {
-        sqlite3_finalize(stmt);
-        return code;
-    }
-    return finish_check(s, stmt, rc, sql, err);
+    return code;
 }
 
 int store_audit(store *s, shear_error *err) {
     const size_t n = sizeof contradictions / sizeof contradictions[0];
-    int code = SHEAR_OK;
-    for (size_t i = 0; i < n && code == SHEAR_OK; i++) {
-        code = find_contradiction(s, contradictions[i][0], contradictions[i][1], err);
+    for (size_t i = 0; i < n; i++) {
+        const int code = find_contradiction(s, contradictions[i][0], contradictions[i][1], err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    return code == SHEAR_OK ? audit_fields(s, err) : code;
+    return audit_fields(s, err);
 }

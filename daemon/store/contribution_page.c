@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a field was joined from. */
-#include "store/identity.h"
-#include "store/page.h"
-#include "store/query.h"
-#include "store/sums_text.h"
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+
+#include "store/field_row.h"
+#include "store/page.h"
+#include "store/query.h"
+#include "store/sums_text.h"
 
 void store_contribution_page_deinit(store_contribution_page *page) {
     for (size_t i = 0; i < page->n; i++) {
@@ -16,22 +16,6 @@ void store_contribution_page_deinit(store_contribution_page *page) {
     }
     free(page->items);
     *page = (store_contribution_page){0};
-}
-
-int field_find(store *s, const char *name, const char *settings_digest, int64_t *id,
-               shear_error *err) {
-    bool row = false;
-    query q = query_on(s, SQL_FIELD_FIND);
-    query_text(&q, name);
-    query_text(&q, settings_digest);
-    int code = query_step(&q, &row, err);
-    *id = row ? query_get_int(&q) : 0;
-    if (code == SHEAR_OK && !row) {
-        code = shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names and settings",
-                          "there is no field '%.*s' with these settings", STORE_FIELD_MAX, name);
-    }
-    query_end(&q);
-    return code;
 }
 
 static void read_contribution(query *q, store_contribution *c) {
@@ -55,7 +39,6 @@ static int read_page(query *q, size_t limit, store_contribution_page *page, shea
         }
     }
     page->more = row;
-    query_end(q);
     return code;
 }
 
@@ -64,7 +47,7 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     int64_t field = 0;
     *page = (store_contribution_page){0};
     limit = page_limit(limit);
-    int code = field_find(s, name, settings_digest, &field, err);
+    int code = field_row_find(s, name, settings_digest, &field, err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -72,7 +55,7 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     if (page->items == NULL) {
         return page_no_memory(err);
     }
-    query q = query_on(s, SQL_CONTRIBUTIONS);
+    CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTIONS);
     query_int(&q, field);
     query_int(&q, after);
     query_int(&q, (int64_t)limit + 1);
@@ -88,16 +71,15 @@ static int end_of_truths(store *s, enum sql which, int64_t field, double g[2], b
                          shear_error *err) {
     bool row = false;
     bool null = true;
-    query q = query_on(s, which);
+    *none = true;
+    CLEANUP(query_end) query q = query_on(s, which);
     query_int(&q, field);
     const int code = query_step(&q, &row, err);
-    *none = true;
     if (row) {
         g[0] = query_get_real(&q, &null);
         g[1] = query_get_real(&q, none);
         *none = *none || null;
     }
-    query_end(&q);
     return code;
 }
 
@@ -108,37 +90,17 @@ int store_field_truth(store *s, const char *name, const char *settings_digest, s
     double greatest[2] = {0.0};
     bool none = true;
     *truth = (store_truth){0};
-    int code = field_find(s, name, settings_digest, &field, err);
-    if (code == SHEAR_OK) {
-        code = end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, least, &none, err);
+    int code = field_row_find(s, name, settings_digest, &field, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && !none) {
-        code = end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, greatest, &none, err);
+    code = end_of_truths(s, SQL_FIELD_LEAST_TRUTH, field, least, &none, err);
+    if (code != SHEAR_OK || none) {
+        return code;
     }
+    code = end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, greatest, &none, err);
     if (code == SHEAR_OK && !none && least[0] == greatest[0] && least[1] == greatest[1]) {
         *truth = (store_truth){true, least[0], least[1]};
-    }
-    return code;
-}
-
-int field_top(store *s, int64_t field, shear_influence *top, char **account, shear_error *err) {
-    bool row = false;
-    bool null = false;
-    *top = (shear_influence){0};
-    query q = query_on(s, SQL_FIELD_TOP);
-    query_int(&q, field);
-    int code = query_step(&q, &row, err);
-    if (row) {
-        top->size = query_get_real(&q, &null);
-        top->stamp = query_get_int(&q);
-    }
-    if (row && account != NULL) {
-        *account = query_get_text(&q);
-        code = query_got(&q, err);
-    }
-    query_end(&q);
-    if (null) {
-        *top = (shear_influence){.size = NAN, .stamp = -1};
     }
     return code;
 }
@@ -148,26 +110,23 @@ int store_field_top(store *s, const char *name, const char *settings_digest, she
     int64_t field = 0;
     *top = (shear_influence){.size = NAN, .stamp = -1};
     *account = NULL;
-    const int code = field_find(s, name, settings_digest, &field, err);
-    return code == SHEAR_OK ? field_top(s, field, top, account, err) : code;
+    const int code = field_row_find(s, name, settings_digest, &field, err);
+    return code != SHEAR_OK ? code : field_row_top(s, field, top, account, err);
 }
 
 int store_contribution_sums(store *s, int64_t id, char **sums, shear_error *err) {
     bool row = false;
     *sums = NULL;
-    query q = query_on(s, SQL_CONTRIBUTION_SUMS);
+    CLEANUP(query_end) query q = query_on(s, SQL_CONTRIBUTION_SUMS);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
-    char *packed = row ? query_get_text(&q) : NULL;
-    if (row) {
-        code = query_got(&q, err);
-    } else if (code == SHEAR_OK) {
-        code = shear_fail(err, STORE_NOT_FOUND, NULL, "there is no contribution %" PRId64, id);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    query_end(&q);
-    if (code == SHEAR_OK) {
-        code = sums_unpack(packed, sums, err);
+    if (!row) {
+        return shear_fail(err, STORE_NOT_FOUND, NULL, "there is no contribution %" PRId64, id);
     }
-    free(packed);
-    return code;
+    CLEANUP(release_free) char *packed = query_get_text(&q);
+    code = query_got(&q, err);
+    return code != SHEAR_OK ? code : sums_unpack(packed, sums, err);
 }

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/database.h"
 
-#include "store/schema.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "base/cleanup.h"
+#include "store/schema.h"
 
 int database_exec(sqlite3 *db, const char *path, const char *sql, shear_error *err) {
     const int rc = sqlite3_exec(db, sql, NULL, NULL, NULL);
@@ -71,12 +72,14 @@ static int identify(sqlite3 *db, const char *path, int *version, shear_error *er
     int64_t written = 0;
     int64_t tables = 0;
     int code = database_number(db, path, "PRAGMA application_id", &application, err);
-    if (code == SHEAR_OK) {
-        code = database_number(db, path, "PRAGMA user_version", &written, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = database_number(db, path, "SELECT count(*) FROM sqlite_schema", &tables, err);
+    code = database_number(db, path, "PRAGMA user_version", &written, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = database_number(db, path, "SELECT count(*) FROM sqlite_schema", &tables, err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -96,6 +99,17 @@ static int identify(sqlite3 *db, const char *path, int *version, shear_error *er
     return SHEAR_OK;
 }
 
+static int connect(sqlite3 **db, const char *path, const store_options *options, int *version,
+                   shear_error *err) {
+    const int rc =
+        sqlite3_open_v2(path, db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, options->vfs);
+    if (rc != SQLITE_OK) {
+        return database_fail(*db, path, rc, "opening", err);
+    }
+    const int code = prepare(*db, path, options->busy_ms, err);
+    return code != SHEAR_OK ? code : identify(*db, path, version, err);
+}
+
 int database_connect(sqlite3 **db, const char *path, const store_options *options, int *version,
                      shear_error *err) {
     *db = NULL;
@@ -103,16 +117,7 @@ int database_connect(sqlite3 **db, const char *path, const store_options *option
     if (code != SHEAR_OK) {
         return code;
     }
-    const int rc =
-        sqlite3_open_v2(path, db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, options->vfs);
-    if (rc != SQLITE_OK) {
-        code = database_fail(*db, path, rc, "opening", err);
-    } else {
-        code = prepare(*db, path, options->busy_ms, err);
-    }
-    if (code == SHEAR_OK) {
-        code = identify(*db, path, version, err);
-    }
+    code = connect(db, path, options, version, err);
     if (code != SHEAR_OK) {
         sqlite3_close(*db);
         *db = NULL;
@@ -120,21 +125,31 @@ int database_connect(sqlite3 **db, const char *path, const store_options *option
     return code;
 }
 
-int database_use_wal(sqlite3 *db, const char *path, shear_error *err) {
-    sqlite3_stmt *stmt = NULL;
+static void statement_finalize(sqlite3_stmt **stmt) {
+    sqlite3_finalize(*stmt);
+}
+
+static int start_wal(sqlite3 *db, const char *path, shear_error *err) {
+    CLEANUP(statement_finalize) sqlite3_stmt *stmt = NULL;
     int rc = sqlite3_prepare_v2(db, "PRAGMA journal_mode = WAL", -1, &stmt, NULL);
     if (rc == SQLITE_OK) {
         rc = sqlite3_step(stmt);
     }
-    int code = SHEAR_OK;
     if (rc != SQLITE_ROW) {
-        code = database_fail(db, path, rc, "starting the write-ahead log", err);
-    } else if (strcmp((const char *)sqlite3_column_text(stmt, 0), "wal") != 0) {
-        code = shear_fail(err, SHEAR_E_IO, "keep the state directory on a local file system",
+        return database_fail(db, path, rc, "starting the write-ahead log", err);
+    }
+    if (strcmp((const char *)sqlite3_column_text(stmt, 0), "wal") != 0) {
+        return shear_fail(err, SHEAR_E_IO, "keep the state directory on a local file system",
                           "%s: a write-ahead log is not possible here", path);
     }
-    sqlite3_finalize(stmt);
+    return SHEAR_OK;
+}
+
+int database_use_wal(sqlite3 *db, const char *path, shear_error *err) {
+    const int code = start_wal(db, path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     /* The log shrinks back to this after a burst. */
-    return code == SHEAR_OK ? database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err)
-                            : code;
+    return database_exec(db, path, "PRAGMA journal_size_limit = 67108864", err);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fields as their readers see them. */
+#include <stdlib.h>
+#include <string.h>
+
 #include "store/page.h"
 #include "store/query.h"
 #include "store/sums_text.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 static void deinit(store_field *f) {
     free(f->name);
@@ -26,22 +26,18 @@ static int read_field(query *q, store_field *f, shear_error *err) {
     f->name = query_get_text(q);
     f->settings_digest = query_get_text(q);
     f->settings = query_get_text(q);
-    char *packed = query_get_text(q);
+    CLEANUP(release_free) char *packed = query_get_text(q);
     f->jobs = query_get_int(q);
     f->n_stamps = query_get_int(q);
     f->n_used = query_get_int(q);
     f->unfinished = query_get_int(q);
     f->updated_ms = query_get_int(q);
     f->elapsed_us = query_get_int(q);
-    int code = query_got(q, err);
-    if (code == SHEAR_OK) {
-        code = sums_unpack(packed, &f->sums, err);
-    }
-    free(packed);
-    return code;
+    const int code = query_got(q, err);
+    return code != SHEAR_OK ? code : sums_unpack(packed, &f->sums, err);
 }
 
-/* The page's records while their names begin with `prefix`; room for limit + 1 of them. */
+/* The page's records while their names begin with `prefix`; with capacity for limit + 1 of them. */
 static int read_page(query *q, const char *prefix, size_t limit, store_field_page *page,
                      shear_error *err) {
     const size_t length = strlen(prefix);
@@ -60,41 +56,39 @@ static int read_page(query *q, const char *prefix, size_t limit, store_field_pag
         }
         code = query_step(q, &row, err);
     }
-    query_end(q);
     return code;
 }
 
-static int make_room(size_t limit, store_field_page *page, shear_error *err) {
+static int allocate(size_t limit, store_field_page *page, shear_error *err) {
     *page = (store_field_page){0};
     page->fields = calloc(limit + 1, sizeof *page->fields);
     return page->fields != NULL ? SHEAR_OK : page_no_memory(err);
 }
 
-static int count_pending(store *s, const char *name, int64_t *n, shear_error *err) {
-    bool row = false;
-    query q = query_on(s, SQL_FIELD_PENDING);
+static int get_by_name(store *s, const char *name, store_field_page *page, shear_error *err) {
+    CLEANUP(query_end) query q = query_on(s, SQL_FIELD_GET);
     query_text(&q, name);
-    const int code = query_step(&q, &row, err);
-    *n = row ? query_get_int(&q) : 0;
-    query_end(&q);
+    query_int(&q, STORE_PAGE_MAX + 1);
+    int code = read_page(&q, "", STORE_PAGE_MAX, page, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    query pending = query_on(s, SQL_FIELD_PENDING);
+    query_text(&pending, name);
+    code = query_number(&pending, 0, &page->unfinished, err);
+    if (code == SHEAR_OK && page->n == 0 && page->unfinished == 0) {
+        return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names",
+                          "there is no field '%.*s'", STORE_FIELD_MAX, name);
+    }
     return code;
 }
 
 int store_field_get(store *s, const char *name, store_field_page *page, shear_error *err) {
-    int code = make_room(STORE_PAGE_MAX, page, err);
-    if (code == SHEAR_OK) {
-        query q = query_on(s, SQL_FIELD_GET);
-        query_text(&q, name);
-        query_int(&q, STORE_PAGE_MAX + 1);
-        code = read_page(&q, "", STORE_PAGE_MAX, page, err);
+    int code = allocate(STORE_PAGE_MAX, page, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = count_pending(s, name, &page->unfinished, err);
-    }
-    if (code == SHEAR_OK && page->n == 0 && page->unfinished == 0) {
-        code = shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names",
-                          "there is no field '%.*s'", STORE_FIELD_MAX, name);
-    }
+    code = get_by_name(s, name, page, err);
     if (code != SHEAR_OK) {
         store_field_page_deinit(page);
     }
@@ -107,16 +101,17 @@ int store_fields(store *s, const store_field_filter *filter, size_t limit, store
     const char *name = filter->after_name != NULL ? filter->after_name : "";
     const char *digest = filter->after_digest != NULL ? filter->after_digest : "";
     limit = page_limit(limit);
-    int code = make_room(limit, page, err);
-    if (code == SHEAR_OK) {
-        /* No digest is empty: (prefix, "") is before the first name that begins with the prefix. */
-        const bool inside = strcmp(name, prefix) >= 0;
-        query q = query_on(s, SQL_FIELDS);
-        query_text(&q, inside ? name : prefix);
-        query_text(&q, inside ? digest : "");
-        query_int(&q, (int64_t)limit + 1);
-        code = read_page(&q, prefix, limit, page, err);
+    int code = allocate(limit, page, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    /* No digest is empty: (prefix, "") is before the first name that begins with the prefix. */
+    const bool inside = strcmp(name, prefix) >= 0;
+    CLEANUP(query_end) query q = query_on(s, SQL_FIELDS);
+    query_text(&q, inside ? name : prefix);
+    query_text(&q, inside ? digest : "");
+    query_int(&q, (int64_t)limit + 1);
+    code = read_page(&q, prefix, limit, page, err);
     if (code != SHEAR_OK) {
         store_field_page_deinit(page);
     }

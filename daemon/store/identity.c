@@ -10,7 +10,7 @@ int identity_find(store *s, const char *field, const char *settings_digest, cons
     if (field == NULL || content == NULL) {
         return SHEAR_OK;
     }
-    query q = query_on(s, SQL_COUNTED_FIND);
+    CLEANUP(query_end) query q = query_on(s, SQL_COUNTED_FIND);
     query_text(&q, field);
     query_text(&q, settings_digest);
     query_text(&q, content);
@@ -20,6 +20,5 @@ int identity_find(store *s, const char *field, const char *settings_digest, cons
         match->n_stamps = query_get_int(&q);
         match->n_used = query_get_int(&q);
     }
-    query_end(&q);
     return code;
 }

@@ -2,10 +2,10 @@
 /* Pages of jobs. Each filter has an index that begins with it, goes on with the state and ends in
  * the id. So a page is the head of at most six ranges, one a state, merged: never more than six
  * pages of ids are read, however many jobs there are. */
+#include <stdlib.h>
+
 #include "store/page.h"
 #include "store/query.h"
-
-#include <stdlib.h>
 
 enum { IDS_MAX = STORE_N_STATES * (STORE_PAGE_MAX + 1) };
 
@@ -23,12 +23,8 @@ void store_job_page_deinit(store_job_page *page) {
 }
 
 int store_last_job(store *s, int64_t *id, shear_error *err) {
-    bool row = false;
     query q = query_on(s, SQL_LAST_JOB);
-    const int code = query_step(&q, &row, err);
-    *id = row ? query_get_int(&q) : 0;
-    query_end(&q);
-    return code;
+    return query_number(&q, 0, id, err);
 }
 
 static enum sql statement_for(const store_job_filter *f) {
@@ -42,7 +38,7 @@ static enum sql statement_for(const store_job_filter *f) {
 static int add_ids(store *s, const store_job_filter *f, int state, size_t limit, id_list *list,
                    shear_error *err) {
     bool row = false;
-    query q = query_on(s, statement_for(f));
+    CLEANUP(query_end) query q = query_on(s, statement_for(f));
     query_int(&q, state);
     query_int(&q, f->before > 0 ? f->before : INT64_MAX);
     query_int(&q, (int64_t)limit);
@@ -57,7 +53,6 @@ static int add_ids(store *s, const store_job_filter *f, int state, size_t limit,
         list->ids[list->n++] = query_get_int(&q);
         code = query_step(&q, &row, err);
     }
-    query_end(&q);
     return code;
 }
 
@@ -100,17 +95,17 @@ int store_jobs(store *s, const store_job_filter *filter, size_t limit, store_job
                shear_error *err) {
     *page = (store_job_page){0};
     limit = page_limit(limit);
-    id_list *list = malloc(sizeof *list);
+    CLEANUP(release_free) id_list *list = malloc(sizeof *list);
     if (list == NULL) {
         return page_no_memory(err);
     }
     int code = find_ids(s, filter, limit + 1, list, err);
-    if (code == SHEAR_OK) {
-        code = fill(s, list, limit, page, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = fill(s, list, limit, page, err);
     if (code != SHEAR_OK) {
         store_job_page_deinit(page);
     }
-    free(list);
     return code;
 }

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A job as its readers see it, and its attempts. */
-#include "store/query.h"
-
 #include <inttypes.h>
 #include <stdlib.h>
+
+#include "store/query.h"
 
 static void read_numbers(query *q, store_job *job) {
     job->id = query_get_int(q);
     job->state = (enum store_state)query_get_int(q);
-    job->outcome = (int)query_get_int(q);
-    job->origin = (int)query_get_int(q);
+    job->outcome = (enum store_outcome)query_get_int(q);
+    job->origin = (enum store_origin)query_get_int(q);
     job->priority = (int)query_get_int(q);
     job->force = query_get_int(q) != 0;
     job->cancel_asked = query_get_int(q) != 0;
@@ -26,7 +26,7 @@ static void read_numbers(query *q, store_job *job) {
     job->n_used = query_get_int(q);
     job->elapsed_us = query_get_int(q);
     job->duplicate_of = query_get_int(q);
-    job->failure_class = (int)query_get_int(q);
+    job->failure_class = (enum store_class)query_get_int(q);
     job->gid = (uint32_t)query_get_int(q);
 }
 
@@ -66,17 +66,18 @@ static int no_job(int64_t id, shear_error *err) {
 int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
     bool row = false;
     *job = (store_job){0};
-    query q = query_on(s, SQL_JOB_GET);
+    CLEANUP(query_end) query q = query_on(s, SQL_JOB_GET);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
-    if (row) {
-        read_numbers(&q, job);
-        read_texts(&q, job);
-        code = query_got(&q, err);
-    } else if (code == SHEAR_OK) {
-        code = no_job(id, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    query_end(&q);
+    if (!row) {
+        return no_job(id, err);
+    }
+    read_numbers(&q, job);
+    read_texts(&q, job);
+    code = query_got(&q, err);
     if (code != SHEAR_OK) {
         store_job_deinit(job);
     }
@@ -84,17 +85,19 @@ int store_job_get(store *s, int64_t id, store_job *job, shear_error *err) {
 }
 
 int store_job_state(store *s, int64_t id, enum store_state *state, shear_error *err) {
-    bool row = false;
+    enum { NO_ROW = -1 };
+    int64_t number = NO_ROW;
     query q = query_on(s, SQL_JOB_STATE);
     query_int(&q, id);
-    int code = query_step(&q, &row, err);
-    if (row) {
-        *state = (enum store_state)query_get_int(&q);
-    } else if (code == SHEAR_OK) {
-        code = no_job(id, err);
+    const int code = query_number(&q, NO_ROW, &number, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    query_end(&q);
-    return code;
+    if (number == NO_ROW) {
+        return no_job(id, err);
+    }
+    *state = (enum store_state)number;
+    return SHEAR_OK;
 }
 
 void store_attempts_deinit(store_attempts *list) {
@@ -110,15 +113,15 @@ static void read_attempt(query *q, store_attempt *a) {
     a->number = query_get_int(q);
     a->started_ms = query_get_int(q);
     a->ended_ms = query_get_int(q);
-    a->outcome = (int)query_get_int(q);
-    a->failure_class = (int)query_get_int(q);
+    a->outcome = (enum store_attempt_outcome)query_get_int(q);
+    a->failure_class = (enum store_class)query_get_int(q);
     a->code = query_get_text(q);
     a->message = query_get_text(q);
 }
 
 static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error *err) {
-    bool row = true;
-    query q = query_on(s, SQL_ATTEMPTS);
+    bool row = false;
+    CLEANUP(query_end) query q = query_on(s, SQL_ATTEMPTS);
     query_int(&q, id);
     int code = query_step(&q, &row, err);
     while (row && code == SHEAR_OK && list->n < STORE_ATTEMPTS_KEPT) {
@@ -128,18 +131,13 @@ static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error
             code = query_step(&q, &row, err);
         }
     }
-    query_end(&q);
     return code;
 }
 
-static int check_exists(store *s, int64_t id, shear_error *err) {
-    enum store_state state;
-    return store_job_state(s, id, &state, err);
-}
-
 int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *err) {
+    enum store_state state;
     *list = (store_attempts){0};
-    int code = check_exists(s, id, err);
+    int code = store_job_state(s, id, &state, err);
     if (code != SHEAR_OK) {
         return code;
     }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/lock.h"
 
-#include "store/store.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -10,6 +8,8 @@
 #include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
+
+#include "store/store.h"
 
 enum { TRY_EVERY_MS = 10 };
 
@@ -25,7 +25,7 @@ static int fail(const char *name, const char *doing, shear_error *err) {
                       "%s: cannot be %s: %s", name, doing, strerror(errno));
 }
 
-int lock_take(int *fd, const char *path, int busy_ms, shear_error *err) {
+int lock_acquire(int *fd, const char *path, int busy_ms, shear_error *err) {
     const struct timespec pause = {.tv_nsec = TRY_EVERY_MS * 1000000L};
     char name[STORE_PATH_MAX + sizeof ".lock"];
     snprintf(name, sizeof name, "%s.lock", path);
@@ -33,24 +33,20 @@ int lock_take(int *fd, const char *path, int busy_ms, shear_error *err) {
     if (*fd < 0) {
         return fail(name, "made", err);
     }
-    int code = SHEAR_OK;
     int waited_ms = 0;
-    while (code == SHEAR_OK && flock(*fd, LOCK_EX | LOCK_NB) != 0) {
+    while (flock(*fd, LOCK_EX | LOCK_NB) != 0) {
         if (errno == EINTR) {
             continue;
         }
-        if (errno != EWOULDBLOCK) {
-            code = fail(name, "locked", err);
-        } else if (waited_ms >= busy_ms) {
-            code = lock_fail(path, err);
-        } else {
-            nanosleep(&pause, NULL);
-            waited_ms += TRY_EVERY_MS;
+        if (errno != EWOULDBLOCK || waited_ms >= busy_ms) {
+            const int code =
+                errno != EWOULDBLOCK ? fail(name, "locked", err) : lock_fail(path, err);
+            close(*fd);
+            *fd = -1;
+            return code;
         }
+        nanosleep(&pause, NULL);
+        waited_ms += TRY_EVERY_MS;
     }
-    if (code != SHEAR_OK) {
-        close(*fd);
-        *fd = -1;
-    }
-    return code;
+    return SHEAR_OK;
 }

@@ -14,7 +14,7 @@
 /* Lock `path`.lock (mode 0600, made where there is none, and never removed: another may be waiting
  * for it) and wait up to busy_ms for its owner to leave. *fd is the lock, -1 on error:
  * STORE_LOCKED, SHEAR_E_IO. Closing it, or the end of the process, is the lock's end. */
-int lock_take(int *fd, const char *path, int busy_ms, shear_error *err);
+int lock_acquire(int *fd, const char *path, int busy_ms, shear_error *err);
 
 /* What both locks say. */
 int lock_fail(const char *path, shear_error *err);

@@ -6,7 +6,7 @@
 int store_count(store *s, store_counts *counts, shear_error *err) {
     bool row = false;
     *counts = (store_counts){0};
-    query q = query_on(s, SQL_COUNTS);
+    CLEANUP(query_end) query q = query_on(s, SQL_COUNTS);
     int code = query_step(&q, &row, err);
     while (row) {
         const int64_t state = query_get_int(&q);
@@ -17,7 +17,6 @@ int store_count(store *s, store_counts *counts, shear_error *err) {
         }
         code = query_step(&q, &row, err);
     }
-    query_end(&q);
     if (code != SHEAR_OK) {
         *counts = (store_counts){0};
     }
@@ -46,12 +45,11 @@ static void read_totals(query *q, store_totals *t) {
 int store_total(store *s, store_totals *totals, shear_error *err) {
     bool row = false;
     *totals = (store_totals){0};
-    query q = query_on(s, SQL_TOTALS);
+    CLEANUP(query_end) query q = query_on(s, SQL_TOTALS);
     const int code = query_step(&q, &row, err);
     if (row) {
         read_totals(&q, totals);
     }
-    query_end(&q);
     return code;
 }
 
@@ -70,19 +68,21 @@ static int retire_some(store *s, int64_t before_ms, int64_t n, int64_t *gone, sh
 
 static int retire(store *s, const store_retention *rule, int64_t *gone, shear_error *err) {
     store_counts counts;
+    int64_t finished = 0;
     int code = retire_some(s, rule->finished_before_ms, rule->batch, gone, err);
     if (code != SHEAR_OK || rule->keep < 0) {
         return code;
     }
     code = store_count(s, &counts, err);
-    int64_t finished = 0;
+    if (code != SHEAR_OK) {
+        return code;
+    }
     for (int state = STORE_DONE; state < STORE_N_STATES; state++) {
         finished += counts.jobs[state];
     }
     const int64_t excess = finished - rule->keep;
-    const int64_t room = rule->batch - *gone;
-    return code == SHEAR_OK ? retire_some(s, INT64_MAX, excess < room ? excess : room, gone, err)
-                            : code;
+    const int64_t left = rule->batch - *gone;
+    return retire_some(s, INT64_MAX, excess < left ? excess : left, gone, err);
 }
 
 int store_retire(store *s, const store_retention *rule, int64_t *retired, shear_error *err) {

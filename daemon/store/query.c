@@ -1,15 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/query.h"
 
+#include <assert.h>
 #include <string.h>
 
 query query_on(store *s, enum sql which) {
-    query q = {.s = s, .which = which, .stmt = s->statements[which], .rc = SQLITE_OK};
+    assert(which < SQL_N);
+    query q = {.s = s, .doing = sql_texts[which], .stmt = s->statements[which], .rc = SQLITE_OK};
     if (q.stmt == NULL) {
         q.rc = sqlite3_prepare_v3(s->db, sql_texts[which], -1, SQLITE_PREPARE_PERSISTENT, &q.stmt,
                                   NULL);
         s->statements[which] = q.stmt;
     }
+    return q;
+}
+
+query query_once(store *s, const char *sql, const char *doing) {
+    query q = {.s = s, .doing = doing, .is_own = true};
+    q.rc = sqlite3_prepare_v2(s->db, sql, -1, &q.stmt, NULL);
     return q;
 }
 
@@ -50,7 +58,7 @@ int query_step(query *q, bool *row, shear_error *err) {
     if (rc == SQLITE_ROW || rc == SQLITE_DONE) {
         return SHEAR_OK;
     }
-    const int code = database_fail(q->s->db, q->s->path, rc, sql_texts[q->which], err);
+    const int code = database_fail(q->s->db, q->s->path, rc, q->doing, err);
     /* Once the database is ours, nobody can be in the way but a file system that plays tricks with
      * locks. */
     if (code == STORE_LOCKED) {
@@ -77,12 +85,16 @@ const unsigned char *query_get_blob(query *q, size_t *size) {
     return bytes;
 }
 
+const char *query_peek_text(query *q) {
+    return (const char *)sqlite3_column_text(q->stmt, q->column++);
+}
+
 char *query_get_text(query *q) {
-    const int column = q->column++;
-    if (sqlite3_column_type(q->stmt, column) == SQLITE_NULL) {
+    if (sqlite3_column_type(q->stmt, q->column) == SQLITE_NULL) {
+        q->column++;
         return NULL;
     }
-    const char *text = (const char *)sqlite3_column_text(q->stmt, column);
+    const char *text = query_peek_text(q);
     char *copy = text != NULL ? strdup(text) : NULL;
     q->no_memory = q->no_memory || copy == NULL;
     return copy;
@@ -94,7 +106,10 @@ int query_got(const query *q, shear_error *err) {
 }
 
 void query_end(query *q) {
-    if (q->stmt != NULL) {
+    if (q->is_own) {
+        sqlite3_finalize(q->stmt);
+        q->stmt = NULL;
+    } else if (q->stmt != NULL) {
         sqlite3_reset(q->stmt);
         /* Texts of the caller's must not be looked at again. */
         sqlite3_clear_bindings(q->stmt);
@@ -114,19 +129,38 @@ int query_run_id(store *s, enum sql which, int64_t id, shear_error *err) {
     return query_run(&q, err);
 }
 
-int query_check_text(const char *what, const char *text, size_t max, bool optional,
-                     shear_error *err) {
+int query_number(query *q, int64_t otherwise, int64_t *number, shear_error *err) {
+    bool row = false;
+    const int code = query_step(q, &row, err);
+    *number = row ? query_get_int(q) : otherwise;
+    query_end(q);
+    return code;
+}
+
+static int check_text(const text_rule *rule, shear_error *err) {
+    const char *text = rule->text;
     if (text == NULL) {
-        return optional ? SHEAR_OK
-                        : shear_fail(err, STORE_BAD_TEXT, NULL, "the %s is missing", what);
+        return rule->optional
+                   ? SHEAR_OK
+                   : shear_fail(err, STORE_BAD_TEXT, NULL, "the %s is missing", rule->what);
     }
-    const size_t length = strnlen(text, max + 1);
-    if (length > max) {
-        return shear_fail(err, STORE_BAD_TEXT, "shorten it", "the %s has more than %zu bytes", what,
-                          max);
+    const size_t length = strnlen(text, rule->max + 1);
+    if (length > rule->max) {
+        return shear_fail(err, STORE_BAD_TEXT, "shorten it", "the %s has more than %zu bytes",
+                          rule->what, rule->max);
     }
     if (length == 0) {
-        return shear_fail(err, STORE_BAD_TEXT, NULL, "the %s is empty", what);
+        return shear_fail(err, STORE_BAD_TEXT, NULL, "the %s is empty", rule->what);
+    }
+    return SHEAR_OK;
+}
+
+int query_check_texts(const text_rule *rules, size_t n, shear_error *err) {
+    for (size_t i = 0; i < n; i++) {
+        const int code = check_text(&rules[i], err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
     return SHEAR_OK;
 }

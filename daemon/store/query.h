@@ -1,29 +1,33 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+
 /* store/query.h: one use of a cached statement: bind the parameters in order, step, read the
  * columns in order, end.
  *
- *     query q = query_on(s, SQL_JOB_ROW);
+ *     CLEANUP(query_end) query q = query_on(s, SQL_JOB_ROW);
  *     query_int(&q, id);
  *     int code = query_step(&q, &row, err);
  *     ... query_get_int(&q) ...
- *     query_end(&q);
  */
 #ifndef SHEARD_STORE_QUERY_H
 #define SHEARD_STORE_QUERY_H
 
+#include "base/cleanup.h"
 #include "store/database.h"
 
 typedef struct query {
     store *s;
-    enum sql which;
     sqlite3_stmt *stmt;
-    int bound;      /* parameters so far */
-    int column;     /* the next one to read of the present row */
-    int rc;         /* the first error of binding */
-    bool no_memory; /* in reading a text */
+    const char *doing; /* for messages */
+    bool is_own;       /* not cached: finalized by query_end */
+    int bound;         /* parameters so far */
+    int column;        /* the next one to read of the present row */
+    int rc;            /* the first error of binding */
+    bool no_memory;    /* in reading a text */
 } query;
 
 query query_on(store *s, enum sql which);
+/* A statement that is not in sql.h, for this one use. */
+query query_once(store *s, const char *sql, const char *doing);
 void query_int(query *q, int64_t value);
 void query_real(query *q, double value, bool null);
 void query_text(query *q, const char *text); /* must live until query_end; NULL: null */
@@ -32,21 +36,28 @@ void query_blob(query *q, const unsigned char *bytes, size_t size); /* likewise;
 int query_step(query *q, bool *row, shear_error *err);
 int64_t query_get_int(query *q);
 double query_get_real(query *q, bool *null);
-/* Lives until the next step. */
+/* Both live until the next step; a text is NULL where the column is null. */
 const unsigned char *query_get_blob(query *q, size_t *size);
+const char *query_peek_text(query *q);
 /* A copy, the caller's; NULL where the column is null, or memory is out (then query_got tells). */
 char *query_get_text(query *q);
-int query_got(const query *q,
-              shear_error *err); /* SHEAR_E_NOMEM where a text could not be copied */
-void query_end(query *q);        /* may be called twice */
+/* SHEAR_E_NOMEM where a text could not be copied. */
+int query_got(const query *q, shear_error *err);
+void query_end(query *q); /* may be called twice */
 
 /* For statements without rows: step and end; and those of one parameter. */
 int query_run(query *q, shear_error *err);
 int query_run_id(store *s, enum sql which, int64_t id, shear_error *err);
+/* For those of one number: that of the first row, or `otherwise` without one and on an error. */
+int query_number(query *q, int64_t otherwise, int64_t *number, shear_error *err);
 
 /* STORE_BAD_TEXT where `text` has more than `max` bytes, or is empty; NULL passes only where it is
  * optional. */
-int query_check_text(const char *what, const char *text, size_t max, bool optional,
-                     shear_error *err);
+typedef struct text_rule {
+    const char *what, *text;
+    size_t max;
+    bool optional;
+} text_rule;
+int query_check_texts(const text_rule *rules, size_t n, shear_error *err);
 
 #endif

@@ -1,20 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which job runs next, and how a running one stops without a result. */
+#include "base/text.h"
 #include "store/job.h"
 #include "store/operation.h"
 #include "store/query.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-
-static int first_queued(store *s, int64_t *id, shear_error *err) {
-    bool row = false;
-    query q = query_on(s, SQL_NEXT);
-    const int code = query_step(&q, &row, err);
-    *id = row ? query_get_int(&q) : 0;
-    query_end(&q);
-    return code;
-}
 
 static int run_timed(store *s, enum sql which, int64_t id, int64_t value, shear_error *err) {
     query q = query_on(s, which);
@@ -25,22 +14,29 @@ static int run_timed(store *s, enum sql which, int64_t id, int64_t value, shear_
 
 static int start(store *s, int64_t id, int64_t now_ms, shear_error *err) {
     int code = run_timed(s, SQL_START, id, now_ms, err);
-    if (code == SHEAR_OK) {
-        code = run_timed(s, SQL_ATTEMPT_OPEN, id, now_ms, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code == SHEAR_OK ? run_timed(s, SQL_ATTEMPT_PRUNE, id, STORE_ATTEMPTS_KEPT, err) : code;
+    code = run_timed(s, SQL_ATTEMPT_OPEN, id, now_ms, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    return run_timed(s, SQL_ATTEMPT_PRUNE, id, STORE_ATTEMPTS_KEPT, err);
 }
 
 static int next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
     int64_t id = 0;
     int code = query_run_id(s, SQL_WAKE, now_ms, err);
-    if (code == SHEAR_OK) {
-        code = first_queued(s, &id, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && id != 0) {
-        code = start(s, id, now_ms, err);
+    query q = query_on(s, SQL_NEXT);
+    code = query_number(&q, 0, &id, err);
+    if (code != SHEAR_OK || id == 0) {
+        return code;
     }
-    return code == SHEAR_OK && id != 0 ? store_job_get(s, id, job, err) : code;
+    code = start(s, id, now_ms, err);
+    return code != SHEAR_OK ? code : store_job_get(s, id, job, err);
 }
 
 int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
@@ -57,40 +53,31 @@ int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
 }
 
 int store_next_due(store *s, int64_t *due_ms, shear_error *err) {
-    bool row = false;
     query q = query_on(s, SQL_DUE);
-    const int code = query_step(&q, &row, err);
-    *due_ms = row ? query_get_int(&q) : INT64_MAX;
-    query_end(&q);
-    return code;
+    return query_number(&q, INT64_MAX, due_ms, err);
 }
 
 static int set_clock(store *s, const store_clock *c, shear_error *err) {
-    query q = query_on(s, SQL_WAITING_SHIFT);
-    query_int(&q, c->delta_ms);
-    query_int(&q, c->latest_ms);
-    const int code = query_run(&q, err);
-    return code == SHEAR_OK ? query_run_id(s, SQL_FINISHED_CLAMP, c->now_ms, err) : code;
+    const int code = run_timed(s, SQL_WAITING_SHIFT, c->delta_ms, c->latest_ms, err);
+    return code != SHEAR_OK ? code : query_run_id(s, SQL_FINISHED_CLAMP, c->now_ms, err);
 }
 
 int store_set_clock(store *s, const store_clock *clock, shear_error *err) {
     const int code = operation_begin(s, err);
-    return code == SHEAR_OK ? operation_end(s, set_clock(s, clock, err), err) : code;
+    return code != SHEAR_OK ? code : operation_end(s, set_clock(s, clock, err), err);
 }
 
 static void copy_text(char *to, size_t size, query *q) {
-    char *text = query_get_text(q);
-    snprintf(to, size, "%s", text != NULL ? text : "");
-    free(text);
+    text_set(to, size, query_peek_text(q));
 }
 
-int store_waiting_reasons(store *s, store_waiting *reasons, size_t room, size_t *n,
+int store_waiting_reasons(store *s, store_waiting *reasons, size_t capacity, size_t *n,
                           shear_error *err) {
     bool row = false;
-    query q = query_on(s, SQL_WAITING_REASONS);
-    query_int(&q, (int64_t)room);
+    CLEANUP(query_end) query q = query_on(s, SQL_WAITING_REASONS);
+    query_int(&q, (int64_t)capacity);
     int code = query_step(&q, &row, err);
-    for (*n = 0; row && *n < room; (*n)++) {
+    for (*n = 0; row && *n < capacity; (*n)++) {
         store_waiting *w = &reasons[*n];
         copy_text(w->code, sizeof w->code, &q);
         w->jobs = query_get_int(&q);
@@ -99,7 +86,6 @@ int store_waiting_reasons(store *s, store_waiting *reasons, size_t room, size_t 
         copy_text(w->message, sizeof w->message, &q);
         code = query_step(&q, &row, err);
     }
-    query_end(&q);
     *n = code == SHEAR_OK ? *n : 0;
     return code;
 }
@@ -116,20 +102,17 @@ int store_retry_waiting(store *s, const char *failure, int64_t now_ms, shear_err
 }
 
 static int check_failure(const store_failure *f, shear_error *err) {
+    const text_rule rules[] = {{"failure's code", f->code, STORE_CODE_MAX, false},
+                               {"failure's message", f->message, STORE_MESSAGE_MAX, false},
+                               {"failure's advice", f->advice, STORE_ADVICE_MAX, true}};
     if (f->failure_class <= STORE_NO_CLASS || f->failure_class > STORE_BUG) {
         return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
-                          "a failure has no class %d", f->failure_class);
+                          "a failure has no class %d", (int)f->failure_class);
     }
-    int code = query_check_text("failure's code", f->code, STORE_CODE_MAX, false, err);
-    if (code == SHEAR_OK) {
-        code = query_check_text("failure's message", f->message, STORE_MESSAGE_MAX, false, err);
-    }
-    return code == SHEAR_OK
-               ? query_check_text("failure's advice", f->advice, STORE_ADVICE_MAX, true, err)
-               : code;
+    return query_check_texts(rules, sizeof rules / sizeof rules[0], err);
 }
 
-static int write_failure(store *s, int64_t id, const store_failure *f, int state,
+static int write_failure(store *s, int64_t id, const store_failure *f, enum store_state state,
                          shear_error *err) {
     query q = query_on(s, SQL_JOB_FAIL);
     query_int(&q, id);
@@ -145,21 +128,28 @@ static int write_failure(store *s, int64_t id, const store_failure *f, int state
 
 static int fail(store *s, int64_t id, const store_failure *f, enum store_state *state,
                 shear_error *err) {
-    job_row b;
-    int code = job_row_get_running(s, id, &b, err);
-    if (code == SHEAR_OK) {
-        code = job_close_attempt(s, id, STORE_ATTEMPT_FAILED, f->now_ms, f, err);
+    CLEANUP(job_row_deinit) job_row job = {0};
+    int code = job_row_get_running(s, id, &job, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        *state = b.cancel_asked        ? STORE_CANCELLED
-                 : f->retry_at_ms >= 0 ? STORE_WAITING
-                                       : STORE_FAILED;
-        code = write_failure(s, id, f, *state, err);
+    code = job_close_attempt(s, id, STORE_ATTEMPT_FAILED, f->now_ms, f, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && *state == STORE_CANCELLED) {
-        code = query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
+    *state = job.cancel_asked      ? STORE_CANCELLED
+             : f->retry_at_ms >= 0 ? STORE_WAITING
+                                   : STORE_FAILED;
+    code = write_failure(s, id, f, *state, err);
+    if (code != SHEAR_OK || *state != STORE_CANCELLED) {
+        return code;
     }
-    job_row_deinit(&b);
+    return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
+}
+
+static int end_with_state(store *s, int code, enum store_state *state, shear_error *err) {
+    code = operation_end(s, code, err);
+    *state = code == SHEAR_OK ? *state : STORE_QUEUED;
     return code;
 }
 
@@ -167,63 +157,49 @@ int store_fail(store *s, int64_t id, const store_failure *failure, enum store_st
                shear_error *err) {
     *state = STORE_QUEUED;
     int code = check_failure(failure, err);
-    if (code == SHEAR_OK) {
-        code = operation_begin(s, err);
-    }
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_end(s, fail(s, id, failure, state, err), err);
-    *state = code == SHEAR_OK ? *state : STORE_QUEUED;
-    return code;
+    code = operation_begin(s, err);
+    return code != SHEAR_OK ? code
+                            : end_with_state(s, fail(s, id, failure, state, err), state, err);
 }
 
 int store_release(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
     *state = STORE_QUEUED;
-    int code = operation_begin(s, err);
+    const int code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_end(s, job_put_back(s, id, STORE_ATTEMPT_RELEASED, now_ms, state, err), err);
-    *state = code == SHEAR_OK ? *state : STORE_QUEUED;
-    return code;
+    const int done = job_put_back(s, id, STORE_ATTEMPT_RELEASED, now_ms, state, err);
+    return end_with_state(s, done, state, err);
 }
 
 static int cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
-    job_row b;
-    int code = job_row_get(s, id, &b, err);
+    CLEANUP(job_row_deinit) job_row job = {0};
+    const int code = job_row_get(s, id, &job, err);
     if (code != SHEAR_OK) {
-        goto done;
+        return code;
     }
-    switch (b.state) {
+    switch (job.state) {
     case STORE_QUEUED:
     case STORE_WAITING:
         *state = STORE_CANCELLED;
-        code = job_make_cancelled(s, id, now_ms, err);
-        break;
+        return job_make_cancelled(s, id, now_ms, err);
     case STORE_RUNNING:
         *state = STORE_RUNNING;
-        code = query_run_id(s, SQL_JOB_ASK_CANCEL, id, err);
-        break;
+        return query_run_id(s, SQL_JOB_ASK_CANCEL, id, err);
     case STORE_CANCELLED:
         *state = STORE_CANCELLED;
-        break;
+        return SHEAR_OK;
     default:
-        code = job_wrong_state(&b, "unfinished", err);
-        break;
+        return job_wrong_state(&job, "unfinished", err);
     }
-done:
-    job_row_deinit(&b);
-    return code;
 }
 
 int store_cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
     *state = STORE_QUEUED;
-    int code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, cancel(s, id, now_ms, state, err), err);
-    *state = code == SHEAR_OK ? *state : STORE_QUEUED;
-    return code;
+    const int code = operation_begin(s, err);
+    return code != SHEAR_OK ? code
+                            : end_with_state(s, cancel(s, id, now_ms, state, err), state, err);
 }

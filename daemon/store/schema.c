@@ -321,24 +321,35 @@ static const char *const version_6[] = {
 const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3,
                                                   version_4, version_5, version_6};
 
-int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
-                   shear_error *err) {
-    char stamp[96];
-    int code = SHEAR_OK;
-    sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 0, NULL);
-    for (int v = from; v < to && code == SHEAR_OK; v++) {
-        for (const char *const *sql = steps[v]; *sql != NULL && code == SHEAR_OK; sql++) {
-            code = database_exec(db, path, *sql, err);
+static int take_step(sqlite3 *db, const char *path, schema_step step, shear_error *err) {
+    for (const char *const *sql = step; *sql != NULL; sql++) {
+        const int code = database_exec(db, path, *sql, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
+    }
+    return SHEAR_OK;
+}
+
+static int take_steps(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
+                      shear_error *err) {
+    char stamp[96];
+    for (int v = from; v < to; v++) {
+        const int code = take_step(db, path, steps[v], err);
         if (code != SHEAR_OK) {
             shear_prefix(err, code, "schema version %d to %d", v, v + 1);
+            return code;
         }
     }
-    if (code == SHEAR_OK) {
-        snprintf(stamp, sizeof stamp, "PRAGMA application_id = %d; PRAGMA user_version = %d",
-                 SCHEMA_APPLICATION, to);
-        code = database_exec(db, path, stamp, err);
-    }
+    snprintf(stamp, sizeof stamp, "PRAGMA application_id = %d; PRAGMA user_version = %d",
+             SCHEMA_APPLICATION, to);
+    return database_exec(db, path, stamp, err);
+}
+
+int schema_migrate(sqlite3 *db, const char *path, const schema_step *steps, int from, int to,
+                   shear_error *err) {
+    sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 0, NULL);
+    const int code = take_steps(db, path, steps, from, to, err);
     sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, NULL);
     return code;
 }

@@ -2,20 +2,24 @@
 /* Opening and closing. */
 #include "store/store.h"
 
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
 #include "store/job.h"
 #include "store/lock.h"
 #include "store/operation.h"
 #include "store/query.h"
 #include "store/schema.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
+static void close_failed(store **s) {
+    store_close(*s);
+}
 
 /* With a slash at least: SQLite takes "file:..." for a URI, "" and ":memory:" for databases without
  * a file. */
-static int take_path(store *s, const char *path, shear_error *err) {
+static int set_path(store *s, const char *path, shear_error *err) {
     const char *here = path[0] == '/' ? "" : "./";
     if (path[0] == '\0' || strlen(path) + strlen(here) >= sizeof s->path) {
         return shear_fail(err, SHEAR_E_IO, "give a shorter path",
@@ -27,100 +31,100 @@ static int take_path(store *s, const char *path, shear_error *err) {
 
 /* Within the transaction that database_connect left open. */
 static int bring_up_to_date(store *s, int version, shear_error *err) {
-    int code = SHEAR_OK;
     s->opening.created = version < 0;
     s->opening.version = SCHEMA_VERSION;
     s->opening.migrated_from = version < 0 ? SCHEMA_VERSION : version;
     if (version < SCHEMA_VERSION) {
         const int from = version < 0 ? 0 : version;
-        code = schema_migrate(s->db, s->path, schema_steps, from, SCHEMA_VERSION, err);
+        const int code = schema_migrate(s->db, s->path, schema_steps, from, SCHEMA_VERSION, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    return code == SHEAR_OK ? database_exec(s->db, s->path, "COMMIT", err) : code;
+    return database_exec(s->db, s->path, "COMMIT", err);
 }
 
 static int read_identity(store *s, shear_error *err) {
     bool row = false;
-    query q = query_on(s, SQL_IDENTITY);
-    int code = query_step(&q, &row, err);
-    char *text = row ? query_get_text(&q) : NULL;
-    if (code == SHEAR_OK && row) {
-        code = query_got(&q, err);
-    }
-    query_end(&q);
-    if (code == SHEAR_OK && (text == NULL || strlen(text) != sizeof s->identity - 1)) {
-        code = shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
-                          "%s: does not say which database it is", s->path);
-    }
-    if (code == SHEAR_OK) {
-        stpcpy(s->identity, text);
-    }
-    free(text);
-    return code;
-}
-
-static int next_running(store *s, int64_t *id, shear_error *err) {
-    bool row = false;
-    query q = query_on(s, SQL_RUNNING);
+    CLEANUP(query_end) query q = query_on(s, SQL_IDENTITY);
     const int code = query_step(&q, &row, err);
-    *id = row ? query_get_int(&q) : 0;
-    query_end(&q);
-    return code;
-}
-
-/* No job can run while the database is being opened: those marked so ran when the service died. */
-static int recover(store *s, int64_t now_ms, shear_error *err) {
-    int64_t id = 0;
-    enum store_state state = STORE_QUEUED;
-    int code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    do {
-        code = next_running(s, &id, err);
-        if (code == SHEAR_OK && id != 0) {
-            code = job_put_back(s, id, STORE_ATTEMPT_INTERRUPTED, now_ms, &state, err);
-            s->opening.requeued += state == STORE_QUEUED;
-            s->opening.cancelled += state == STORE_CANCELLED;
+    const char *text = row ? query_peek_text(&q) : NULL;
+    if (text == NULL || strlen(text) != sizeof s->identity - 1) {
+        return shear_fail(err, SHEAR_E_FORMAT, "restore the database from a copy",
+                          "%s: does not say which database it is", s->path);
+    }
+    stpcpy(s->identity, text);
+    return SHEAR_OK;
+}
+
+/* No job can run while the database is being opened: those marked so ran when the service died. */
+static int requeue_running(store *s, int64_t now_ms, shear_error *err) {
+    for (;;) {
+        int64_t id = 0;
+        enum store_state state = STORE_QUEUED;
+        query q = query_on(s, SQL_RUNNING);
+        int code = query_number(&q, 0, &id, err);
+        if (code != SHEAR_OK || id == 0) {
+            return code;
         }
-    } while (code == SHEAR_OK && id != 0);
-    return operation_end(s, code, err);
+        code = job_put_back(s, id, STORE_ATTEMPT_INTERRUPTED, now_ms, &state, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        assert(state == STORE_QUEUED || state == STORE_CANCELLED);
+        s->opening.requeued += state == STORE_QUEUED;
+        s->opening.cancelled += state == STORE_CANCELLED;
+    }
+}
+
+static int recover(store *s, int64_t now_ms, shear_error *err) {
+    const int code = operation_begin(s, err);
+    return code != SHEAR_OK ? code : operation_end(s, requeue_running(s, now_ms, err), err);
+}
+
+static int open_database(store *s, const store_options *options, int64_t now_ms, shear_error *err) {
+    int version = 0;
+    int code = lock_acquire(&s->lock, s->path, options->busy_ms, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = database_connect(&s->db, s->path, options, &version, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = bring_up_to_date(s, version, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = database_use_wal(s->db, s->path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = read_identity(s, err);
+    return code != SHEAR_OK ? code : recover(s, now_ms, err);
 }
 
 int store_open(store **out, const char *path, const store_options *options, int64_t now_ms,
                shear_error *err) {
     static const store_options plain = {0};
-    const store_options *how = options != NULL ? options : &plain;
-    int version = 0;
     *out = NULL;
-    store *s = calloc(1, sizeof *s);
+    CLEANUP(close_failed) store *s = calloc(1, sizeof *s);
     if (s == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the store");
     }
     s->lock = -1;
-    int code = take_path(s, path, err);
-    if (code == SHEAR_OK) {
-        code = lock_take(&s->lock, s->path, how->busy_ms, err);
-    }
-    if (code == SHEAR_OK) {
-        code = database_connect(&s->db, s->path, how, &version, err);
-    }
-    if (code == SHEAR_OK) {
-        code = bring_up_to_date(s, version, err);
-    }
-    if (code == SHEAR_OK) {
-        code = database_use_wal(s->db, s->path, err);
-    }
-    if (code == SHEAR_OK) {
-        code = read_identity(s, err);
-    }
-    if (code == SHEAR_OK) {
-        code = recover(s, now_ms, err);
-    }
+    int code = set_path(s, path, err);
     if (code != SHEAR_OK) {
-        store_close(s);
         return code;
     }
-    *out = s;
+    code = open_database(s, options != NULL ? options : &plain, now_ms, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    *out = CLEANUP_TAKE(s);
     return SHEAR_OK;
 }
 

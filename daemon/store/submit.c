@@ -1,34 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How a job comes in, and how it comes in again. */
-#include "store/job.h"
-#include "store/operation.h"
-
 #include <inttypes.h>
 #include <string.h>
 
+#include "store/job.h"
+#include "store/operation.h"
+
 static int check_spec(const store_spec *p, shear_error *err) {
-    int code = query_check_text("field's name", p->field, STORE_FIELD_MAX, true, err);
-    if (code == SHEAR_OK) {
-        code = query_check_text("source", p->source, STORE_SOURCE_MAX, false, err);
+    const text_rule rules[] = {
+        {"field's name", p->field, STORE_FIELD_MAX, true},
+        {"source", p->source, STORE_SOURCE_MAX, false},
+        {"settings", p->settings, STORE_SETTINGS_MAX, false},
+        {"settings digest", p->settings_digest, STORE_DIGEST_MAX, false},
+        {"idempotency key", p->key, STORE_KEY_MAX, true},
+        {"dropped file's name", p->dropped, STORE_PATH_MAX, true},
+    };
+    const int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = query_check_text("settings", p->settings, STORE_SETTINGS_MAX, false, err);
-    }
-    if (code == SHEAR_OK) {
-        code =
-            query_check_text("settings digest", p->settings_digest, STORE_DIGEST_MAX, false, err);
-    }
-    if (code == SHEAR_OK) {
-        code = query_check_text("idempotency key", p->key, STORE_KEY_MAX, true, err);
-    }
-    if (code == SHEAR_OK) {
-        code = query_check_text("dropped file's name", p->dropped, STORE_PATH_MAX, true, err);
-    }
-    if (code == SHEAR_OK && p->groups != NULL && strlen(p->groups) > STORE_GROUPS_MAX) {
-        code = shear_fail(err, STORE_BAD_TEXT, NULL, "the list of groups has more than %d bytes",
+    if (p->groups != NULL && strlen(p->groups) > STORE_GROUPS_MAX) { /* may be empty */
+        return shear_fail(err, STORE_BAD_TEXT, NULL, "the list of groups has more than %d bytes",
                           STORE_GROUPS_MAX);
     }
-    return code;
+    return SHEAR_OK;
 }
 
 /* The parameters that SQL_KEY_FIND and SQL_JOB_ADD have in common. */
@@ -48,23 +43,23 @@ static query query_spec(store *s, enum sql which, const store_spec *p) {
 /* The job that has this owner's key; *id is 0 where there is none. */
 static int find_key(store *s, const store_spec *p, int64_t *id, shear_error *err) {
     bool row = false;
+    *id = 0;
     if (p->key == NULL) {
         return SHEAR_OK;
     }
-    query q = query_spec(s, SQL_KEY_FIND, p);
-    int code = query_step(&q, &row, err);
-    if (row) {
-        *id = query_get_int(&q);
-        if (query_get_int(&q) == 0) {
-            code =
-                shear_fail(err, STORE_KEY_REUSED, "use a new key for a new request",
-                           "the idempotency key '%s' belongs to another request (job %" PRId64 ")",
-                           p->key, *id);
-            *id = 0;
-        }
+    CLEANUP(query_end) query q = query_spec(s, SQL_KEY_FIND, p);
+    const int code = query_step(&q, &row, err);
+    if (!row) {
+        return code;
     }
-    query_end(&q);
-    return code;
+    const int64_t found = query_get_int(&q);
+    if (query_get_int(&q) == 0) {
+        return shear_fail(err, STORE_KEY_REUSED, "use a new key for a new request",
+                          "the idempotency key '%s' belongs to another request (job %" PRId64 ")",
+                          p->key, found);
+    }
+    *id = found;
+    return SHEAR_OK;
 }
 
 static int keep_settings(store *s, const store_spec *p, shear_error *err) {
@@ -91,7 +86,6 @@ static int keep_settings(store *s, const store_spec *p, shear_error *err) {
 
 /* The number of these groups; 0 where they are not known. */
 static int keep_credentials(store *s, const store_spec *p, int64_t *number, shear_error *err) {
-    bool row = false;
     *number = 0;
     if (p->groups == NULL) {
         return SHEAR_OK;
@@ -99,10 +93,8 @@ static int keep_credentials(store *s, const store_spec *p, int64_t *number, shea
     query find = query_on(s, SQL_CREDENTIALS_FIND);
     query_int(&find, p->gid);
     query_text(&find, p->groups);
-    int code = query_step(&find, &row, err);
-    *number = row ? query_get_int(&find) : 0;
-    query_end(&find);
-    if (code != SHEAR_OK || row) {
+    int code = query_number(&find, 0, number, err);
+    if (code != SHEAR_OK || *number != 0) {
         return code;
     }
     query add = query_on(s, SQL_CREDENTIALS_ADD);
@@ -135,11 +127,12 @@ static int submit(store *s, const store_spec *p, int64_t max_unfinished, int64_t
     if (code != SHEAR_OK || *known) {
         return code;
     }
-    code = job_check_room(s, max_unfinished, err);
-    if (code == SHEAR_OK) {
-        code = keep_settings(s, p, err);
+    code = job_check_capacity(s, max_unfinished, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code == SHEAR_OK ? add_job(s, p, id, err) : code;
+    code = keep_settings(s, p, err);
+    return code != SHEAR_OK ? code : add_job(s, p, id, err);
 }
 
 int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64_t *id, bool *known,
@@ -147,9 +140,10 @@ int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64
     *id = 0;
     *known = false;
     int code = check_spec(spec, err);
-    if (code == SHEAR_OK) {
-        code = operation_begin(s, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -182,11 +176,13 @@ static int find_dropped(store *s, uint32_t owner, const char *key, const char *d
 
 int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dropped, int64_t *id,
                        shear_error *err) {
+    const text_rule rule = {"dropped file's name", dropped, STORE_PATH_MAX, false};
     *id = 0;
-    int code = query_check_text("dropped file's name", dropped, STORE_PATH_MAX, false, err);
-    if (code == SHEAR_OK) {
-        code = operation_begin(s, err);
+    int code = query_check_texts(&rule, 1, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = operation_begin(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -195,43 +191,42 @@ int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dr
     return code;
 }
 
-static int rested(store *s, int64_t id, const char *resting, const char *print, shear_error *err) {
+static int set_disposal(store *s, int64_t id, const char *place, const char *fingerprint,
+                        shear_error *err) {
     query q = query_on(s, SQL_JOB_SET_DISPOSAL);
     query_int(&q, id);
-    query_text(&q, resting);
-    query_text(&q, print);
+    query_text(&q, place);
+    query_text(&q, fingerprint);
     return query_run(&q, err);
 }
 
-int store_set_disposal(store *s, int64_t id, const char *resting, const char *print,
+int store_set_disposal(store *s, int64_t id, const char *place, const char *fingerprint,
                        shear_error *err) {
-    int code = query_check_text("place of a dropped file", resting, STORE_PATH_MAX, false, err);
-    if (code == SHEAR_OK) {
-        code = query_check_text("mark of a dropped file", print, STORE_PATH_MAX, true, err);
+    const text_rule rules[] = {{"place of a dropped file", place, STORE_PATH_MAX, false},
+                               {"mark of a dropped file", fingerprint, STORE_PATH_MAX, true}};
+    int code = query_check_texts(rules, sizeof rules / sizeof rules[0], err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = operation_begin(s, err);
-    }
-    return code == SHEAR_OK ? operation_end(s, rested(s, id, resting, print, err), err) : code;
+    code = operation_begin(s, err);
+    return code != SHEAR_OK ? code
+                            : operation_end(s, set_disposal(s, id, place, fingerprint, err), err);
 }
 
 static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
-    job_row b;
-    int code = job_row_get(s, id, &b, err);
-    if (code == SHEAR_OK && b.state != STORE_FAILED && b.state != STORE_CANCELLED) {
-        code = job_wrong_state(&b, "failed or cancelled", err);
+    CLEANUP(job_row_deinit) job_row job = {0};
+    int code = job_row_get(s, id, &job, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = job_check_room(s, max_unfinished, err);
+    if (job.state != STORE_FAILED && job.state != STORE_CANCELLED) {
+        return job_wrong_state(&job, "failed or cancelled", err);
     }
-    if (code == SHEAR_OK) {
-        code = query_run_id(s, SQL_JOB_RETRY, id, err);
-    }
-    job_row_deinit(&b);
-    return code;
+    code = job_check_capacity(s, max_unfinished, err);
+    return code != SHEAR_OK ? code : query_run_id(s, SQL_JOB_RETRY, id, err);
 }
 
 int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
     const int code = operation_begin(s, err);
-    return code == SHEAR_OK ? operation_end(s, retry(s, id, max_unfinished, err), err) : code;
+    return code != SHEAR_OK ? code : operation_end(s, retry(s, id, max_unfinished, err), err);
 }

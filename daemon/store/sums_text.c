@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/sums_text.h"
 
-#include "store/query.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "store/query.h"
+
 int sums_parse_given(shear_field_sums **sums, const char *text, shear_error *err) {
+    const text_rule rule = {"sums", text, STORE_SUMS_MAX, false};
     *sums = NULL;
-    const int code = query_check_text("sums", text, STORE_SUMS_MAX, false, err);
+    int code = query_check_texts(&rule, 1, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    const int parsed = shear_field_sums_parse(sums, text, err);
-    return parsed == SHEAR_E_FORMAT
+    code = shear_field_sums_parse(sums, text, err);
+    return code == SHEAR_E_FORMAT
                ? shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
                             "sums were given that cannot be read: '%.40s'", text)
-               : parsed;
+               : code;
 }
 
 /* What follows: the text as it is, or with each long run of n zeros as "zN.". */
@@ -30,7 +31,7 @@ static int no_memory(shear_error *err) {
     return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
 }
 
-/* A run and its count take no more room than the zeros did. */
+/* A run's count takes no more bytes than the zeros did. */
 static void count_zeros(const char *text, char *out, size_t size) {
     while (*text != '\0') {
         const size_t zeros = strspn(text, "0");
@@ -63,7 +64,7 @@ int sums_pack(const char *text, char **packed, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* "zN." at *at, which moves behind it; 0 where it is none. */
+/* Read "zN." at *at, which moves behind it. Returns N, or 0 for anything else. */
 static size_t read_run(const char **at) {
     char *end = NULL;
     const unsigned long zeros = strtoul(*at + 1, &end, 10);
@@ -74,17 +75,17 @@ static size_t read_run(const char **at) {
     return zeros;
 }
 
-static bool unpack(const char *packed, char *out, size_t room) {
+static bool unpack(const char *packed, char *out, size_t capacity) {
     while (*packed != '\0') {
         const bool run = *packed == 'z';
         const size_t n = run ? read_run(&packed) : 1;
-        if (n == 0 || n > room) {
+        if (n == 0 || n > capacity) {
             return false;
         }
         memset(out, run ? '0' : *packed, n);
         packed += run ? 0 : 1;
         out += n;
-        room -= n;
+        capacity -= n;
     }
     *out = '\0';
     return true;
@@ -106,4 +107,18 @@ int sums_unpack(const char *packed, char **text, shear_error *err) {
     char *fitted = realloc(out, strlen(out) + 1);
     *text = fitted != NULL ? fitted : out;
     return SHEAR_OK;
+}
+
+int sums_parse_packed(shear_field_sums **sums, const char *packed, shear_error *err) {
+    CLEANUP(release_free) char *text = NULL;
+    *sums = NULL;
+    const int code = sums_unpack(packed, &text, err);
+    return code != SHEAR_OK ? code : shear_field_sums_parse(sums, text, err);
+}
+
+int sums_format_packed(const shear_field_sums *sums, char **packed, shear_error *err) {
+    CLEANUP(release_free) char *text = NULL;
+    *packed = NULL;
+    const int code = shear_field_sums_format(sums, &text, err);
+    return code != SHEAR_OK ? code : sums_pack(text, packed, err);
 }

@@ -1,69 +1,68 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/terms.h"
 
-#include "store/identity.h"
-#include "store/query.h"
-
 #include <inttypes.h>
 #include <string.h>
+
+#include "store/field_row.h"
+#include "store/query.h"
 
 /* Of a row of the database: far below SQLite's limit. */
 enum { PART_STAMPS = 1 << 14, PART_BYTES = PART_STAMPS * SHEAR_SYMMETRY_BYTES };
 enum { OLD_STAMP_BYTES = 48 };
 
+CLEANUP_DEFINE(shear_symmetry, shear_symmetry_free)
+
 int terms_check(const unsigned char *bytes, size_t size, shear_error *err) {
-    shear_symmetry *terms = NULL;
+    CLEANUP(shear_symmetry_release) shear_symmetry *terms = NULL;
     int code = shear_symmetry_new(&terms, err);
-    if (code == SHEAR_OK && bytes != NULL) {
-        code = shear_symmetry_add_bytes(terms, bytes, size, err);
+    if (code != SHEAR_OK || bytes == NULL) {
+        return code;
     }
-    shear_symmetry_free(terms);
-    return code == SHEAR_E_FORMAT
-               ? shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
-                            "%zu bytes are no terms of stamps", size)
-               : code;
+    code = shear_symmetry_add_bytes(terms, bytes, size, err);
+    return code != SHEAR_E_FORMAT
+               ? code
+               : shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
+                            "%zu bytes are no terms of stamps", size);
 }
 
-static int end_of(store *s, int64_t job, int64_t *end, shear_error *err) {
-    bool row = false;
+/* Drop the checkpoint's terms from from_block on, and tell the block before which the rest ends. */
+static int cut(store *s, int64_t job, int64_t from_block, int64_t *end, shear_error *err) {
+    query drop = query_on(s, SQL_CHECKPOINT_TERMS_CUT);
+    query_int(&drop, job);
+    query_int(&drop, from_block);
+    const int code = query_run(&drop, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     query q = query_on(s, SQL_CHECKPOINT_TERMS_END);
     query_int(&q, job);
-    const int code = query_step(&q, &row, err);
-    *end = row ? query_get_int(&q) : 0;
-    query_end(&q);
-    return code;
+    return query_number(&q, 0, end, err);
 }
 
-static int cut(store *s, int64_t job, int64_t from_block, shear_error *err) {
-    query q = query_on(s, SQL_CHECKPOINT_TERMS_CUT);
-    query_int(&q, job);
-    query_int(&q, from_block);
-    return query_run(&q, err);
-}
-
-int terms_save(store *s, int64_t job, const store_progress *p, shear_error *err) {
+int terms_add_checkpoint(store *s, int64_t job, const store_progress *p, shear_error *err) {
     int64_t end = 0;
-    int code = cut(s, job, p->from_block, err);
-    if (code == SHEAR_OK) {
-        code = end_of(s, job, &end, err);
+    const int code = cut(s, job, p->from_block, &end, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && end != p->from_block) {
+    if (end != p->from_block) {
         return shear_fail(err, STORE_WRONG_STATE, NULL,
                           "job %" PRId64 ": terms up to block %" PRId64
                           " are kept, and those that follow begin at %" PRId64,
                           job, end, p->from_block);
     }
-    if (code == SHEAR_OK && p->next_block > p->from_block) {
-        query q = query_on(s, SQL_CHECKPOINT_TERMS_ADD);
-        query_int(&q, job);
-        query_int(&q, p->next_block);
-        query_blob(&q, p->terms, p->terms_size);
-        code = query_run(&q, err);
+    if (p->next_block == p->from_block) {
+        return SHEAR_OK;
     }
-    return code;
+    query q = query_on(s, SQL_CHECKPOINT_TERMS_ADD);
+    query_int(&q, job);
+    query_int(&q, p->next_block);
+    query_blob(&q, p->terms, p->terms_size);
+    return query_run(&q, err);
 }
 
-int terms_count(store *s, const unsigned char *bytes, size_t size, shear_error *err) {
+int terms_add_contribution(store *s, const unsigned char *bytes, size_t size, shear_error *err) {
     const int64_t contribution = sqlite3_last_insert_rowid(s->db);
     int64_t part = 0;
     int code = SHEAR_OK;
@@ -125,7 +124,7 @@ int store_checkpoint_load_terms(store *s, int64_t id, shear_symmetry *terms, she
 int store_field_terms(store *s, const char *name, const char *settings_digest,
                       shear_symmetry *terms, shear_error *err) {
     int64_t field = 0;
-    const int code = field_find(s, name, settings_digest, &field, err);
+    const int code = field_row_find(s, name, settings_digest, &field, err);
     if (code != SHEAR_OK) {
         return code;
     }

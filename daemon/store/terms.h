@@ -9,10 +9,10 @@
 /* SHEAR_E_INTERNAL where the bytes are no terms. */
 int terms_check(const unsigned char *bytes, size_t size, shear_error *err);
 
-/* Those of a checkpoint, which is in its row already. */
-int terms_save(store *s, int64_t job, const store_progress *progress, shear_error *err);
+/* Add those of a checkpoint, whose row is there already. */
+int terms_add_checkpoint(store *s, int64_t job, const store_progress *progress, shear_error *err);
 
-/* Those of the contribution that was added last. */
-int terms_count(store *s, const unsigned char *bytes, size_t size, shear_error *err);
+/* Add those of the contribution whose row was added last. */
+int terms_add_contribution(store *s, const unsigned char *bytes, size_t size, shear_error *err);
 
 #endif

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The sums of a running job so far. */
+#include <inttypes.h>
+
+#include "store/job.h"
+#include "store/operation.h"
+#include "store/sums_text.h"
+#include "store/terms.h"
+
+/* Refuse now what a resumed job could not go on with. */
+static int check_checkpoint(int64_t id, const store_progress *p, shear_error *err) {
+    CLEANUP(shear_field_sums_release) shear_field_sums *parsed = NULL;
+    if (p->from_block < 0 || p->next_block < p->from_block) {
+        return shear_fail(err, SHEAR_E_INTERNAL, "this is a bug: please report it",
+                          "job %" PRId64 ": a checkpoint of blocks %" PRId64 " to %" PRId64, id,
+                          p->from_block, p->next_block);
+    }
+    const int code = sums_parse_given(&parsed, p->sums, err);
+    return code != SHEAR_OK ? code : terms_check(p->terms, p->terms_size, err);
+}
+
+static int write_checkpoint(store *s, int64_t id, const store_progress *p, const char *packed,
+                            shear_error *err) {
+    CLEANUP(job_row_deinit) job_row job = {0};
+    int code = job_row_get_running(s, id, &job, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (job.content == NULL) {
+        return shear_fail(err, STORE_WRONG_STATE, NULL,
+                          "job %" PRId64 ": its content must be known before a checkpoint", id);
+    }
+    query q = query_on(s, SQL_CHECKPOINT_SET);
+    query_int(&q, id);
+    query_int(&q, p->next_block);
+    query_text(&q, packed);
+    code = query_run(&q, err);
+    return code != SHEAR_OK || p->terms == NULL ? code : terms_add_checkpoint(s, id, p, err);
+}
+
+int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress, shear_error *err) {
+    CLEANUP(release_free) char *packed = NULL;
+    int code = check_checkpoint(id, progress, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = sums_pack(progress->sums, &packed, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = operation_begin(s, err);
+    return code != SHEAR_OK ? code
+                            : operation_end(s, write_checkpoint(s, id, progress, packed, err), err);
+}
+
+int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err) {
+    const store_progress progress = {.next_block = next_block, .sums = sums};
+    return store_checkpoint_terms(s, id, &progress, err);
+}
+
+int store_checkpoint_load(store *s, int64_t id, int64_t *next_block, char **sums,
+                          shear_error *err) {
+    bool row = false;
+    *next_block = 0;
+    *sums = NULL;
+    CLEANUP(query_end) query q = query_on(s, SQL_CHECKPOINT_GET);
+    query_int(&q, id);
+    int code = query_step(&q, &row, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (!row) {
+        return shear_fail(err, STORE_NOT_FOUND, NULL, "job %" PRId64 " has no checkpoint", id);
+    }
+    const int64_t block = query_get_int(&q);
+    CLEANUP(release_free) char *packed = query_get_text(&q);
+    code = query_got(&q, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = sums_unpack(packed, sums, err);
+    *next_block = code == SHEAR_OK ? block : 0;
+    return code;
+}
