@@ -3,6 +3,7 @@
 #ifndef SHEAR_H
 #define SHEAR_H
 
+#include "shear/arrays.h"
 #include "shear/catalog.h"
 #include "shear/error.h"
 #include "shear/field.h"

@@ -2,9 +2,8 @@
 /* One field file from disk, through a team of OpenMP threads. */
 #include "shear/run.h"
 
-#include "shear/work.h"
+#include "run/team.h"
 
-#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -48,51 +47,6 @@ static void file_source_deinit(file_source *source) {
     free(source->blocks);
 }
 
-/* Tell the caller how far we are; non-zero where he wants to stop. Only one thread calls. */
-static int report_progress(const shear_run_options *options, shear_work *work) {
-    if (options->progress == NULL) {
-        return 0;
-    }
-    const shear_work_status status = shear_work_get_status(work);
-    return options->progress(options->context, status.stamps_done, status.stamps_total);
-}
-
-/* All threads take turns until none is left; the first of them reports. */
-static int run_team(shear_work *work, const shear_plan *plan, shear_turn_size size, int threads,
-                    const shear_run_options *options, shear_error *err) {
-    int code = SHEAR_OK;
-#pragma omp parallel num_threads(threads)
-    {
-        const int slot = omp_get_thread_num();
-        shear_worker *worker = NULL;
-        shear_error error = {0};
-        int own = shear_worker_new(&worker, plan, size, slot, &error);
-        while (own == SHEAR_OK && shear_work_step(work, worker)) {
-            if (slot == 0 && report_progress(options, work) != 0) {
-                own = shear_fail(&error, SHEAR_E_CANCELLED, NULL, "stopped by the caller");
-            }
-        }
-        if (own != SHEAR_OK) {
-            shear_work_stop(work);
-#pragma omp critical(shear_run_error)
-            if (code == SHEAR_OK) {
-                code = own;
-                if (err != NULL) {
-                    *err = error;
-                }
-            }
-        }
-        shear_worker_free(worker);
-    }
-    if (code == SHEAR_OK && shear_work_get_status(work).code != SHEAR_OK) {
-        code = shear_work_get_error(work, err);
-    }
-    if (code == SHEAR_OK) {
-        report_progress(options, work);
-    }
-    return code;
-}
-
 static double now_s(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
@@ -121,97 +75,69 @@ static int finish_catalog(shear_catalog *catalog, const shear_plan *plan,
 typedef struct run {
     shear_plan *plan;
     shear_catalog *catalog;
-    shear_jackknife *jackknife; /* of this file, joined to the caller's at the end */
     file_source source;
-    shear_work *work;
-    shear_field_sums *sums;
-    shear_symmetry *terms; /* or NULL; likewise joined to the caller's */
+    team_sums sums; /* of this file, joined to the caller's at the end */
 } run;
 
 static void run_deinit(run *r) {
-    shear_work_free(r->work);
     file_source_deinit(&r->source);
-    shear_field_sums_free(r->sums);
-    shear_symmetry_free(r->terms);
-    shear_jackknife_free(r->jackknife);
+    team_sums_deinit(&r->sums);
     shear_catalog_abort(r->catalog);
     shear_plan_free(r->plan);
 }
 
 static int run_init(run *r, shear_field *field, const shear_settings *settings,
-                    const shear_run_options *options, int threads, const shear_jackknife *jack,
-                    shear_turn_size *size, shear_error *err) {
+                    const shear_run_options *options, int threads, int capacity, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
-    *size = shear_turn_size_for(info, threads);
     int code = shear_plan_for_field(&r->plan, settings, field, err);
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_new(&r->sums, err);
-    }
-    if (code == SHEAR_OK &&
-        (options->terms != NULL || shear_estimator_is_symmetric(settings->estimator))) {
-        code = shear_symmetry_new(&r->terms, err);
-    }
-    if (code == SHEAR_OK && jack != NULL) {
-        code = shear_jackknife_new(&r->jackknife, 2, err);
-    }
     if (code == SHEAR_OK && options->catalog_path != NULL) {
         code =
             shear_catalog_create(&r->catalog, options->catalog_path, info, options->overwrite, err);
     }
-    if (code == SHEAR_OK) {
-        code = file_source_init(&r->source, field, threads, size->stamps, err);
-    }
-    if (code == SHEAR_OK) {
-        const shear_work_spec spec = {
-            .info = info,
-            .plan = r->plan,
-            .source = {.self = &r->source, .read = read_file},
-            .size = *size,
-            .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
-            .jackknife = r->jackknife,
-            .terms = r->terms != NULL};
-        code = shear_work_new(&r->work, &spec, err);
-    }
-    return code;
+    return code != SHEAR_OK ? code : file_source_init(&r->source, field, threads, capacity, err);
 }
 
 /* Measure an open field; on success the report's result and the catalog are complete. */
 static int run_field(run *r, const shear_input *input, shear_field *field,
                      const shear_settings *settings, const shear_run_options *options,
-                     const shear_jackknife *jack, shear_run_report *report, shear_error *err) {
-    const int threads = options->threads > 0 ? options->threads : omp_get_max_threads();
-    shear_turn_size size;
-    int code = run_init(r, field, settings, options, threads, jack, &size, err);
-    if (code == SHEAR_OK) {
-        code = run_team(r->work, r->plan, size, threads, options, err);
+                     bool jackknife, shear_run_report *report, shear_error *err) {
+    const shear_field_info *info = shear_field_get_info(field);
+    const int threads = team_threads(options->threads);
+    const shear_turn_size size = shear_turn_size_for(info, threads);
+    int code = run_init(r, field, settings, options, threads, size.stamps, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        int64_t blocks;
-        report->plan = *shear_plan_get_info(r->plan);
-        code = shear_work_join_terms(r->work, r->sums, 0, r->terms, &blocks, err);
-    }
-    if (code == SHEAR_OK) {
-        const int estimator = shear_plan_get_settings(r->plan)->estimator;
-        code = shear_estimate(estimator, r->sums, r->terms, &report->result, err);
-    }
+    const team_job job = {
+        .info = info,
+        .plan = r->plan,
+        .source = {.self = &r->source, .read = read_file},
+        .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
+        .size = size,
+        .threads = threads,
+        .jackknife = jackknife,
+        .terms = options->terms != NULL,
+        .progress = options->progress,
+        .context = options->context};
+    report->plan = *shear_plan_get_info(r->plan);
+    code = team_measure(&job, &r->sums, &report->result, err);
     if (code == SHEAR_OK && r->catalog != NULL) {
-        code = finish_catalog(r->catalog, r->plan, &report->result, input,
-                              shear_field_get_info(field), options, err);
+        code = finish_catalog(r->catalog, r->plan, &report->result, input, info, options, err);
         r->catalog = NULL;
     }
     return code;
 }
 
 /* Terms and blocks, to the caller's: both or neither. */
-static int join_caller(const run *r, shear_symmetry *terms, shear_jackknife *jack,
+static int join_caller(const team_sums *own, shear_symmetry *terms, shear_jackknife *jack,
                        shear_error *err) {
     const size_t before = terms != NULL ? shear_symmetry_count(terms) : 0;
     int code = SHEAR_OK;
-    if (terms != NULL && r->terms != NULL) {
-        code = shear_symmetry_join(terms, r->terms, 0, err);
+    if (terms != NULL && own->terms != NULL) {
+        code = shear_symmetry_join(terms, own->terms, 0, err);
     }
     if (code == SHEAR_OK && jack != NULL) {
-        code = shear_jackknife_join(jack, r->jackknife, err);
+        code = shear_jackknife_join(jack, own->jackknife, err);
     }
     if (code != SHEAR_OK && terms != NULL) {
         shear_symmetry_truncate(terms, before);
@@ -236,13 +162,13 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
         return code;
     }
     report->field = *shear_field_get_info(field);
-    code = run_field(&r, input, field, settings, options != NULL ? options : &defaults, jack,
-                     report, err);
+    code = run_field(&r, input, field, settings, options != NULL ? options : &defaults,
+                     jack != NULL, report, err);
     if (code == SHEAR_OK) {
-        code = join_caller(&r, options != NULL ? options->terms : NULL, jack, err);
+        code = join_caller(&r.sums, options != NULL ? options->terms : NULL, jack, err);
     }
     if (code == SHEAR_OK) {
-        shear_field_sums_join(sums, r.sums);
+        shear_field_sums_join(sums, r.sums.sums);
         report->seconds = now_s() - start;
     } else if (err != NULL && strstr(err->message, name_of(input)) == NULL) {
         shear_prefix(err, code, "file '%s'", name_of(input));

@@ -163,6 +163,9 @@ static void end_turn(shear_work *work, bool stop) {
 static int read_stamps(shear_work *work, const shear_worker *worker, int64_t first, int count,
                        const shear_block **block, shear_error *err) {
     const shear_source *source = &work->spec.source;
+    if (source->concurrent) {
+        return source->read(source->self, worker->slot, first, count, block, err);
+    }
     pthread_mutex_lock(&work->reader);
     const int code = source->read(source->self, worker->slot, first, count, block, err);
     pthread_mutex_unlock(&work->reader);

@@ -38,6 +38,8 @@ core_test(symmetry)
 core_test(jackknife)
 core_test(threads Threads::Threads)
 core_test(settings)
+core_test(arrays)
+set_tests_properties(arrays PROPERTIES ENVIRONMENT "SHEARCTL=$<TARGET_FILE:shearctl>")
 core_test(error)
 
 # Every allocation of libshear's own goes through the test, which lets the n-th fail.

@@ -24,6 +24,7 @@ typedef struct shear_source {
     void *self;
     int (*read)(void *self, int slot, int64_t first, int count, const shear_block **block,
                 shear_error *err);
+    bool concurrent; /* `read` may run in several threads at once, each with a slot of its own */
 } shear_source;
 
 /* Where rows go, or {0}. `write` is called by one thread at a time, in any order of stamps. */

@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Arrays in the caller's memory as a field: the same plan, work and sums as of a field file. */
+#include "shear/arrays.h"
+
+#include "run/images.h"
+#include "run/team.h"
+#include "shear/run.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* As of a field file (docs/field-files.md). */
+enum { MIN_PSF_SIDE = 3, MAX_PSF_SIDE = 4096, MAX_PSF_OVERSAMPLE = 64 };
+
+/* What one thread gets its stamps in: views of the caller's arrays, or copies in `copies`. */
+typedef struct array_slot {
+    shear_block view;
+    shear_block *copies; /* NULL if all arrays are plain */
+} array_slot;
+
+/* The arrays as a source of stamps. */
+typedef struct array_source {
+    const shear_arrays *in;
+    shear_field_info info;
+    images galaxy, noise, psf;
+    array_slot *slots; /* [n_slots] */
+    int n_slots;
+} array_source;
+
+/* ---- what the field is ---- */
+
+static int check_geometry(const shear_geometry *g, shear_error *err) {
+    const bool stamps = g->nx >= SHEAR_MIN_SIDE && g->nx <= SHEAR_MAX_SIDE &&
+                        g->ny >= SHEAR_MIN_SIDE && g->ny <= SHEAR_MAX_SIDE;
+    const bool psf = g->psf_nx >= MIN_PSF_SIDE && g->psf_nx <= MAX_PSF_SIDE &&
+                     g->psf_ny >= MIN_PSF_SIDE && g->psf_ny <= MAX_PSF_SIDE;
+    if (!stamps) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "stamps of %d x %d px: each side must be %d to %d px", g->nx, g->ny,
+                          SHEAR_MIN_SIDE, SHEAR_MAX_SIDE);
+    }
+    if (!psf) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "PSF images of %d x %d samples: each side must have %d to %d", g->psf_nx,
+                          g->psf_ny, MIN_PSF_SIDE, MAX_PSF_SIDE);
+    }
+    if (g->psf_oversample < 1 || g->psf_oversample > MAX_PSF_OVERSAMPLE) {
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "give geometry.psf_oversample; 1 is a sample a pixel",
+                          "%d PSF samples per pixel: there must be 1 to %d", g->psf_oversample,
+                          MAX_PSF_OVERSAMPLE);
+    }
+    return SHEAR_OK;
+}
+
+static int check_counts(const shear_field_info *info, const shear_arrays *in, shear_error *err) {
+    if (in->n_stamps < 1) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL, "there are %lld stamps",
+                          (long long)in->n_stamps);
+    }
+    if (info->noise_planes < 1 || info->noise_planes > SHEAR_MAX_NOISE_PLANES) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "%d noise stamps per galaxy: there must be 1 to %d", info->noise_planes,
+                          SHEAR_MAX_NOISE_PLANES);
+    }
+    if (info->n_psf < 1 ||
+        (info->n_psf > 1 && in->psf_index == NULL && info->n_psf != in->n_stamps)) {
+        return shear_fail(err, SHEAR_E_FORMAT,
+                          "give one image, or one per stamp, or psf_index, which says whose is "
+                          "which",
+                          "there are %lld PSF images for %lld stamps", (long long)info->n_psf,
+                          (long long)in->n_stamps);
+    }
+    return SHEAR_OK;
+}
+
+static enum shear_psf_layout psf_layout_of(const shear_arrays *in) {
+    return in->n_psf <= 1          ? SHEAR_PSF_ONE
+           : in->psf_index == NULL ? SHEAR_PSF_PER_STAMP
+                                   : SHEAR_PSF_BY_ID;
+}
+
+static shear_field_info info_of(const shear_arrays *in) {
+    return (shear_field_info){.pixscale = NAN,
+                              .geometry = in->geometry,
+                              .n_stamps = in->n_stamps,
+                              .n_psf = in->n_psf == 0 ? 1 : in->n_psf,
+                              .noise_planes = in->noise_planes == 0 ? 1 : in->noise_planes,
+                              .psf_layout = psf_layout_of(in),
+                              .columns = (in->weight != NULL ? SHEAR_COL_WEIGHT : 0u) |
+                                         (in->r_gal != NULL ? SHEAR_COL_R_GAL : 0u) |
+                                         (in->mask != NULL ? SHEAR_COL_FLAGS : 0u)};
+}
+
+/* ---- the source ---- */
+
+static int init_images(array_source *s, shear_error *err) {
+    const shear_geometry *g = &s->info.geometry;
+    int code = images_init(&s->galaxy, &s->in->galaxy, 1, g->nx, g->ny, "galaxy", err);
+    if (code == SHEAR_OK) {
+        code =
+            images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err);
+    }
+    return code != SHEAR_OK
+               ? code
+               : images_init(&s->psf, &s->in->psf, 1, g->psf_nx, g->psf_ny, "PSF", err);
+}
+
+static bool all_plain(const array_source *s) {
+    return images_are_plain(&s->galaxy) && images_are_plain(&s->noise) &&
+           (s->info.psf_layout == SHEAR_PSF_ONE || images_are_plain(&s->psf));
+}
+
+static int init_slots(array_source *s, int threads, int capacity, shear_error *err) {
+    s->slots = calloc((size_t)threads, sizeof *s->slots);
+    if (s->slots == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d threads", threads);
+    }
+    s->n_slots = threads;
+    for (int i = 0; i < threads && !all_plain(s); i++) {
+        const int code = shear_block_new(&s->slots[i].copies, &s->info, capacity, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    return SHEAR_OK;
+}
+
+static int array_source_init(array_source *s, const shear_arrays *in, shear_error *err) {
+    *s = (array_source){.in = in, .info = info_of(in)};
+    int code = check_geometry(&in->geometry, err);
+    if (code == SHEAR_OK) {
+        code = check_counts(&s->info, in, err);
+    }
+    return code != SHEAR_OK ? code : init_images(s, err);
+}
+
+static void array_source_deinit(array_source *s) {
+    for (int i = 0; i < s->n_slots; i++) {
+        shear_block_free(s->slots[i].copies);
+    }
+    free(s->slots);
+}
+
+/* The PSFs of stamps [first, first+count), converted; neighbours mostly share theirs. */
+static void convert_psfs(const array_source *s, int64_t first, int count, shear_block *copies,
+                         shear_stamps *stamps) {
+    const shear_geometry *g = &s->info.geometry;
+    const size_t samples = (size_t)g->psf_nx * (size_t)g->psf_ny;
+    const int32_t *index = s->in->psf_index;
+    int n = 0;
+    for (int i = 0; i < count; i++) {
+        const int64_t wanted = index != NULL ? index[first + i] : first + i;
+        if (wanted < 0 || wanted >= s->info.n_psf) {
+            copies->psf_index[i] = -1;
+            continue;
+        }
+        if (n == 0 || copies->psf_id[n - 1] != wanted) {
+            images_copy(&s->psf, wanted, copies->psf + (size_t)n * samples);
+            copies->psf_id[n++] = wanted;
+        }
+        copies->psf_index[i] = n - 1;
+    }
+    stamps->n_psf = n;
+    stamps->psf = copies->psf;
+    stamps->psf_index = copies->psf_index;
+}
+
+static void set_psfs(const array_source *s, int64_t first, int count, shear_block *copies,
+                     shear_stamps *stamps) {
+    if (s->info.psf_layout == SHEAR_PSF_ONE) {
+        return;
+    }
+    if (!images_are_plain(&s->psf)) {
+        convert_psfs(s, first, count, copies, stamps);
+    } else if (s->info.psf_layout == SHEAR_PSF_PER_STAMP) {
+        stamps->psf = images_get(&s->psf, first, count, NULL);
+        stamps->n_psf = count;
+    } else {
+        stamps->psf = images_get(&s->psf, 0, 1, NULL);
+        stamps->n_psf = (int)s->info.n_psf;
+        stamps->psf_index = s->in->psf_index + first;
+    }
+}
+
+static int read_arrays(void *self, int slot, int64_t first, int count, const shear_block **block,
+                       shear_error *err) {
+    const array_source *s = self;
+    const shear_arrays *in = s->in;
+    shear_block *copies = s->slots[slot].copies;
+    shear_block *view = &s->slots[slot].view;
+    (void)err;
+    view->stamps = (shear_stamps){
+        .first = first,
+        .count = count,
+        .nx = in->geometry.nx,
+        .ny = in->geometry.ny,
+        .galaxy = images_get(&s->galaxy, first, count, copies != NULL ? copies->galaxy : NULL),
+        .noise = images_get(&s->noise, first, count, copies != NULL ? copies->noise : NULL),
+        .noise_planes = s->info.noise_planes,
+        .weight = in->weight != NULL ? in->weight + first : NULL,
+        .r_gal = in->r_gal != NULL ? in->r_gal + first : NULL,
+        .mask = in->mask != NULL ? in->mask + first : NULL};
+    set_psfs(s, first, count, copies, &view->stamps);
+    *block = view;
+    return SHEAR_OK;
+}
+
+static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
+    const array_source *s = self;
+    (void)err;
+    images_copy(&s->psf, index, out);
+    return SHEAR_OK;
+}
+
+/* ---- the whole ---- */
+
+static int make_plan(shear_plan **plan, array_source *s, const shear_settings *settings,
+                     int capacity, shear_error *err) {
+    const shear_psf_source psfs = {.self = s, .read = read_psf};
+    const shear_source stamps = {.self = s, .read = read_arrays};
+    shear_plan_request request;
+    int code = shear_plan_request_read(&request, settings, &s->info, psfs, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = shear_plan_request_sample(&request, &s->info, stamps,
+                                     capacity < SHEAR_BLOCK ? capacity : SHEAR_BLOCK, err);
+    if (code == SHEAR_OK) {
+        code = shear_plan_new(plan, &request, err);
+    }
+    shear_plan_request_deinit(&request);
+    return code;
+}
+
+static int keep_rows(void *self, int64_t first, int count, const shear_row *rows,
+                     const shear_block *block, shear_error *err) {
+    shear_row *all = self;
+    (void)block;
+    (void)err;
+    for (int i = 0; i < count; i++) {
+        all[first + i] = rows[i];
+    }
+    return SHEAR_OK;
+}
+
+static int measure_planned(shear_result *result, array_source *s, const shear_plan *plan,
+                           shear_turn_size size, const shear_arrays_options *options,
+                           shear_error *err) {
+    const team_job job = {
+        .info = &s->info,
+        .plan = plan,
+        .source = {.self = s, .read = read_arrays, .concurrent = true},
+        .sink = {.self = options->rows, .write = options->rows != NULL ? keep_rows : NULL},
+        .size = size,
+        .threads = s->n_slots,
+        .jackknife = options->jackknife != 0,
+        .progress = options->progress,
+        .context = options->context};
+    shear_result found;
+    team_sums sums;
+    shear_jackknife *jackknife = NULL;
+    int code = team_measure(&job, &sums, &found, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (options->jackknife != 0) {
+        code = shear_jackknife_new(&jackknife, options->jackknife, err);
+        if (code == SHEAR_OK) {
+            code = shear_jackknife_join(jackknife, sums.jackknife, err);
+        }
+        if (code == SHEAR_OK) {
+            code = shear_jackknife_finish(jackknife, &found, err);
+        }
+        shear_jackknife_free(jackknife);
+    }
+    if (code == SHEAR_OK && options->sums != NULL) {
+        shear_field_sums_join(options->sums, sums.sums);
+    }
+    if (code == SHEAR_OK) {
+        *result = found;
+    }
+    team_sums_deinit(&sums);
+    return code;
+}
+
+int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
+                         const shear_settings *settings, const shear_arrays_options *options,
+                         shear_error *err) {
+    static const shear_arrays_options defaults = {0};
+    const shear_arrays_options *o = options != NULL ? options : &defaults;
+    shear_plan *plan = NULL;
+    array_source source;
+    int code = array_source_init(&source, arrays, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const int threads = team_threads(o->threads);
+    const shear_turn_size size = shear_turn_size_for(&source.info, threads);
+    code = init_slots(&source, threads, size.stamps, err);
+    if (code == SHEAR_OK) {
+        code = make_plan(&plan, &source, settings, size.stamps, err);
+    }
+    if (code == SHEAR_OK) {
+        code = measure_planned(result, &source, plan, size, o, err);
+    }
+    if (code == SHEAR_OK && o->plan != NULL) {
+        *o->plan = *shear_plan_get_info(plan);
+    }
+    shear_plan_free(plan);
+    array_source_deinit(&source);
+    return code;
+}

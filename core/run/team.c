@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "run/team.h"
+
+#include <omp.h>
+
+int team_threads(int asked) {
+    return asked > 0 ? asked : omp_get_max_threads();
+}
+
+/* Tell the caller how far the work is; non-zero when the caller wants to stop. One thread calls. */
+static int report_progress(const team_job *job, shear_work *work) {
+    if (job->progress == NULL) {
+        return 0;
+    }
+    const shear_work_status status = shear_work_get_status(work);
+    return job->progress(job->context, status.stamps_done, status.stamps_total);
+}
+
+/* One thread of the team; the first one reports. */
+static int work_in_slot(const team_job *job, shear_work *work, int slot, shear_error *err) {
+    shear_worker *worker = NULL;
+    int code = shear_worker_new(&worker, job->plan, job->size, slot, err);
+    while (code == SHEAR_OK && shear_work_step(work, worker)) {
+        if (slot == 0 && report_progress(job, work) != 0) {
+            code = shear_fail(err, SHEAR_E_CANCELLED, NULL, "stopped by the caller");
+        }
+    }
+    shear_worker_free(worker);
+    return code;
+}
+
+static int run_team(const team_job *job, shear_work *work, shear_error *err) {
+    int code = SHEAR_OK;
+#pragma omp parallel num_threads(job->threads)
+    {
+        shear_error error = {0};
+        const int own = work_in_slot(job, work, omp_get_thread_num(), &error);
+        if (own != SHEAR_OK) {
+            shear_work_stop(work);
+#pragma omp critical(shear_run_error)
+            if (code == SHEAR_OK) {
+                code = own;
+                if (err != NULL) {
+                    *err = error;
+                }
+            }
+        }
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (shear_work_get_status(work).code != SHEAR_OK) {
+        return shear_work_get_error(work, err);
+    }
+    report_progress(job, work);
+    return SHEAR_OK;
+}
+
+static int sums_init(team_sums *out, const team_job *job, shear_error *err) {
+    const bool symmetric =
+        shear_estimator_is_symmetric(shear_plan_get_settings(job->plan)->estimator);
+    *out = (team_sums){0};
+    int code = shear_field_sums_new(&out->sums, err);
+    if (code == SHEAR_OK && (job->terms || symmetric)) {
+        code = shear_symmetry_new(&out->terms, err);
+    }
+    if (code == SHEAR_OK && job->jackknife) {
+        code = shear_jackknife_new(&out->jackknife, 2, err);
+    }
+    return code;
+}
+
+void team_sums_deinit(team_sums *sums) {
+    shear_field_sums_free(sums->sums);
+    shear_symmetry_free(sums->terms);
+    shear_jackknife_free(sums->jackknife);
+    *sums = (team_sums){0};
+}
+
+static int measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err) {
+    const shear_work_spec spec = {.info = job->info,
+                                  .plan = job->plan,
+                                  .source = job->source,
+                                  .size = job->size,
+                                  .sink = job->sink,
+                                  .jackknife = out->jackknife,
+                                  .terms = out->terms != NULL};
+    shear_work *work = NULL;
+    int64_t blocks = 0;
+    int code = shear_work_new(&work, &spec, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = run_team(job, work, err);
+    if (code == SHEAR_OK) {
+        code = shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err);
+    }
+    shear_work_free(work);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    return shear_estimate(shear_plan_get_settings(job->plan)->estimator, out->sums, out->terms,
+                          result, err);
+}
+
+int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err) {
+    int code = sums_init(out, job, err);
+    if (code == SHEAR_OK) {
+        code = measure(job, out, result, err);
+    }
+    if (code != SHEAR_OK) {
+        team_sums_deinit(out);
+    }
+    return code;
+}
