@@ -46,9 +46,9 @@ typedef struct shear_field_info {
     shear_geometry geometry; /* stamps and PSF */
     int64_t n_stamps;
     int64_t n_psf;
-    int noise_planes;   /* noise stamps a galaxy */
-    int layout;         /* of GALAXY: enum shear_layout */
-    int psf_layout;     /* enum shear_psf_layout */
+    int noise_planes;         /* noise stamps a galaxy */
+    enum shear_layout layout; /* of GALAXY */
+    enum shear_psf_layout psf_layout;
     unsigned columns;   /* or of enum shear_column */
     bool id_unsigned;   /* column ID is unsigned, of 64 bits: ids are its bits */
     int bitpix;         /* of GALAXY as stored: 8, 16, 32, 64, -32, -64 */
@@ -156,7 +156,7 @@ typedef struct shear_field_spec {
     int64_t n_stamps;
     int64_t n_psf;              /* 1, n_stamps, or fewer with SHEAR_COL_PSF_ID */
     int noise_planes;           /* noise stamps a galaxy; 0 = 1 */
-    int layout;                 /* of GALAXY and NOISE */
+    enum shear_layout layout;   /* of GALAXY and NOISE */
     int mosaic_columns;         /* stamps in a mosaic's row; 0 = about square */
     unsigned columns;           /* of CATALOG; 0 = no table */
     int bitpix;                 /* of the stamps and the PSF: -32 or -64 */
