@@ -4,7 +4,7 @@
 # One package, with libshear: the programs have their own copy of it inside (static), so that the shared one is only for
 # those who build on it, and a package of its own for it would serve nobody. control files: systemd/deb.
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES docs/choosing.md docs/field-files.md docs/method.md docs/performance.md docs/protocol.md docs/protocol.schema.json
+install(FILES docs/accuracy.md docs/choosing.md docs/field-files.md docs/glossary.md docs/method.md docs/performance.md docs/protocol.md docs/protocol.schema.json
   DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs)
 install(FILES docs/pictures/stamps.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs/pictures)
 install(FILES config/sheard.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/config)
