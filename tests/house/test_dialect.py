@@ -41,7 +41,7 @@ class Dialect(house.Case):
 
     def test_words_of_documents(self):
         self.nothing([(path, line, word) for path in DOCUMENTS for line, word in WORDS.of_prose(TREE.read(path))],
-                     "words_of_documents", "word")
+                     "words_of_documents", "word_of_document")
 
 
 if __name__ == "__main__":
