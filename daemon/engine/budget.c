@@ -23,16 +23,18 @@ static bool has_room(engine *e, int64_t more) {
 }
 
 static void reserve(engine *e, job *j, int64_t bytes) {
+    ENGINE_ASSERT_LOCKED(e);
     e->budget.reserved += bytes - j->reserved;
+    assert(e->budget.reserved >= 0);
     j->reserved = bytes;
-    pthread_cond_broadcast(&e->moved);
+    pthread_cond_broadcast(&e->progressed);
 }
 
 /* ---- the calls ---- */
 
-int budget_wait(job *j, int64_t bytes) {
+enum budget_answer budget_wait(job *j, int64_t bytes) {
     engine *e = j->engine;
-    int answer = BUDGET_RESERVED;
+    enum budget_answer answer = BUDGET_RESERVED;
     pthread_mutex_lock(&e->lock);
     const int stage = atomic_load(&j->stage);
     reserve(e, j, 0);
@@ -44,7 +46,7 @@ int budget_wait(job *j, int64_t bytes) {
             answer = BUDGET_STOP;
         } else {
             atomic_store(&j->stage, ENGINE_WAITING_MEMORY);
-            pthread_cond_wait(&e->moved, &e->lock);
+            pthread_cond_wait(&e->progressed, &e->lock);
         }
     }
     j->waiting_since = 0;

@@ -9,10 +9,10 @@
 #ifndef SHEARD_ENGINE_BUDGET_H
 #define SHEARD_ENGINE_BUDGET_H
 
-#include "engine/job.h"
-
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "engine/job.h"
 
 enum budget_answer {
     BUDGET_RESERVED,
@@ -21,7 +21,7 @@ enum budget_answer {
 };
 
 /* Give back what the job has reserved, wait for room, and reserve `bytes`. */
-int budget_wait(job *j, int64_t bytes);
+enum budget_answer budget_wait(job *j, int64_t bytes);
 /* Reserve `bytes` instead of what the job has now, if that is possible at once (of less, it is). */
 bool budget_change(job *j, int64_t bytes);
 /* What all may take together, now. */

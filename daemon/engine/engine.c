@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The owner's calls. */
-#include "engine/internal.h"
-
+/* The calls of the owner. */
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- threads and events ---- */
+#include "base/cleanup.h"
+#include "engine/internal.h"
+#include "engine/job_thread.h"
+#include "engine/workers.h"
 
-int engine_thread(pthread_t *thread, void *(*start)(void *), void *argument) {
+CLEANUP_DEFINE(engine, engine_free)
+
+/* pthread_create, with all signals blocked in the new thread: they are the loop's. */
+static int start_thread(pthread_t *thread, void *(*start)(void *), void *argument) {
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
@@ -19,18 +23,8 @@ int engine_thread(pthread_t *thread, void *(*start)(void *), void *argument) {
     return rc;
 }
 
-void engine_emit(engine *e, const engine_event *event, const pthread_t *ending) {
-    events_push(&e->events, event, ending);
-    pthread_mutex_lock(&e->lock);
-    const bool deaf = e->ending;
-    pthread_mutex_unlock(&e->lock);
-    if (!deaf) {
-        e->options.wake(e->options.context);
-    }
-}
-
 bool engine_next_event(engine *e, engine_event *event) {
-    return events_pop(&e->events, event);
+    return event_queue_pop(&e->events, event);
 }
 
 /* ---- under the lock ---- */
@@ -59,62 +53,62 @@ static void stop(engine *e, job *j) {
     if (j->phase == JOB_MEASURING) {
         shear_work_stop(j->work);
     }
-    pthread_cond_broadcast(&e->moved);
+    pthread_cond_broadcast(&e->progressed);
 }
 
 /* ---- life ---- */
 
+static int start_worker(engine *e, int slot) {
+    worker_start *start = malloc(sizeof *start);
+    if (start == NULL) {
+        return ENOMEM;
+    }
+    *start = (worker_start){.e = e, .slot = slot};
+    const int rc = start_thread(&e->threads[slot], worker_main, start);
+    if (rc != 0) {
+        free(start);
+        return rc;
+    }
+    e->n_threads++;
+    return 0;
+}
+
 static int start_workers(engine *e, shear_error *err) {
-    int rc = 0;
-    for (int i = 0; i < e->options.workers && rc == 0; i++) {
-        worker_start *start = malloc(sizeof *start);
-        if (start == NULL) {
-            rc = ENOMEM;
-            break;
-        }
-        *start = (worker_start){.e = e, .slot = i};
-        rc = engine_thread(&e->threads[i], worker_main, start);
-        if (rc == 0) {
-            e->n_threads++;
-        } else {
-            free(start);
+    for (int i = 0; i < e->options.workers; i++) {
+        const int rc = start_worker(e, i);
+        if (rc != 0) {
+            return shear_fail(err, SHEAR_E_NOMEM, "use fewer workers",
+                              "cannot start %d threads: %s", e->options.workers, strerror(rc));
         }
     }
-    return rc == 0 ? SHEAR_OK
-                   : shear_fail(err, SHEAR_E_NOMEM, "use fewer workers",
-                                "cannot start %d threads: %s", e->options.workers, strerror(rc));
+    return SHEAR_OK;
 }
 
 int engine_new(engine **out, const engine_options *options, shear_error *err) {
-    engine *e = calloc(1, sizeof *e);
+    CLEANUP(engine_release) engine *e = calloc(1, sizeof *e);
     *out = NULL;
     if (e == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
     }
     e->options = *options;
     e->budget.total = options->memory_bytes;
-    events_init(&e->events);
+    event_queue_init(&e->events, options->wake, options->context);
     pthread_mutex_init(&e->lock, NULL);
-    pthread_cond_init(&e->moved, NULL);
-    pthread_cond_init(&e->work_there, NULL);
+    pthread_cond_init(&e->progressed, NULL);
+    pthread_cond_init(&e->work_available, NULL);
     e->program = strdup(options->limits.program);
     e->scratch = strdup(options->limits.scratch);
     e->threads = calloc((size_t)options->workers, sizeof(pthread_t));
     e->plans = plan_cache_new(options->plans_count, options->plans_bytes);
-    int code = e->program != NULL && e->scratch != NULL && e->threads != NULL && e->plans != NULL
-                   ? SHEAR_OK
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
-    if (code == SHEAR_OK) {
-        e->options.limits.program = e->program;
-        e->options.limits.scratch = e->scratch;
-        e->options.limits.scratch_used = &e->scratch_used;
-        code = start_workers(e, err);
+    if (e->program == NULL || e->scratch == NULL || e->threads == NULL || e->plans == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the engine");
     }
+    engine_limit_readers(e, &options->limits);
+    const int code = start_workers(e, err);
     if (code != SHEAR_OK) {
-        engine_free(e);
         return code;
     }
-    *out = e;
+    *out = CLEANUP_TAKE(e);
     return SHEAR_OK;
 }
 
@@ -122,24 +116,25 @@ void engine_free(engine *e) {
     if (e == NULL) {
         return;
     }
+    event_queue_silence(&e->events);
     pthread_mutex_lock(&e->lock);
-    e->ending = true;
+    e->stopping = true;
     for (job *j = e->jobs; j != NULL; j = j->next) {
         stop(e, j);
     }
-    pthread_cond_broadcast(&e->work_there);
-    while (e->courses > 0) {
-        pthread_cond_wait(&e->moved, &e->lock);
+    pthread_cond_broadcast(&e->work_available);
+    while (e->job_threads > 0) {
+        pthread_cond_wait(&e->progressed, &e->lock);
     }
     pthread_mutex_unlock(&e->lock);
     for (int i = 0; i < e->n_threads; i++) {
         pthread_join(e->threads[i], NULL);
     }
-    events_deinit(&e->events);
+    event_queue_deinit(&e->events);
     plan_cache_free(e->plans);
     pthread_mutex_destroy(&e->lock);
-    pthread_cond_destroy(&e->work_there);
-    pthread_cond_destroy(&e->moved);
+    pthread_cond_destroy(&e->work_available);
+    pthread_cond_destroy(&e->progressed);
     free(e->program);
     free(e->scratch);
     free(e->threads);
@@ -159,12 +154,12 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
     }
     pthread_t thread;
     pthread_mutex_lock(&e->lock);
-    const int rc = engine_thread(&thread, course_main, j); /* it waits for the lock */
+    const int rc = start_thread(&thread, job_thread_main, j); /* it waits for the lock */
     if (rc == 0) {
         j->served = least_served(e);
         j->next = e->jobs;
         e->jobs = j;
-        e->courses++;
+        e->job_threads++;
     }
     pthread_mutex_unlock(&e->lock);
     if (rc != 0) {
@@ -201,7 +196,7 @@ void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
         j->terms_before = terms;
         sums = NULL;
         terms = NULL;
-        pthread_cond_broadcast(&e->moved);
+        pthread_cond_broadcast(&e->progressed);
     }
     pthread_mutex_unlock(&e->lock);
     shear_symmetry_free(terms);
@@ -284,7 +279,7 @@ void engine_limit_readers(engine *e, const reader_limits *limits) {
 void engine_limit_memory(engine *e, int64_t bytes) {
     pthread_mutex_lock(&e->lock);
     e->budget.total = bytes;
-    pthread_cond_broadcast(&e->moved);
+    pthread_cond_broadcast(&e->progressed);
     pthread_mutex_unlock(&e->lock);
 }
 

@@ -20,15 +20,15 @@
 #ifndef SHEARD_ENGINE_H
 #define SHEARD_ENGINE_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "engine/plan_cache.h"
 #include "reader/reader.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
 #include "shear/symmetry.h"
-
-#include <stdbool.h>
-#include <stdint.h>
 
 typedef struct engine engine;
 
@@ -77,7 +77,7 @@ enum engine_event_kind {
 };
 
 typedef struct engine_event {
-    int kind;
+    enum engine_event_kind kind;
     int64_t job;
     char checksum[SHEAR_CHECKSUM_SIZE]; /* OPENED: of the content (shear_input_checksum) */
     shear_field_info info;              /* OPENED */
@@ -125,7 +125,7 @@ enum engine_stage {
 };
 
 typedef struct engine_progress {
-    int stage;             /* enum engine_stage */
+    enum engine_stage stage;
     int64_t hashed, bytes; /* of the files: so far, and in all */
     int64_t done, total;   /* stamps; total -1 where it is not MEASURING */
 } engine_progress;

@@ -5,6 +5,8 @@
 #ifndef SHEARD_ENGINE_JOB_H
 #define SHEARD_ENGINE_JOB_H
 
+#include <pthread.h>
+
 #include "engine/engine.h"
 #include "engine/job_files.h"
 #include "engine/plan_cache.h"
@@ -12,12 +14,10 @@
 #include "shear/run.h"
 #include "shear/work.h"
 
-#include <pthread.h>
-
 enum job_phase {
     JOB_PREPARING, /* its own thread has it */
     JOB_OPENED,    /* waits for the owner's word, or begins */
-    JOB_MEASURING, /* workers take turns */
+    JOB_MEASURING, /* workers have it */
     JOB_FINISHING  /* its own thread has it */
 };
 
@@ -26,7 +26,7 @@ typedef struct job {
     engine *engine;
     int64_t id;
     int priority;
-    int phase; /* enum job_phase */
+    enum job_phase phase;
     bool go, stop_asked;
     atomic_bool stopping;  /* stop_asked, for the reader, which does not know the lock */
     atomic_int stage;      /* enum engine_stage, for who looks on */
@@ -72,27 +72,35 @@ typedef struct job {
 job *job_new(const engine_job *spec, engine *e);
 void job_free(job *j);
 
-/* prepare.c: open, hash, reserve memory, plan: fills OPENED, FAILED or STOPPED into *event. */
+/* ---- under the engine's lock ---- */
+
+/* The job may have something for a worker. */
+void job_call_workers(const job *j);
+/* Has a job that is being measured nothing left to do, and no worker in it? */
+bool job_is_measured(const job *j);
+
+/* ---- job_prepare.c ---- */
+
+/* Open, hash, reserve memory, plan: fills OPENED, FAILED or STOPPED into *event. */
 void job_prepare(job *j, engine_event *event);
-/* How a job ends that cannot go on: enum engine_event_kind. That a file has changed is the better
- * reason. */
-int job_end_of(const job *j, shear_error *err);
+
+/* ---- job_measure.c ---- */
+
 /* Make its work, from the checkpoint where there is one, and the rows before it are in the
  * catalog. SHEAR_OK or an error. */
 int job_begin(job *j, shear_error *err);
-/* One turn on behalf of worker thread `slot`; false where nothing is left to take. */
+/* One unit of work on behalf of worker thread `slot`; false where nothing is left to take. */
 bool job_step(job *j, int slot, shear_error *err);
-/* The sums of all blocks so far, and the terms that the last checkpoint had not, into *event (its
- * CHECKPOINT members); their rows in the catalog are on disk then. Where a file has changed, the
- * work fails. `saving` is held. */
-int job_checkpoint(job *j, engine_event *event, shear_error *err);
-/* All turns are over: DONE, FAILED or STOPPED into *event. */
+
+/* ---- job_result.c ---- */
+
+/* Queue a CHECKPOINT: the sums of all blocks so far, and the terms that the last checkpoint had
+ * not; their rows in the catalog are on disk then. Where a file has changed, the work fails. */
+void job_save_checkpoint(job *j);
+/* All work is over: DONE, FAILED or STOPPED into *event. */
 void job_finish(job *j, engine_event *event);
-
-/* workers.c: a worker is about to read stamps; it has read them. */
-void job_read_begins(job *j, int slot);
-void job_read_ends(job *j);
-
-double engine_now_s(void); /* monotonic */
+/* The last event of a job that cannot go on for `err`. That a file has changed is the better
+ * reason. */
+enum engine_event_kind job_failure_event(const job *j, shear_error *err);
 
 #endif

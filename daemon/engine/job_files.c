@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/job_files.h"
 
-#include "engine/engine.h"
-
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "engine/engine.h"
 
 static int n_files(const shear_input *input) {
     return input->path != NULL ? 1 : SHEAR_N_PARTS;
@@ -17,7 +17,7 @@ static bool copy(const char **to, const char *from) {
     return from == NULL || *to != NULL;
 }
 
-bool job_files_take(job_files *f, const shear_input *input, const int *fds) {
+bool job_files_acquire(job_files *f, const shear_input *input, const int *fds) {
     *f = (job_files){.input = shear_input_of_file(NULL)};
     bool ok = copy(&f->input.path, input->path);
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
@@ -26,7 +26,7 @@ bool job_files_take(job_files *f, const shear_input *input, const int *fds) {
         ok = copy(&f->input.parts[i].path, input->parts[i].path) && ok;
         ok = copy(&f->input.parts[i].extname, input->parts[i].extname) && ok;
         if (f->fds[i] >= 0) {
-            fstat(f->fds[i], &f->taken[i]); /* zeros where it fails: then the check will, too */
+            fstat(f->fds[i], &f->initial[i]); /* zeros where it fails: then the check will, too */
         }
     }
     return ok;
@@ -47,8 +47,8 @@ void job_files_close(job_files *f) {
 }
 
 static bool is_same_file(const job_files *f, int a, int b) {
-    return f->fds[a] >= 0 && f->taken[a].st_dev == f->taken[b].st_dev &&
-           f->taken[a].st_ino == f->taken[b].st_ino;
+    return f->fds[a] >= 0 && f->initial[a].st_dev == f->initial[b].st_dev &&
+           f->initial[a].st_ino == f->initial[b].st_ino;
 }
 
 int64_t job_files_bytes(const job_files *f) {
@@ -58,7 +58,7 @@ int64_t job_files_bytes(const job_files *f) {
         for (int before = 0; before < i; before++) {
             counted = counted || is_same_file(f, before, i);
         }
-        bytes += counted ? 0 : f->taken[i].st_size;
+        bytes += counted ? 0 : f->initial[i].st_size;
     }
     return bytes;
 }
@@ -83,7 +83,7 @@ int job_files_check(const job_files *f, shear_error *err) {
             return shear_fail(err, SHEAR_E_IO, NULL, "%.300s: cannot be examined: %s", name,
                               strerror(errno));
         }
-        if (!same(&f->taken[i], &now)) {
+        if (!same(&f->initial[i], &now)) {
             return shear_fail(err, ENGINE_E_CHANGED,
                               "leave a file alone from its submission until its job has ended",
                               "%.300s: changed while it was read", name);

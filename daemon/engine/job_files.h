@@ -3,21 +3,21 @@
 #ifndef SHEARD_ENGINE_FILES_H
 #define SHEARD_ENGINE_FILES_H
 
-#include "shear/error.h"
-#include "shear/input.h"
-
 #include <stdbool.h>
 #include <sys/stat.h>
+
+#include "shear/error.h"
+#include "shear/input.h"
 
 typedef struct job_files {
     shear_input input;      /* its texts are owned */
     int fds[SHEAR_N_PARTS]; /* as of shear_field_open_input; -1: none */
-    struct stat taken[SHEAR_N_PARTS];
+    struct stat initial[SHEAR_N_PARTS];
 } job_files;
 
 /* Take the descriptors (closed by job_files_close, also after an error), copy the names, and note
  * what the files are now. False where memory is out. */
-bool job_files_take(job_files *f, const shear_input *input, const int *fds);
+bool job_files_acquire(job_files *f, const shear_input *input, const int *fds);
 void job_files_close(job_files *f);
 
 /* Bytes of all of them, each file once. */

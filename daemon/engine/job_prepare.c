@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A job until it can be measured: its files are open in its reader, hashed, and there are memory
  * and a plan for it. */
-#include "engine/budget.h"
-#include "engine/internal.h"
-
 #include <inttypes.h>
 #include <string.h>
+
+#include "base/cleanup.h"
+#include "engine/budget.h"
+#include "engine/internal.h"
 
 /* Terms of a stamp are in memory three times when a job ends: the work's, all of them together, and
  * as bytes for the store. */
@@ -65,16 +66,21 @@ static int reserve(job *j, int64_t bytes, shear_error *err) {
 }
 
 /* Memory for planning, and the plan; then it is known what the rest takes. Where there is no room
- * for that now, the plan is given back, and both are waited for together. */
+ * for that now, the plan is released, and both are waited for together. */
 static int plan_within_budget(job *j, const shear_plan_request *request, shear_error *err) {
+    plan_cache *plans = j->engine->plans;
     shear_memory memory;
     int code = shear_plan_memory(&memory, request, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     const int64_t planning = memory.plan + memory.planning;
-    for (int64_t bytes = planning; code == SHEAR_OK;) {
+    for (int64_t bytes = planning;;) {
         code = reserve(j, bytes, err);
-        if (code == SHEAR_OK) {
-            code = plan_cache_acquire(j->engine->plans, request, &j->plan, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
+        code = plan_cache_acquire(plans, request, &j->plan, err);
         if (code != SHEAR_OK) {
             return code;
         }
@@ -86,18 +92,17 @@ static int plan_within_budget(job *j, const shear_plan_request *request, shear_e
         if (budget_change(j, rest)) {
             return SHEAR_OK;
         }
-        plan_cache_release(j->engine->plans, j->plan);
+        plan_cache_release(plans, j->plan);
         j->plan = NULL;
         bytes = memory.plan + rest > planning ? memory.plan + rest : planning;
     }
-    return code;
 }
 
 /* The PSF and the sample's rings are read into memory that is reserved only then: it is no more
  * than the shared memory. */
 static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
-    shear_plan_request request;
     const shear_psf_source psfs = {.self = j, .read = read_psf};
+    CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     int code = shear_plan_request_read(&request, &j->settings, info, psfs, err);
     if (code != SHEAR_OK) {
         return code;
@@ -105,50 +110,47 @@ static int make_plan(job *j, const shear_field_info *info, shear_error *err) {
     const shear_source source = {.self = j->reader, .read = reader_read};
     const int capacity = j->size.stamps < SHEAR_BLOCK ? j->size.stamps : SHEAR_BLOCK;
     code = shear_plan_request_sample(&request, info, source, capacity, err);
-    if (code == SHEAR_OK) {
-        code = plan_within_budget(j, &request, err);
-    }
-    shear_plan_request_deinit(&request);
-    return code;
+    return code != SHEAR_OK ? code : plan_within_budget(j, &request, err);
 }
 
 /* ---- the whole ---- */
 
-static int prepare(job *j, engine_event *event, shear_error *err) {
+static int open_and_hash(job *j, engine_event *event, shear_error *err) {
     int code = reader_start(&j->reader, &j->files.input, j->files.fds, &j->limits, err);
-    if (code == SHEAR_OK) {
-        event->info = *reader_get_info(j->reader);
-        event->guards = reader_get_guards(j->reader);
-        atomic_store(&j->stage, ENGINE_HASHING);
-        code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
-        memcpy(event->checksum, j->checksum, sizeof event->checksum);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    atomic_store(&j->stage, ENGINE_PREPARING);
-    if (code == SHEAR_OK) {
-        j->size = shear_turn_size_for(&event->info, j->workers);
-        code = reader_map(j->reader, j->workers, j->size.stamps, err);
-    }
-    if (code == SHEAR_OK) {
-        code = make_plan(j, &event->info, err);
-    }
-    if (code == SHEAR_OK) {
-        event->plan = *shear_plan_get_info(j->plan);
-    }
+    event->info = *reader_get_info(j->reader);
+    event->guards = reader_get_guards(j->reader);
+    atomic_store(&j->stage, ENGINE_HASHING);
+    code = reader_checksum(j->reader, j->checksum, &j->hashed, err);
+    memcpy(event->checksum, j->checksum, sizeof event->checksum);
     return code;
 }
 
-int job_end_of(const job *j, shear_error *err) {
-    if (err->code == READER_E_STOPPED) {
-        return ENGINE_STOPPED;
+static int prepare(job *j, engine_event *event, shear_error *err) {
+    int code = open_and_hash(j, event, err);
+    atomic_store(&j->stage, ENGINE_PREPARING);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    job_files_check(&j->files, err);
-    return ENGINE_FAILED;
+    j->size = shear_turn_size_for(&event->info, j->workers);
+    code = reader_map(j->reader, j->workers, j->size.stamps, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = make_plan(j, &event->info, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    event->plan = *shear_plan_get_info(j->plan);
+    return SHEAR_OK;
 }
 
 void job_prepare(job *j, engine_event *event) {
     *event = (engine_event){.kind = ENGINE_OPENED, .job = j->id};
     atomic_store(&j->stage, ENGINE_OPENING);
     if (prepare(j, event, &event->error) != SHEAR_OK) {
-        event->kind = job_end_of(j, &event->error);
+        event->kind = job_failure_event(j, &event->error);
     }
 }

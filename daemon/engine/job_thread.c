@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The course of one job, on a thread of its own. The reader is started by this thread and lives no
+/* One job, on a thread of its own. The reader is started by this thread and lives no
  * longer than it: the kernel kills a child whose parent thread ends (PR_SET_PDEATHSIG). */
+#include "engine/job_thread.h"
+
 #include "engine/internal.h"
 
-#include <stdlib.h>
-
-bool course_is_measured(const job *j) {
-    return j->holders == 0 && shear_work_get_status(j->work).exhausted;
-}
-
-static void set_phase(engine *e, job *j, int phase) {
+static void set_phase(engine *e, job *j, enum job_phase phase) {
     pthread_mutex_lock(&e->lock);
     j->phase = phase;
     pthread_mutex_unlock(&e->lock);
@@ -19,7 +15,7 @@ static void set_phase(engine *e, job *j, int phase) {
 static bool wait_for_go(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
     while (!j->go && !j->stop_asked) {
-        pthread_cond_wait(&e->moved, &e->lock);
+        pthread_cond_wait(&e->progressed, &e->lock);
     }
     const bool go = !j->stop_asked;
     pthread_mutex_unlock(&e->lock);
@@ -27,8 +23,9 @@ static bool wait_for_go(engine *e, job *j) {
 }
 
 /* Let the workers in, and wait until they are through. */
-static void be_measured(engine *e, job *j) {
+static void wait_until_measured(engine *e, job *j) {
     pthread_mutex_lock(&e->lock);
+    assert(j->phase == JOB_OPENED);
     j->phase = JOB_MEASURING;
     j->counted =
         shear_work_get_status(j->work).stamps_done; /* from a checkpoint: before our time */
@@ -36,9 +33,9 @@ static void be_measured(engine *e, job *j) {
     if (j->stop_asked) {
         shear_work_stop(j->work);
     }
-    workers_call(e, j);
-    while (!course_is_measured(j)) {
-        pthread_cond_wait(&e->moved, &e->lock);
+    job_call_workers(j);
+    while (!job_is_measured(j)) {
+        pthread_cond_wait(&e->progressed, &e->lock);
     }
     j->phase = JOB_FINISHING;
     atomic_store(&j->stage, ENGINE_FINISHING);
@@ -58,12 +55,12 @@ static void measure(engine *e, job *j, engine_event *event) {
     if (j->sums_before != NULL) {
         const engine_event resumed = {
             .kind = ENGINE_RESUMED, .job = j->id, .next_block = j->checkpoint_block};
-        engine_emit(e, &resumed, NULL);
+        event_queue_push(&e->events, &resumed, NULL);
     }
-    be_measured(e, j);
+    wait_until_measured(e, j);
     job_finish(j, event);
     if (event->kind == ENGINE_STOPPED) {
-        worker_save(e, j);
+        job_save_checkpoint(j);
     }
 }
 
@@ -77,23 +74,23 @@ static void unlink_job(engine *e, job *j) {
     pthread_mutex_unlock(&e->lock);
 }
 
-void *course_main(void *argument) {
+void *job_thread_main(void *argument) {
     job *j = argument;
     engine *e = j->engine;
     engine_event event;
     job_prepare(j, &event);
     if (event.kind == ENGINE_OPENED) {
         set_phase(e, j, JOB_OPENED);
-        engine_emit(e, &event, NULL);
+        event_queue_push(&e->events, &event, NULL);
         measure(e, j, &event);
     }
     unlink_job(e, j);
     job_free(j);
     const pthread_t self = pthread_self();
-    engine_emit(e, &event, &self);
+    event_queue_push(&e->events, &event, &self);
     pthread_mutex_lock(&e->lock);
-    e->courses--;
-    pthread_cond_broadcast(&e->moved);
+    e->job_threads--;
+    pthread_cond_broadcast(&e->progressed);
     pthread_mutex_unlock(&e->lock);
     return NULL;
 }

@@ -22,7 +22,7 @@ typedef struct kept_plan {
     int users;
 } kept_plan;
 
-struct plans {
+struct plan_cache {
     pthread_mutex_t lock;
     TAILQ_HEAD(plan_list_head, kept_plan) list; /* last used first */
     int64_t max_count, max_bytes;
@@ -71,7 +71,7 @@ static bool key_equal(const key *a, const key *b) {
 
 /* ---- under the lock ---- */
 
-static kept_plan *find(plans *p, const key *k) {
+static kept_plan *find(plan_cache *p, const key *k) {
     kept_plan *kept = NULL;
     TAILQ_FOREACH(kept, &p->list, link) {
         if (key_equal(&kept->key, k)) {
@@ -81,7 +81,7 @@ static kept_plan *find(plans *p, const key *k) {
     return NULL;
 }
 
-static void use(plans *p, kept_plan *kept) {
+static void use(plan_cache *p, kept_plan *kept) {
     kept->users++;
     TAILQ_REMOVE(&p->list, kept, link);
     TAILQ_INSERT_HEAD(&p->list, kept, link);
@@ -95,7 +95,7 @@ static void kept_free(kept_plan *kept) {
 
 /* Give up idle plans, the one that was used longest ago first, until the rest is within the bounds.
  */
-static void shrink(plans *p, int64_t max_count, int64_t max_bytes) {
+static void shrink(plan_cache *p, int64_t max_count, int64_t max_bytes) {
     kept_plan *next = NULL;
     for (kept_plan *kept = TAILQ_LAST(&p->list, plan_list_head); kept != NULL; kept = next) {
         next = TAILQ_PREV(kept, plan_list_head, link);
@@ -113,8 +113,8 @@ static void shrink(plans *p, int64_t max_count, int64_t max_bytes) {
 
 /* ---- the calls ---- */
 
-plans *plan_cache_new(int64_t max_count, int64_t max_bytes) {
-    plans *p = calloc(1, sizeof *p);
+plan_cache *plan_cache_new(int64_t max_count, int64_t max_bytes) {
+    plan_cache *p = calloc(1, sizeof *p);
     if (p != NULL) {
         pthread_mutex_init(&p->lock, NULL);
         TAILQ_INIT(&p->list);
@@ -124,7 +124,7 @@ plans *plan_cache_new(int64_t max_count, int64_t max_bytes) {
     return p;
 }
 
-void plan_cache_limit(plans *p, int64_t max_count, int64_t max_bytes) {
+void plan_cache_limit(plan_cache *p, int64_t max_count, int64_t max_bytes) {
     pthread_mutex_lock(&p->lock);
     p->max_count = max_count;
     p->max_bytes = max_bytes;
@@ -132,7 +132,7 @@ void plan_cache_limit(plans *p, int64_t max_count, int64_t max_bytes) {
     pthread_mutex_unlock(&p->lock);
 }
 
-void plan_cache_free(plans *p) {
+void plan_cache_free(plan_cache *p) {
     if (p == NULL) {
         return;
     }
@@ -142,7 +142,7 @@ void plan_cache_free(plans *p) {
 }
 
 /* Make what was not found, and keep it, unless another thread has done so meanwhile. */
-static int make(plans *p, key *k, const shear_plan_request *request, const shear_plan **plan,
+static int make(plan_cache *p, key *k, const shear_plan_request *request, const shear_plan **plan,
                 shear_error *err) {
     kept_plan *fresh = calloc(1, sizeof *fresh);
     int code = fresh != NULL ? shear_plan_new(&fresh->plan, request, err)
@@ -173,7 +173,7 @@ static int make(plans *p, key *k, const shear_plan_request *request, const shear
     return SHEAR_OK;
 }
 
-static const shear_plan *take_kept(plans *p, const key *k) {
+static const shear_plan *acquire_kept(plan_cache *p, const key *k) {
     pthread_mutex_lock(&p->lock);
     kept_plan *kept = find(p, k);
     if (kept != NULL) {
@@ -185,7 +185,7 @@ static const shear_plan *take_kept(plans *p, const key *k) {
     return kept != NULL ? kept->plan : NULL;
 }
 
-int plan_cache_acquire(plans *p, const shear_plan_request *request, const shear_plan **plan,
+int plan_cache_acquire(plan_cache *p, const shear_plan_request *request, const shear_plan **plan,
                        shear_error *err) {
     key k = {0};
     int code = SHEAR_OK;
@@ -193,7 +193,7 @@ int plan_cache_acquire(plans *p, const shear_plan_request *request, const shear_
     if (!key_make(&k, request)) {
         code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     } else {
-        *plan = take_kept(p, &k);
+        *plan = acquire_kept(p, &k);
     }
     if (code == SHEAR_OK && *plan == NULL) {
         code = make(p, &k, request, plan, err);
@@ -202,7 +202,7 @@ int plan_cache_acquire(plans *p, const shear_plan_request *request, const shear_
     return code;
 }
 
-int64_t plan_cache_shrink_to(plans *p, int64_t bytes) {
+int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes) {
     pthread_mutex_lock(&p->lock);
     shrink(p, INT64_MAX, bytes);
     const int64_t left = p->statistics.bytes;
@@ -210,7 +210,7 @@ int64_t plan_cache_shrink_to(plans *p, int64_t bytes) {
     return left;
 }
 
-void plan_cache_release(plans *p, const shear_plan *plan) {
+void plan_cache_release(plan_cache *p, const shear_plan *plan) {
     kept_plan *kept = NULL;
     if (plan == NULL) {
         return;
@@ -226,7 +226,7 @@ void plan_cache_release(plans *p, const shear_plan *plan) {
     pthread_mutex_unlock(&p->lock);
 }
 
-plan_cache_statistics plan_cache_get_statistics(plans *p) {
+plan_cache_statistics plan_cache_get_statistics(plan_cache *p) {
     pthread_mutex_lock(&p->lock);
     const plan_cache_statistics now = p->statistics;
     pthread_mutex_unlock(&p->lock);

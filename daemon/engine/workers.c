@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The workers: which job a worker serves next, and what it does there. */
-#include "engine/internal.h"
+#include "engine/workers.h"
 
 #include <stdlib.h>
+
+#include "base/clock.h"
 
 /* ---- under the lock ---- */
 
@@ -27,31 +28,12 @@ static job *choose(engine *e, int slot) {
     return best;
 }
 
-/* One will do, unless it may be one that the job has no memory for. */
-void workers_call(engine *e, const job *j) {
-    if (j->team_size < j->workers) {
-        pthread_cond_broadcast(&e->work_there);
-    } else {
-        pthread_cond_signal(&e->work_there);
-    }
-}
-
 /* ---- measuring ---- */
-
-void worker_save(engine *e, job *j) {
-    engine_event event = {.kind = ENGINE_CHECKPOINT, .job = j->id};
-    shear_error ignored;
-    pthread_mutex_lock(&j->saving); /* checkpoints are queued in the order of their blocks */
-    if (job_checkpoint(j, &event, &ignored) == SHEAR_OK) {
-        engine_emit(e, &event, NULL);
-    }
-    pthread_mutex_unlock(&j->saving);
-}
 
 /* Whether this thread is the one to write the checkpoint that is due; it is not due again at once.
  */
 static bool checkpoint_due(engine *e, job *j) {
-    const int64_t now = (int64_t)(1e3 * engine_now_s());
+    const int64_t now = clock_ms(CLOCK_MONOTONIC);
     const int64_t next_block = shear_work_get_status(j->work).next_block;
     pthread_mutex_lock(&e->lock);
     const bool due =
@@ -62,23 +44,6 @@ static bool checkpoint_due(engine *e, job *j) {
     }
     pthread_mutex_unlock(&e->lock);
     return due;
-}
-
-/* The first read of a worker that has come in was counted when it came. */
-void job_read_begins(job *j, int slot) {
-    engine *e = j->engine;
-    pthread_mutex_lock(&e->lock);
-    j->reading += !j->entering[slot];
-    j->entering[slot] = false;
-    pthread_mutex_unlock(&e->lock);
-}
-
-void job_read_ends(job *j) {
-    engine *e = j->engine;
-    pthread_mutex_lock(&e->lock);
-    j->reading--;
-    workers_call(e, j);
-    pthread_mutex_unlock(&e->lock);
 }
 
 /* A file's last turn has fewer stamps than others. The lock is held. */
@@ -92,6 +57,8 @@ static void count_stamps(engine *e, job *j) {
 static void serve(engine *e, job *j, int slot) {
     const int64_t turn = (int64_t)j->size.blocks * SHEAR_BLOCK;
     shear_error err;
+    ENGINE_ASSERT_LOCKED(e);
+    assert(j->phase == JOB_MEASURING);
     j->served += turn;
     j->holders++;
     j->reading++;
@@ -102,7 +69,7 @@ static void serve(engine *e, job *j, int slot) {
     pthread_mutex_unlock(&e->lock);
     job_step(j, slot, &err);
     if (checkpoint_due(e, j)) {
-        worker_save(e, j);
+        job_save_checkpoint(j);
     }
     pthread_mutex_lock(&e->lock);
     e->busy--;
@@ -110,8 +77,8 @@ static void serve(engine *e, job *j, int slot) {
     j->reading -= j->entering[slot];
     j->entering[slot] = false;
     j->holders--;
-    if (course_is_measured(j)) {
-        pthread_cond_broadcast(&e->moved);
+    if (job_is_measured(j)) {
+        pthread_cond_broadcast(&e->progressed);
     }
 }
 
@@ -120,12 +87,12 @@ void *worker_main(void *argument) {
     free(argument);
     engine *e = start.e;
     pthread_mutex_lock(&e->lock);
-    while (!e->ending) {
+    while (!e->stopping) {
         job *j = choose(e, start.slot);
         if (j != NULL) {
             serve(e, j, start.slot);
         } else {
-            pthread_cond_wait(&e->work_there, &e->lock);
+            pthread_cond_wait(&e->work_available, &e->lock);
         }
     }
     pthread_mutex_unlock(&e->lock);

@@ -52,7 +52,7 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int try_to_take(plans *p, fake_field *f, const shear_plan **plan, shear_error *err) {
+static int try_to_take(plan_cache *p, fake_field *f, const shear_plan **plan, shear_error *err) {
     shear_plan_request request;
     const shear_psf_source psfs = {.self = f, .read = read_psf};
     assert_int_equal(shear_plan_request_read(&request, &f->settings, &f->info, psfs, err),
@@ -62,7 +62,7 @@ static int try_to_take(plans *p, fake_field *f, const shear_plan **plan, shear_e
     return code;
 }
 
-static const shear_plan *take(plans *p, fake_field *f) {
+static const shear_plan *take(plan_cache *p, fake_field *f) {
     const shear_plan *plan = NULL;
     shear_error err = {0};
     if (try_to_take(p, f, &plan, &err) != SHEAR_OK) {
@@ -71,7 +71,7 @@ static const shear_plan *take(plans *p, fake_field *f) {
     return plan;
 }
 
-static void expect(plans *p, int64_t count, int64_t hits, int64_t misses) {
+static void expect(plan_cache *p, int64_t count, int64_t hits, int64_t misses) {
     const plan_cache_statistics s = plan_cache_get_statistics(p);
     assert_int_equal(s.count, count);
     assert_int_equal(s.hits, hits);
@@ -81,7 +81,7 @@ static void expect(plans *p, int64_t count, int64_t hits, int64_t misses) {
 
 static void test_equal_fields_share(void **state) {
     (void)state;
-    plans *p = plan_cache_new(4, much);
+    plan_cache *p = plan_cache_new(4, much);
     fake_field a = a_field(1.3);
     fake_field b = a_field(1.3);
     const shear_plan *first = take(p, &a);
@@ -140,7 +140,7 @@ enum { WAYS = 10 };
 
 static void test_whatever_differs_is_another(void **state) {
     (void)state;
-    plans *p = plan_cache_new(MANY, much);
+    plan_cache *p = plan_cache_new(MANY, much);
     fake_field base = a_field(1.3);
     const shear_plan *seen[WAYS + 1] = {take(p, &base)};
     for (int how = 0; how < WAYS; how++) {
@@ -164,14 +164,14 @@ static void test_whatever_differs_is_another(void **state) {
     plan_cache_free(p);
 }
 
-static void touch(plans *p, double r) {
+static void touch(plan_cache *p, double r) {
     fake_field f = a_field(r);
     plan_cache_release(p, take(p, &f));
 }
 
 static void test_the_oldest_goes_first(void **state) {
     (void)state;
-    plans *p = plan_cache_new(2, much);
+    plan_cache *p = plan_cache_new(2, much);
     touch(p, 1.1);
     touch(p, 1.2);
     touch(p, 1.1); /* hit: now 1.2 is the older one */
@@ -186,7 +186,7 @@ static void test_the_oldest_goes_first(void **state) {
 
 static void test_bytes_and_none(void **state) {
     (void)state;
-    plans *p = plan_cache_new(MANY, much);
+    plan_cache *p = plan_cache_new(MANY, much);
     touch(p, 1.1);
     const int64_t one = plan_cache_get_statistics(p).bytes;
     touch(p, 1.2);
@@ -207,7 +207,7 @@ static void test_bytes_and_none(void **state) {
 /* Kept beyond the bounds while it is in use, and shared all the same; given up when it is not. */
 static void test_in_use_stays(void **state) {
     (void)state;
-    plans *p = plan_cache_new(0, 0);
+    plan_cache *p = plan_cache_new(0, 0);
     fake_field a = a_field(1.1);
     fake_field b = a_field(1.2);
     const shear_plan *one = take(p, &a);
@@ -227,7 +227,7 @@ static void test_in_use_stays(void **state) {
 /* What is idle goes, the longest unused first, and no more than must. */
 static void test_shrunk(void **state) {
     (void)state;
-    plans *p = plan_cache_new(MANY, much);
+    plan_cache *p = plan_cache_new(MANY, much);
     fake_field a = a_field(1.3);
     fake_field b = a_field(1.4);
     fake_field c = a_field(1.5);
@@ -251,7 +251,7 @@ static void test_shrunk(void **state) {
 
 static void test_errors_are_not_kept(void **state) {
     (void)state;
-    plans *p = plan_cache_new(4, much);
+    plan_cache *p = plan_cache_new(4, much);
     fake_field f = a_field(1.3);
     const shear_plan *plan = NULL;
     shear_error err = {0};
@@ -267,7 +267,7 @@ static void test_errors_are_not_kept(void **state) {
 
 enum { THREADS = 4, ROUNDS = 60, RADII = 3 };
 typedef struct busy {
-    plans *p;
+    plan_cache *p;
     int number;
 } busy;
 
@@ -285,7 +285,7 @@ static void *work(void *argument) {
 
 static void test_many_threads(void **state) {
     (void)state;
-    plans *p = plan_cache_new(1, much);
+    plan_cache *p = plan_cache_new(1, much);
     pthread_t threads[THREADS];
     busy b[THREADS];
     for (int i = 0; i < THREADS; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "engine/events.h"
+#include "engine/event_queue.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 struct queued_event {
     queued_event *next;
     engine_event event;
-    bool last; /* of `thread` */
+    bool is_last; /* of `thread` */
     pthread_t thread;
 };
 
@@ -18,38 +18,54 @@ void engine_event_deinit(engine_event *event) {
     event->terms = NULL;
 }
 
-void events_init(events *q) {
-    q->first = NULL;
+void event_queue_init(event_queue *q, void (*wake)(void *context), void *context) {
+    *q = (event_queue){.wake = wake, .context = context};
     q->last = &q->first;
     pthread_mutex_init(&q->lock, NULL);
 }
 
-void events_deinit(events *q) {
+void event_queue_deinit(event_queue *q) {
     engine_event event;
-    while (events_pop(q, &event)) {
+    while (event_queue_pop(q, &event)) {
         engine_event_deinit(&event);
     }
     pthread_mutex_destroy(&q->lock);
 }
 
+void event_queue_silence(event_queue *q) {
+    pthread_mutex_lock(&q->lock);
+    q->silent = true;
+    pthread_mutex_unlock(&q->lock);
+}
+
 /* Where memory is out there is nothing better than to wait for some: events must not be lost. */
-void events_push(events *q, const engine_event *event, const pthread_t *ending) {
+static queued_event *allocate(void) {
+    enum { PAUSE_US = 10000 };
     queued_event *one = malloc(sizeof *one);
     while (one == NULL) {
-        usleep(10000);
+        usleep(PAUSE_US);
         one = malloc(sizeof *one);
     }
-    *one = (queued_event){.event = *event, .last = ending != NULL};
-    if (ending != NULL) {
-        one->thread = *ending;
+    return one;
+}
+
+void event_queue_push(event_queue *q, const engine_event *event, const pthread_t *last_of) {
+    queued_event *one = allocate();
+    *one = (queued_event){.event = *event, .is_last = last_of != NULL};
+    if (last_of != NULL) {
+        one->thread = *last_of;
     }
     pthread_mutex_lock(&q->lock);
     *q->last = one;
     q->last = &one->next;
+    const bool silent = q->silent;
     pthread_mutex_unlock(&q->lock);
+    if (!silent) {
+        q->wake(q->context);
+    }
 }
 
-bool events_pop(events *q, engine_event *event) {
+bool event_queue_pop(event_queue *q, engine_event *event) {
     pthread_mutex_lock(&q->lock);
     queued_event *one = q->first;
     if (one != NULL) {
@@ -62,7 +78,7 @@ bool events_pop(events *q, engine_event *event) {
     if (one == NULL) {
         return false;
     }
-    if (one->last) {
+    if (one->is_last) {
         pthread_join(one->thread, NULL);
     }
     *event = one->event;

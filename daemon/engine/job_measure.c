@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A job that is being measured: where it goes on, and one unit of its work. */
+#include "base/clock.h"
+#include "engine/internal.h"
+
+static int write_rows(void *self, int64_t first, int count, const shear_row *rows,
+                      const shear_block *block, shear_error *err) {
+    return shear_catalog_write(self, first, count, rows, block, err);
+}
+
+static int keep_rows(void *self, int64_t rows, shear_error *err) {
+    return shear_catalog_keep(self, rows, err);
+}
+
+/* The rows before the checkpoint must be there: where they are not, *first_block becomes 0 and the
+ * work begins anew. */
+static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
+    const shear_field_info *info = reader_get_info(j->reader);
+    const int64_t rows = *first_block * SHEAR_BLOCK;
+    if (j->catalog_path == NULL) {
+        return SHEAR_OK;
+    }
+    if (*first_block > 0 &&
+        shear_catalog_resume(&j->catalog, j->catalog_path, info, j->checksum,
+                             rows < info->n_stamps ? rows : info->n_stamps, err) == SHEAR_OK) {
+        return SHEAR_OK;
+    }
+    *first_block = 0;
+    return shear_catalog_begin(&j->catalog, j->catalog_path, info, j->checksum, err);
+}
+
+/* The first read of a worker that has come in was counted when it came. */
+static void count_reader(job *j, int slot) {
+    pthread_mutex_lock(&j->engine->lock);
+    j->reading += !j->entering[slot];
+    j->entering[slot] = false;
+    pthread_mutex_unlock(&j->engine->lock);
+}
+
+static void discount_reader(job *j) {
+    pthread_mutex_lock(&j->engine->lock);
+    assert(j->reading > 0);
+    j->reading--;
+    job_call_workers(j);
+    pthread_mutex_unlock(&j->engine->lock);
+}
+
+static int read_block(void *self, int slot, int64_t first, int count, const shear_block **block,
+                      shear_error *err) {
+    job *j = self;
+    count_reader(j, slot);
+    const int code = reader_read(j->reader, slot, first, count, block, err);
+    discount_reader(j);
+    return code;
+}
+
+/* The checkpoint's sums; none where the terms of their stamps are not with them: then the work
+ * begins anew. */
+static int read_sums_before(job *j, int64_t *first_block, shear_error *err) {
+    shear_result r;
+    *first_block = 0;
+    if (j->first_block == 0) {
+        return SHEAR_OK;
+    }
+    const int code = shear_field_sums_parse(&j->before, j->sums_before, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    shear_field_result(j->before, &r);
+    const bool whole =
+        j->terms_before != NULL && (int64_t)shear_symmetry_count(j->terms_before) == r.n_used;
+    *first_block =
+        whole || !shear_estimator_is_symmetric(j->settings.estimator) ? j->first_block : 0;
+    return SHEAR_OK;
+}
+
+static void forget_before(job *j) {
+    shear_field_sums_free(j->before);
+    shear_symmetry_free(j->terms_before);
+    j->before = NULL;
+    j->terms_before = NULL;
+}
+
+/* The sums before, the catalog and where the work begins. */
+static int resume(job *j, int64_t *first_block, shear_error *err) {
+    const int code = read_sums_before(j, first_block, err);
+    return code != SHEAR_OK ? code : open_catalog(j, first_block, err);
+}
+
+int job_begin(job *j, shear_error *err) {
+    int64_t first_block = 0;
+    const int code = resume(j, &first_block, err);
+    if (first_block == 0) {
+        forget_before(j);
+    }
+    j->checkpoint_block = j->terms_block = first_block;
+    j->checkpoint_ms = clock_ms(CLOCK_MONOTONIC);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const shear_work_spec spec = {.info = reader_get_info(j->reader),
+                                  .plan = j->plan,
+                                  .source = {.self = j, .read = read_block},
+                                  .size = j->size,
+                                  .first_block = first_block,
+                                  .sink = {.self = j->catalog,
+                                           .write = j->catalog != NULL ? write_rows : NULL,
+                                           .keep = j->catalog != NULL ? keep_rows : NULL}};
+    return shear_work_new(&j->work, &spec, err);
+}
+
+bool job_step(job *j, int slot, shear_error *err) {
+    if (j->team[slot] == NULL &&
+        shear_worker_new(&j->team[slot], j->plan, j->size, slot, err) != SHEAR_OK) {
+        shear_work_fail(j->work, err);
+        return false;
+    }
+    return shear_work_step(j->work, j->team[slot]);
+}
