@@ -10,6 +10,7 @@
 #include "sheard/advice.h"
 #include "sheard/no_shear.h"
 #include "sheard/report.h"
+#include "sheard/validation_report.h"
 #include "terminal/message.h"
 #include "terminal/progress.h"
 

@@ -5,6 +5,7 @@
 #define CLIENT_LOCAL_FIELD_SCAN_H
 
 #include "sheard/report.h"
+#include "sheard/validation_report.h"
 #include "terminal/progress.h"
 
 /* Fill in scanned, n_measurable, flags, negative, lowest_pixel, the noise's members, measured and

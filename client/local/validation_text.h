@@ -4,6 +4,7 @@
 #define CLIENT_LOCAL_VALIDATION_TEXT_H
 
 #include "sheard/report.h"
+#include "sheard/validation_report.h"
 
 #include <stdio.h>
 

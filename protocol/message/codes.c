@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The one table of error codes. docs/protocol.md lists the same (a test compares them). */
-#include "sheard/rpc.h"
+#include "sheard/codes.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+#include "base/text.h"
 
 #define NONE      SHEARD_CLASS_NONE
 #define TRANSIENT SHEARD_CLASS_TRANSIENT
@@ -149,15 +151,31 @@ int sheard_rpc_code_from_core(int core_code) {
     return code == SHEARD_RPC_UNKNOWN ? SHEARD_RPC_INTERNAL : code;
 }
 
-int sheard_rpc_fail(sheard_rpc_error *error, int code, const char *advice, const char *format,
-                    ...) {
+static void begin(sheard_rpc_error *error, int code, const char *advice) {
     const sheard_rpc_code_info *info = sheard_rpc_code_get(code);
     *error = (sheard_rpc_error){.code = code, .number = info->number, .retry = info->retry};
-    snprintf(error->name, sizeof error->name, "%s", info->name);
-    snprintf(error->advice, sizeof error->advice, "%s", advice != NULL ? advice : info->advice);
+    text_set(error->name, sizeof error->name, info->name);
+    text_set(error->advice, sizeof error->advice, advice != NULL ? advice : info->advice);
+}
+
+int sheard_rpc_fail(sheard_rpc_error *error, int code, const char *advice, const char *format,
+                    ...) {
+    begin(error, code, advice);
     va_list args;
     va_start(args, format);
     vsnprintf(error->message, sizeof error->message, format, args);
+    va_end(args);
+    return code;
+}
+
+int sheard_rpc_fail_parameter(sheard_rpc_error *error, int code, const char *parameter,
+                              const char *advice, const char *format, ...) {
+    begin(error, code, advice);
+    text_set(error->parameter, sizeof error->parameter, parameter);
+    const int used = snprintf(error->message, sizeof error->message, "'%.95s': ", parameter);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(error->message + used, sizeof error->message - (size_t)used, format, args);
     va_end(args);
     return code;
 }

@@ -1,55 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From JSON to messages: objects. */
-#include "message/table.h"
-#include "json/dump.h"
-
-#include <stdarg.h>
-#include <stdio.h>
+/* From JSON to messages: objects and lists. */
+#include <assert.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-size_t msg_enter(msg_reader *r, const char *member) {
-    const size_t mark = strlen(r->path);
-    snprintf(r->path + mark, sizeof r->path - mark, "%s%.60s", mark > 0 ? "." : "", member);
-    return mark;
-}
-
-size_t msg_enter_item(msg_reader *r, size_t index) {
-    const size_t mark = strlen(r->path);
-    snprintf(r->path + mark, sizeof r->path - mark, "[%zu]", index);
-    return mark;
-}
-
-void msg_leave(msg_reader *r, size_t mark) {
-    r->path[mark] = '\0';
-}
-
-int msg_fail(msg_reader *r, int code, const char *format, ...) {
-    char said[400];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(said, sizeof said, format, args);
-    va_end(args);
-    if (!(r->mode & MSG_STRICT)) {
-        code = SHEARD_RPC_BAD_REPLY;
-    }
-    sheard_rpc_fail(r->error, code, NULL, "'%.*s': %s", (int)sizeof r->path - 1, r->path, said);
-    snprintf(r->error->parameter, sizeof r->error->parameter, "%s", r->path);
-    return code;
-}
-
-int msg_no_memory(msg_reader *r) {
-    return sheard_rpc_fail(r->error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory while reading");
-}
-
-const char *msg_kind(const json_t *value) {
-    static const char *const kinds[] = {
-        [JSON_OBJECT] = "an object", [JSON_ARRAY] = "an array", [JSON_STRING] = "a string",
-        [JSON_INTEGER] = "a number", [JSON_REAL] = "a number",  [JSON_TRUE] = "true",
-        [JSON_FALSE] = "false",      [JSON_NULL] = "null",
-    };
-    return value != NULL ? kinds[json_typeof(value)] : "nothing";
-}
+#include "base/text.h"
+#include "message/reader.h"
+#include "json/tree.h"
 
 static const msg_member *find_member(const msg_table *table, const char *name) {
     for (size_t i = 0; i < table->n; i++) {
@@ -62,22 +20,20 @@ static const msg_member *find_member(const msg_table *table, const char *name) {
 
 static int refuse_unknown(msg_reader *r, const msg_table *table, const char *name) {
     char known[300] = "";
-    for (size_t i = 0; i < table->n; i++) {
-        const size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "",
-                 table->members[i].name);
-    }
-    msg_enter(r, name);
+    reader_enter(r, name);
     if (table->n == 0) {
-        return msg_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "there are no parameters here");
+        return reader_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "there are no parameters here");
     }
-    return msg_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "no such parameter; there are: %s", known);
+    for (size_t i = 0; i < table->n; i++) {
+        text_append_item(known, sizeof known, table->members[i].name);
+    }
+    return reader_fail(r, SHEARD_RPC_UNKNOWN_PARAMETER, "no such parameter; there are: %s", known);
 }
 
 static int check_names(msg_reader *r, const msg_table *table, const json_t *object) {
     /* jansson's iterators take no const; nothing is changed. */
     json_t *o = (json_t *)object;
-    for (void *i = json_object_iter(o); i; i = json_object_iter_next(o, i)) {
+    for (void *i = json_object_iter(o); i != NULL; i = json_object_iter_next(o, i)) {
         const char *name = json_object_iter_key(i);
         if (find_member(table, name) == NULL) {
             return refuse_unknown(r, table, name);
@@ -86,10 +42,14 @@ static int check_names(msg_reader *r, const msg_table *table, const json_t *obje
     return SHEARD_RPC_OK;
 }
 
+static int copy_object(const msg_reader *r, const char **at, const json_t *object) {
+    *at = tree_dump(object, 0, "", NULL);
+    return *at != NULL ? SHEARD_RPC_OK : reader_no_memory(r);
+}
+
 /* What an object has beside the members that the table names. (json_copy passes over want of
- * memory.)
- */
-static int read_merged(msg_reader *r, const char **at, const msg_table *table,
+ * memory.) */
+static int read_merged(const msg_reader *r, const char **at, const msg_table *table,
                        const json_t *object) {
     json_t *o = (json_t *)object;
     json_t *rest = json_object();
@@ -99,69 +59,130 @@ static int read_merged(msg_reader *r, const char **at, const msg_table *table,
         failed = find_member(table, name) == NULL &&
                  json_object_set(rest, name, json_object_iter_value(i)) != 0;
     }
-    *at = failed ? NULL : rpc_dump(rest, 0, "", NULL);
+    const int code = failed ? reader_no_memory(r) : copy_object(r, at, rest);
     json_decref(rest);
-    return *at != NULL ? SHEARD_RPC_OK : msg_no_memory(r);
+    return code;
 }
 
-static int read_raw(msg_reader *r, const char **at, const json_t *value) {
-    if (!json_is_object(value)) {
-        return msg_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected an object, not %s", msg_kind(value));
+static int read_states(msg_reader *r, unsigned *set, const msg_member *m, const json_t *value) {
+    unsigned found = 0;
+    for (size_t i = 0; i < json_array_size(value); i++) {
+        const json_t *item = json_array_get(value, i);
+        const int index = reader_name_index(m->names, item);
+        const size_t mark = reader_enter_item(r, i);
+        if (index < 0) {
+            return reader_wrong_name(r, m->names, item);
+        }
+        found |= 1u << index;
+        reader_leave(r, mark);
     }
-    *at = rpc_dump(value, 0, "", NULL);
-    return *at != NULL ? SHEARD_RPC_OK : msg_no_memory(r);
+    *set = found;
+    return SHEARD_RPC_OK;
 }
 
 /* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+
+static int read_object(msg_reader *r, void *message, const msg_table *table, const json_t *object);
+
+static int read_item(msg_reader *r, void *at, const msg_member *m, const json_t *value) {
+    static const msg_member number = {.type = MSG_INT, .min = 1, .max = INT64_MAX};
+    switch (m->type) {
+    case MSG_INTS:
+        return reader_scalar(r, at, &number, value);
+    case MSG_TEXTS:
+        return reader_string(r, at, m->flags, m->item_max, value);
+    default:
+        msg_init(at, m->table);
+        return read_object(r, at, m->table, value);
+    }
+}
+
+/* At every moment the list and its length are what msg_deinit can free. */
+static int read_items(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
+    const size_t n = json_array_size(value);
+    const size_t size = msg_item_size(m);
+    char *list = n > 0 ? calloc(n, size) : NULL;
+    if (n > 0 && list == NULL) {
+        return reader_no_memory(r);
+    }
+    msg_put_pointer(message, m->offset, list);
+    msg_put_count(message, m, n);
+    for (size_t i = 0; i < n; i++) {
+        const size_t mark = reader_enter_item(r, i);
+        const int code = read_item(r, list + i * size, m, json_array_get(value, i));
+        if (code != SHEARD_RPC_OK) {
+            return code;
+        }
+        reader_leave(r, mark);
+    }
+    return SHEARD_RPC_OK;
+}
+
+static int read_list(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
+    if (!json_is_array(value)) {
+        return reader_wrong_type(r, "an array", value);
+    }
+    const size_t n = json_array_size(value);
+    if (reader_is_strict(r) && m->max > 0 && n > (size_t)m->max) {
+        return reader_fail(r, SHEARD_RPC_BAD_PARAMETER,
+                           "expected at most %" PRId64 " elements, not %zu", m->max, n);
+    }
+    if (reader_is_strict(r) && (m->flags & MSG_REQUIRED) != 0 && n == 0) {
+        return reader_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected at least one element");
+    }
+    return m->type == MSG_STATES ? read_states(r, (void *)((char *)message + m->offset), m, value)
+                                 : read_items(r, message, m, value);
+}
 
 static int read_value(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
     void *at = (char *)message + m->offset;
     switch (m->type) {
     case MSG_TEXT:
-        return msg_read_text(r, at, m, value);
+        return reader_string(r, at, m->flags, m->max, value);
     case MSG_RAW:
-        return read_raw(r, at, value);
+        return json_is_object(value) ? copy_object(r, at, value)
+                                     : reader_wrong_type(r, "an object", value);
     case MSG_SETTINGS:
-        return msg_read_settings(r, at, value);
+        return reader_settings(r, at, value);
     case MSG_INTS:
     case MSG_TEXTS:
     case MSG_OBJECTS:
     case MSG_STATES:
-        return msg_read_list(r, message, m, value);
+        return read_list(r, message, m, value);
     case MSG_OBJECT:
-        return msg_read_object(r, at, m->table, value);
+        return read_object(r, at, m->table, value);
     default:
-        return msg_read_number(r, at, m, value);
+        return reader_scalar(r, at, m, value);
     }
 }
 
 /* null is as good as absent. */
 static int read_member(msg_reader *r, void *message, const msg_member *m, const json_t *value) {
-    const size_t mark = msg_enter(r, m->name);
-    int rc = SHEARD_RPC_OK;
+    const size_t mark = reader_enter(r, m->name);
+    int code = SHEARD_RPC_OK;
     if (value != NULL && !json_is_null(value)) {
-        rc = read_value(r, message, m, value);
-    } else if (m->flags & MSG_REQUIRED) {
-        rc = value != NULL ? msg_fail(r, SHEARD_RPC_BAD_PARAMETER, "must not be null")
-                           : msg_fail(r, SHEARD_RPC_MISSING_PARAMETER, "is missing");
+        code = read_value(r, message, m, value);
+    } else if ((m->flags & MSG_REQUIRED) != 0) {
+        code = value != NULL ? reader_fail(r, SHEARD_RPC_BAD_PARAMETER, "must not be null")
+                             : reader_fail(r, SHEARD_RPC_MISSING_PARAMETER, "is missing");
     }
-    msg_leave(r, mark);
-    return rc;
+    reader_leave(r, mark);
+    return code;
 }
 
-int msg_read_object(msg_reader *r, void *message, const msg_table *table, const json_t *object) {
+static int read_object(msg_reader *r, void *message, const msg_table *table, const json_t *object) {
     if (object != NULL && !json_is_object(object)) {
-        return msg_fail(r, SHEARD_RPC_BAD_PARAMETER, "expected an object, not %s",
-                        msg_kind(object));
+        return reader_wrong_type(r, "an object", object);
     }
-    int rc = r->mode & MSG_STRICT && object != NULL ? check_names(r, table, object) : SHEARD_RPC_OK;
-    for (size_t i = 0; rc == SHEARD_RPC_OK && i < table->n; i++) {
+    int code =
+        reader_is_strict(r) && object != NULL ? check_names(r, table, object) : SHEARD_RPC_OK;
+    for (size_t i = 0; code == SHEARD_RPC_OK && i < table->n; i++) {
         const msg_member *m = &table->members[i];
-        rc = m->type == MSG_MERGED
-                 ? read_merged(r, (void *)((char *)message + m->offset), table, object)
-                 : read_member(r, message, m, json_object_get(object, m->name));
+        code = m->type == MSG_MERGED
+                   ? read_merged(r, (void *)((char *)message + m->offset), table, object)
+                   : read_member(r, message, m, json_object_get(object, m->name));
     }
-    return rc;
+    return code;
 }
 
 /* NOLINTEND(misc-no-recursion) */
@@ -169,13 +190,14 @@ int msg_read_object(msg_reader *r, void *message, const msg_table *table, const 
 int msg_read(void *message, const msg_table *table, const json_t *object, unsigned mode,
              sheard_rpc_error *error) {
     msg_reader r = {.mode = mode, .error = error};
+    assert((mode & MSG_SPARSE) == 0);
     msg_init(message, table);
-    int rc = msg_read_object(&r, message, table, object);
-    if (rc == SHEARD_RPC_OK && mode & MSG_STRICT && table->check != NULL) {
-        rc = table->check(message, error);
+    int code = read_object(&r, message, table, object);
+    if (code == SHEARD_RPC_OK && reader_is_strict(&r) && table->check != NULL) {
+        code = table->check(message, error);
     }
-    if (rc != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK) {
         msg_deinit(message, table);
     }
-    return rc;
+    return code;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages in memory: their beginning and their end. */
-#include "message/table.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "message/table.h"
 
 /* Pointers of any type have one representation here; memcpy keeps clear of the rules of aliasing.
  */
@@ -18,46 +18,89 @@ void msg_put_pointer(void *message, size_t offset, const void *pointer) {
     memcpy((char *)message + offset, &pointer, sizeof pointer);
 }
 
-/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+size_t msg_count(const void *message, const msg_member *m) {
+    size_t n = 0;
+    memcpy(&n, (const char *)message + m->count_offset, sizeof n);
+    return n;
+}
 
-static void init_member(void *message, const msg_member *m) {
-    void *at = (char *)message + m->offset;
+void msg_put_count(void *message, const msg_member *m, size_t n) {
+    memcpy((char *)message + m->count_offset, &n, sizeof n);
+}
+
+size_t msg_item_size(const msg_member *m) {
+    return m->type == MSG_INTS    ? sizeof(int64_t)
+           : m->type == MSG_TEXTS ? sizeof(char *)
+                                  : m->table->size;
+}
+
+/* How a member that is neither an object nor a list lies in memory. */
+static enum member_type memory_of(const msg_member *m) {
+    static const enum member_type types[] = {
+        [MSG_BOOL] = MEMBER_BOOL,  [MSG_INT] = MEMBER_INT64,     [MSG_REAL] = MEMBER_DOUBLE,
+        [MSG_TEXT] = MEMBER_TEXT,  [MSG_NAME] = MEMBER_INT,      [MSG_TIME] = MEMBER_INT64,
+        [MSG_RAW] = MEMBER_TEXT,   [MSG_SETTINGS] = MEMBER_TEXT, [MSG_STATES] = MEMBER_UNSIGNED,
+        [MSG_MERGED] = MEMBER_TEXT};
+    return types[m->type];
+}
+
+static member_value fallback_of(const msg_member *m) {
     switch (m->type) {
     case MSG_BOOL:
-        *(bool *)at = m->fallback != 0;
-        break;
+        return (member_value){.flag = m->fallback != 0};
     case MSG_INT:
-        *(int64_t *)at = m->fallback;
-        break;
+        return (member_value){.count = m->fallback};
     case MSG_REAL:
-        *(double *)at = NAN;
-        break;
+        return (member_value){.real = NAN};
     case MSG_NAME:
-        *(int *)at = (int)m->fallback;
-        break;
-    case MSG_OBJECT:
-        msg_init(at, m->table);
-        break;
-    default: /* all others begin as zero bytes */
-        break;
+        return (member_value){.number = (int)m->fallback};
+    default:
+        return (member_value){0};
     }
+}
+
+static bool is_list(const msg_member *m) {
+    return m->type == MSG_INTS || m->type == MSG_TEXTS || m->type == MSG_OBJECTS;
+}
+
+/* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+
+bool msg_is_absent(const void *message, const msg_member *m) {
+    const void *at = (const char *)message + m->offset;
+    if (m->type == MSG_OBJECT) {
+        return (m->flags & MSG_NULLABLE) != 0 && !msg_is_there(at, m->table);
+    }
+    const member_value fallback = fallback_of(m);
+    return is_list(m) ? msg_count(message, m) == 0 : member_equal(memory_of(m), at, &fallback);
+}
+
+bool msg_is_there(const void *message, const msg_table *table) {
+    return !msg_is_absent(message, &table->members[0]);
 }
 
 void msg_init(void *message, const msg_table *table) {
     memset(message, 0, table->size);
     for (size_t i = 0; i < table->n; i++) {
-        init_member(message, &table->members[i]);
+        const msg_member *m = &table->members[i];
+        void *at = (char *)message + m->offset;
+        if (m->type == MSG_OBJECT) {
+            msg_init(at, m->table);
+        } else if (!is_list(m)) {
+            const member_value fallback = fallback_of(m);
+            memcpy(at, &fallback, member_size(memory_of(m)));
+        }
     }
 }
 
 static void free_items(void *message, const msg_member *m) {
     char *list = msg_pointer(message, m->offset);
-    const size_t n = *(const size_t *)((const char *)message + m->count_offset);
-    for (size_t i = 0; list != NULL && i < n; i++) {
+    const size_t n = list != NULL ? msg_count(message, m) : 0;
+    for (size_t i = 0; i < n; i++) {
+        char *item = list + i * msg_item_size(m);
         if (m->type == MSG_OBJECTS) {
-            msg_deinit(list + i * m->table->size, m->table);
+            msg_deinit(item, m->table);
         } else if (m->type == MSG_TEXTS) {
-            free(msg_pointer(list, i * sizeof(char *)));
+            free(msg_pointer(item, 0));
         }
     }
     free(list);
@@ -66,46 +109,18 @@ static void free_items(void *message, const msg_member *m) {
 void msg_deinit(void *message, const msg_table *table) {
     for (size_t i = 0; i < table->n; i++) {
         const msg_member *m = &table->members[i];
-        switch (m->type) {
-        case MSG_TEXT:
-        case MSG_RAW:
-        case MSG_SETTINGS:
-        case MSG_MERGED:
-            free(msg_pointer(message, m->offset));
-            break;
-        case MSG_INTS:
-        case MSG_TEXTS:
-        case MSG_OBJECTS:
-            free_items(message, m);
-            break;
-        case MSG_OBJECT:
+        if (m->type == MSG_OBJECT) {
             msg_deinit((char *)message + m->offset, m->table);
-            break;
-        default:
-            break;
+        } else if (is_list(m)) {
+            free_items(message, m);
+        } else if (memory_of(m) == MEMBER_TEXT) {
+            free(msg_pointer(message, m->offset));
         }
     }
     memset(message, 0, table->size);
 }
 
 /* NOLINTEND(misc-no-recursion) */
-
-bool msg_is_there(const void *message, const msg_table *table) {
-    const msg_member *first = &table->members[0];
-    if (first->type == MSG_INT) {
-        return *(const int64_t *)((const char *)message + first->offset) != first->fallback;
-    }
-    return msg_pointer(message, first->offset) != NULL;
-}
-
-char *msg_copy(const char *bytes, size_t n) {
-    char *copy = malloc(n + 1);
-    if (copy != NULL) {
-        memcpy(copy, bytes, n);
-        copy[n] = '\0';
-    }
-    return copy;
-}
 
 const char *msg_name(const char *const *names, int index) {
     for (int i = 0; index >= 0 && names[i] != NULL; i++) {

@@ -1,20 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From messages to JSON. */
-#include "message/table.h"
-#include "json/load.h"
-#include "json/text.h"
-
-#include <math.h>
-#include <stdio.h>
+#include <assert.h>
 #include <string.h>
 
+#include "base/text.h"
+#include "message/reader.h"
+#include "json/text.h"
+#include "json/tree.h"
+
 typedef struct writer {
-    unsigned mode;
+    unsigned mode;           /* enum msg_mode, or'ed */
     sheard_rpc_error *error; /* set at the first failure */
     bool failed;
 } writer;
-
-static json_t *write_object(writer *w, const void *message, const msg_table *table);
 
 /* NULL, with the reason kept. A reason that is there already stays. */
 static json_t *fail(writer *w, int code, const char *member) {
@@ -25,9 +23,9 @@ static json_t *fail(writer *w, int code, const char *member) {
     if (code == SHEARD_RPC_OUT_OF_MEMORY) {
         sheard_rpc_fail(w->error, code, NULL, "out of memory while writing");
     } else {
-        sheard_rpc_fail(w->error, code, NULL, "'%.60s': %s", member,
-                        code == SHEARD_RPC_INTERNAL ? "is not well-formed" : "is not UTF-8");
-        snprintf(w->error->parameter, sizeof w->error->parameter, "%s", member);
+        sheard_rpc_fail_parameter(w->error, code, member, NULL, "%s",
+                                  code == SHEARD_RPC_INTERNAL ? "is not well-formed"
+                                                              : "is not UTF-8");
     }
     return NULL;
 }
@@ -39,7 +37,7 @@ static json_t *made(writer *w, json_t *value) {
 /* A request must say what was meant: a path with a byte replaced would be another path. */
 static json_t *write_text(writer *w, const char *member, const char *text) {
     json_t *value = made(w, json_text_string(text));
-    if (value != NULL && text != NULL && w->mode & MSG_SPARSE &&
+    if (value != NULL && text != NULL && (w->mode & MSG_SPARSE) != 0 &&
         strcmp(json_string_value(value), text) != 0) {
         json_decref(value);
         return fail(w, SHEARD_RPC_BAD_PARAMETER, member);
@@ -51,40 +49,57 @@ static json_t *write_raw(writer *w, const char *member, const char *text) {
     if (text == NULL) {
         return json_null();
     }
-    rpc_load_error why;
-    json_t *value = rpc_load(text, strlen(text), 0, &why);
-    if (value != NULL && !json_is_object(value)) {
+    tree_error why;
+    json_t *value = tree_load(text, strlen(text), 0, &why);
+    if (value == NULL) {
+        return fail(w, why.fault == TREE_NO_MEMORY ? SHEARD_RPC_OUT_OF_MEMORY : SHEARD_RPC_INTERNAL,
+                    member);
+    }
+    if (!json_is_object(value)) {
         json_decref(value);
         return fail(w, SHEARD_RPC_INTERNAL, member);
     }
-    return value != NULL ? value
-                         : fail(w,
-                                why.code == SHEARD_RPC_OUT_OF_MEMORY ? SHEARD_RPC_OUT_OF_MEMORY
-                                                                     : SHEARD_RPC_INTERNAL,
-                                member);
+    return value;
 }
 
 static json_t *write_settings(writer *w, const char *member, const char *text) {
     bool bad = false;
     json_t *value = text != NULL ? msg_write_settings(text, &bad) : json_null();
     if (bad) {
-        return fail(w, w->mode & MSG_SPARSE ? SHEARD_RPC_BAD_SETTING : SHEARD_RPC_INTERNAL, member);
+        return fail(w, (w->mode & MSG_SPARSE) != 0 ? SHEARD_RPC_BAD_SETTING : SHEARD_RPC_INTERNAL,
+                    member);
     }
     return made(w, value);
 }
 
 static json_t *write_states(writer *w, unsigned set, const msg_member *m) {
     json_t *array = json_array();
-    for (int i = 0; array != NULL && m->names[i] != NULL; i++) {
-        if (set & 1u << i && json_array_append_new(array, json_string(m->names[i])) != 0) {
-            json_decref(array);
-            array = NULL;
+    for (int i = 0; m->names[i] != NULL; i++) {
+        if ((set & 1u << i) != 0) {
+            json_text_append(&array, json_string(m->names[i]));
         }
     }
     return made(w, array);
 }
 
+static json_t *write_integer(writer *w, int64_t value, const msg_member *m) {
+    const bool is_null = (m->flags & MSG_NULLABLE) != 0 && value == m->fallback;
+    return is_null ? json_null() : made(w, json_integer(value));
+}
+
+static json_t *write_name(writer *w, int index, const msg_member *m) {
+    const char *name = msg_name(m->names, index);
+    return made(w, name[0] == '\0' ? json_null() : json_string(name));
+}
+
+static json_t *write_time(writer *w, int64_t ms) {
+    char text[SHEARD_TIME_SIZE];
+    return ms == 0 ? json_null() : made(w, json_string(sheard_time_format(ms, text)));
+}
+
 /* NOLINTBEGIN(misc-no-recursion): as deep as the tables are in each other */
+
+static json_t *write_object(writer *w, const void *message, const msg_table *table);
 
 static json_t *write_item(writer *w, const void *at, const msg_member *m) {
     switch (m->type) {
@@ -99,52 +114,28 @@ static json_t *write_item(writer *w, const void *at, const msg_member *m) {
 
 static json_t *write_list(writer *w, const void *message, const msg_member *m) {
     const char *list = msg_pointer(message, m->offset);
-    const size_t n = *(const size_t *)((const char *)message + m->count_offset);
-    const size_t size = m->type == MSG_INTS    ? sizeof(int64_t)
-                        : m->type == MSG_TEXTS ? sizeof(char *)
-                                               : m->table->size;
-    json_t *array = made(w, json_array());
+    const size_t n = msg_count(message, m);
+    json_t *array = json_array();
+    assert(list != NULL || n == 0);
     for (size_t i = 0; array != NULL && i < n; i++) {
-        json_t *item = write_item(w, list + i * size, m);
-        if (json_array_append_new(array, item) != 0) {
-            json_decref(array);
-            return fail(w, SHEARD_RPC_OUT_OF_MEMORY, "");
-        }
+        json_text_append(&array, write_item(w, list + i * msg_item_size(m), m));
     }
-    return array;
-}
-
-static json_t *write_name(writer *w, int index, const msg_member *m) {
-    const char *name = msg_name(m->names, index);
-    return made(w, name[0] == '\0' ? json_null() : json_string(name));
-}
-
-static json_t *write_time(writer *w, int64_t ms) {
-    char text[SHEARD_TIME_SIZE];
-    return ms == 0 ? json_null() : made(w, json_string(sheard_time_format(ms, text)));
-}
-
-static json_t *write_scalar(writer *w, const void *at, const msg_member *m) {
-    switch (m->type) {
-    case MSG_BOOL:
-        return json_boolean(*(const bool *)at);
-    case MSG_INT: {
-        const int64_t value = *(const int64_t *)at;
-        return m->flags & MSG_NULLABLE && value == m->fallback ? json_null()
-                                                               : made(w, json_integer(value));
-    }
-    case MSG_REAL:
-        return made(w, json_text_number(*(const double *)at));
-    case MSG_NAME:
-        return write_name(w, *(const int *)at, m);
-    default:
-        return write_time(w, *(const int64_t *)at);
-    }
+    return made(w, array);
 }
 
 static json_t *write_value(writer *w, const void *message, const msg_member *m) {
     const void *at = (const char *)message + m->offset;
     switch (m->type) {
+    case MSG_BOOL:
+        return json_boolean(*(const bool *)at);
+    case MSG_INT:
+        return write_integer(w, *(const int64_t *)at, m);
+    case MSG_REAL:
+        return made(w, json_text_number(*(const double *)at));
+    case MSG_NAME:
+        return write_name(w, *(const int *)at, m);
+    case MSG_TIME:
+        return write_time(w, *(const int64_t *)at);
     case MSG_TEXT:
         return write_text(w, m->name, msg_pointer(at, 0));
     case MSG_RAW:
@@ -153,43 +144,10 @@ static json_t *write_value(writer *w, const void *message, const msg_member *m) 
         return write_settings(w, m->name, msg_pointer(at, 0));
     case MSG_STATES:
         return write_states(w, *(const unsigned *)at, m);
-    case MSG_INTS:
-    case MSG_TEXTS:
-    case MSG_OBJECTS:
+    case MSG_OBJECT:
+        return msg_is_absent(message, m) ? json_null() : write_object(w, at, m->table);
+    default:
         return write_list(w, message, m);
-    case MSG_OBJECT:
-        return m->flags & MSG_NULLABLE && !msg_is_there(at, m->table)
-                   ? json_null()
-                   : write_object(w, at, m->table);
-    default:
-        return write_scalar(w, at, m);
-    }
-}
-
-/* Would a reader that finds nothing fill in this very value? */
-static bool at_fallback(const void *message, const msg_member *m) {
-    const void *at = (const char *)message + m->offset;
-    switch (m->type) {
-    case MSG_BOOL:
-        return *(const bool *)at == (m->fallback != 0);
-    case MSG_INT:
-        return *(const int64_t *)at == m->fallback;
-    case MSG_REAL:
-        return isnan(*(const double *)at);
-    case MSG_NAME:
-        return *(const int *)at == (int)m->fallback;
-    case MSG_TIME:
-        return *(const int64_t *)at == 0;
-    case MSG_STATES:
-        return *(const unsigned *)at == 0;
-    case MSG_INTS:
-    case MSG_TEXTS:
-    case MSG_OBJECTS:
-        return *(const size_t *)((const char *)message + m->count_offset) == 0;
-    case MSG_OBJECT:
-        return m->flags & MSG_NULLABLE && !msg_is_there(at, m->table);
-    default:
-        return msg_pointer(at, 0) == NULL;
     }
 }
 
@@ -204,7 +162,7 @@ static json_t *write_object(writer *w, const void *message, const msg_table *tab
     json_t *object = begin(w, message, table);
     for (size_t i = 0; object != NULL && i < table->n; i++) {
         const msg_member *m = &table->members[i];
-        if (m->type == MSG_MERGED || (w->mode & MSG_SPARSE && at_fallback(message, m))) {
+        if (m->type == MSG_MERGED || ((w->mode & MSG_SPARSE) != 0 && msg_is_absent(message, m))) {
             continue;
         }
         if (json_object_set_new(object, m->name, write_value(w, message, m)) != 0) {
@@ -220,5 +178,6 @@ static json_t *write_object(writer *w, const void *message, const msg_table *tab
 json_t *msg_write(const void *message, const msg_table *table, unsigned mode,
                   sheard_rpc_error *error) {
     writer w = {.mode = mode, .error = error};
+    assert((mode & MSG_STRICT) == 0);
     return write_object(&w, message, table);
 }

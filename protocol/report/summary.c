@@ -1,73 +1,64 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/report_summary.h"
 
-#include <jansson.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static double number(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_number(value) ? json_number_value(value) : (double)NAN;
-}
-
-static int64_t count(const json_t *object, const char *key) {
-    return json_integer_value(json_object_get(object, key));
-}
+#include "base/text.h"
+#include "json/text.h"
 
 static void text_of(const json_t *object, const char *key, char *buf, size_t size) {
-    const char *text = json_string_value(json_object_get(object, key));
-    snprintf(buf, size, "%s", text != NULL ? text : "");
+    text_set(buf, size, json_text_string_at(object, key));
 }
 
 static void read_shear(sheard_report_summary *s, const json_t *o) {
-    s->g1 = number(o, "g1");
-    s->g1_err = number(o, "g1_err");
-    s->g2 = number(o, "g2");
-    s->g2_err = number(o, "g2_err");
-    s->cov12 = number(o, "cov12");
-    s->n_stamps = count(o, "n_stamps");
-    s->n_used = count(o, "n_used");
-    s->n_flagged = count(o, "n_flagged");
+    s->g1 = json_text_number_at(o, "g1");
+    s->g1_err = json_text_number_at(o, "g1_err");
+    s->g2 = json_text_number_at(o, "g2");
+    s->g2_err = json_text_number_at(o, "g2_err");
+    s->cov12 = json_text_number_at(o, "cov12");
+    s->n_stamps = json_text_count_at(o, "n_stamps");
+    s->n_used = json_text_count_at(o, "n_used");
+    s->n_flagged = json_text_count_at(o, "n_flagged");
     for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
-        s->flagged[bit] = count(json_object_get(o, "flags"), shear_flag_name(bit));
+        s->flagged[bit] = json_text_count_at(json_object_get(o, "flags"), shear_flag_name(bit));
     }
-    s->jackknife = count(o, "jackknife");
+    s->jackknife = json_text_count_at(o, "jackknife");
     text_of(o, "estimator", s->estimator, sizeof s->estimator);
     text_of(o, "error_method", s->error_method, sizeof s->error_method);
-    s->true_g1 = number(json_object_get(o, "truth"), "g1");
-    s->true_g2 = number(json_object_get(o, "truth"), "g2");
-    s->pull_g1 = number(json_object_get(o, "pull"), "g1");
-    s->pull_g2 = number(json_object_get(o, "pull"), "g2");
+    s->true_g1 = json_text_number_at(json_object_get(o, "truth"), "g1");
+    s->true_g2 = json_text_number_at(json_object_get(o, "truth"), "g2");
+    s->pull_g1 = json_text_number_at(json_object_get(o, "pull"), "g1");
+    s->pull_g2 = json_text_number_at(json_object_get(o, "pull"), "g2");
     s->n_files = (int64_t)json_array_size(json_object_get(o, "files"));
-    s->seconds = number(o, "seconds");
+    s->seconds = json_text_number_at(o, "seconds");
 }
 
 static void read_quality(sheard_report_summary *s, const json_t *o) {
     const json_t *level = json_object_get(o, "noise_level");
     const json_t *influence = json_object_get(o, "influence");
     text_of(o, "no_shear", s->no_shear, sizeof s->no_shear);
-    s->noise_level = number(level, "alpha");
-    s->noise_level_err = number(level, "alpha_err");
-    s->noise_effect = number(level, "effect");
-    s->noise_share = number(level, "share");
-    s->n_eff = number(influence, "n_eff");
-    s->top_share = number(influence, "top_share");
+    s->noise_level = json_text_number_at(level, "alpha");
+    s->noise_level_err = json_text_number_at(level, "alpha_err");
+    s->noise_effect = json_text_number_at(level, "effect");
+    s->noise_share = json_text_number_at(level, "share");
+    s->n_eff = json_text_number_at(influence, "n_eff");
+    s->top_share = json_text_number_at(influence, "top_share");
     text_of(influence, "top_file", s->top_file, sizeof s->top_file);
     s->top_stamp = json_is_integer(json_object_get(influence, "top_stamp"))
-                       ? count(influence, "top_stamp")
+                       ? json_text_count_at(influence, "top_stamp")
                        : -1;
 }
 
 static void read_plan(sheard_report_summary *s, const json_t *plan) {
     text_of(plan, "interpolation", s->interpolation, sizeof s->interpolation);
     text_of(plan, "filter", s->filter, sizeof s->filter);
-    s->oversample = count(plan, "oversample");
-    s->beta_px = number(plan, "beta_px");
-    s->r_psf_px = number(plan, "r_psf_px");
-    s->core_px = number(plan, "core_px");
-    s->width_px = number(plan, "width_px");
+    s->oversample = json_text_count_at(plan, "oversample");
+    s->beta_px = json_text_number_at(plan, "beta_px");
+    s->r_psf_px = json_text_number_at(plan, "r_psf_px");
+    s->core_px = json_text_number_at(plan, "core_px");
+    s->width_px = json_text_number_at(plan, "width_px");
     s->core_found = json_is_true(json_object_get(plan, "core_found"));
     text_of(plan, "noise_band", s->noise_band, sizeof s->noise_band);
 }
@@ -76,7 +67,8 @@ static void read_plan(sheard_report_summary *s, const json_t *plan) {
 static void read_range(const json_t *files, const char *key, double *from, double *to) {
     *to = *from;
     for (size_t i = 0; i < json_array_size(files); i++) {
-        const double x = number(json_object_get(json_array_get(files, i), "resolved"), key);
+        const double x =
+            json_text_number_at(json_object_get(json_array_get(files, i), "resolved"), key);
         *from = fmin(*from, x);
         *to = fmax(*to, x);
     }
@@ -122,14 +114,11 @@ void sheard_report_summary_deinit(sheard_report_summary *s) {
 }
 
 int sheard_report_summary_parse(sheard_report_summary *s, const char *text, shear_error *err) {
-    json_error_t why;
+    json_t *o = NULL;
     *s = (sheard_report_summary){0};
-    json_t *o = json_loads(text, 0, &why);
-    if (!json_is_object(o)) {
-        const bool out_of_memory = o == NULL && json_error_code(&why) == json_error_out_of_memory;
-        json_decref(o);
-        return out_of_memory ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a result")
-                             : shear_fail(err, SHEAR_E_FORMAT, NULL, "a result is no JSON object");
+    const int code = json_text_load(&o, text, "a result", err);
+    if (code != SHEAR_OK) {
+        return code;
     }
     read_shear(s, o);
     read_quality(s, o);

@@ -1,17 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "rpc/envelope.h"
 
-#include "rpc/scan.h"
-#include "json/dump.h"
-#include "json/load.h"
-#include "json/text.h"
-
-#include <stdarg.h>
 #include <string.h>
 
-int rpc_no_memory(sheard_rpc_error *error) {
-    return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory");
-}
+#include "rpc/scan.h"
+#include "json/tree.h"
 
 bool sheard_rpc_id_equal(const sheard_rpc_id *a, const sheard_rpc_id *b) {
     return a->type == b->type && (a->type != SHEARD_ID_INTEGER || a->integer == b->integer) &&
@@ -43,51 +36,82 @@ json_t *rpc_id_write(const sheard_rpc_id *id) {
                                          : json_null();
 }
 
+bool rpc_is_2_0(const json_t *root) {
+    const char *version = json_text_string_at(root, "jsonrpc");
+    return version != NULL && strcmp(version, "2.0") == 0;
+}
+
 /* From a line that is not taken as a whole: the value of the one "id" of its outermost object. */
 static void recover_id(sheard_rpc_id *id, const char *line, const rpc_scan *scan) {
     if (scan->n_ids != 1 || scan->id_end <= scan->id_at) {
         return;
     }
-    rpc_load_error why;
-    json_t *value = rpc_load(line + scan->id_at, scan->id_end - scan->id_at, JSON_DECODE_ANY, &why);
+    tree_error why;
+    json_t *value =
+        tree_load(line + scan->id_at, scan->id_end - scan->id_at, JSON_DECODE_ANY, &why);
     (void)rpc_id_read(id, value);
     json_decref(value);
+}
+
+static json_t *load(const char *line, size_t n, sheard_rpc_error *error) {
+    static const int codes[] = {[TREE_NO_MEMORY] = SHEARD_RPC_OUT_OF_MEMORY,
+                                [TREE_SYNTAX] = SHEARD_RPC_PARSE_ERROR,
+                                [TREE_DUPLICATE_KEY] = SHEARD_RPC_DUPLICATE_KEY};
+    tree_error why;
+    json_t *root = tree_load(line, n, JSON_DECODE_ANY, &why);
+    if (root == NULL) {
+        sheard_rpc_fail(error, codes[why.fault], NULL, "%s", why.text);
+    }
+    return root;
 }
 
 json_t *rpc_read_line(const char *line, size_t n, const sheard_rpc_limits *limits,
                       sheard_rpc_id *id, sheard_rpc_error *error) {
     rpc_scan scan;
-    json_t *root = NULL;
-    int rc = rpc_scan_line(&scan, line, n, limits, error);
-    if (rc == SHEARD_RPC_OK) {
-        rpc_load_error why;
-        root = rpc_load(line, n, JSON_DECODE_ANY, &why);
-        rc = root != NULL ? SHEARD_RPC_OK : sheard_rpc_fail(error, why.code, NULL, "%s", why.text);
-    }
+    *error = (sheard_rpc_error){.code = SHEARD_RPC_OK};
+    json_t *root =
+        rpc_scan_line(&scan, line, n, limits, error) == SHEARD_RPC_OK ? load(line, n, error) : NULL;
     if (id != NULL) {
         *id = (sheard_rpc_id){.type = SHEARD_ID_NULL};
     }
-    if (id != NULL && (rc == SHEARD_RPC_TOO_COMPLEX || rc == SHEARD_RPC_DUPLICATE_KEY)) {
+    if (id != NULL &&
+        (error->code == SHEARD_RPC_TOO_COMPLEX || error->code == SHEARD_RPC_DUPLICATE_KEY)) {
         recover_id(id, line, &scan);
     }
     return root;
 }
 
-int rpc_write_line(char **line, size_t *n, sheard_rpc_error *error, ...) {
-    *line = NULL;
-    *n = 0;
-    json_t *object = json_object();
-    bool failed = object == NULL;
-    json_text_set(object, "jsonrpc", json_string("2.0"), &failed);
-    va_list members;
-    va_start(members, error);
-    for (const char *name = va_arg(members, const char *); name;
-         name = va_arg(members, const char *)) {
-        json_text_set(object, name, va_arg(members, json_t *), &failed);
+json_t *rpc_read_object(const char *text, size_t n, const sheard_rpc_limits *limits,
+                        const char *what, sheard_rpc_error *error) {
+    json_t *root = rpc_read_line(text, n, limits, NULL, error);
+    if (root != NULL && !json_is_object(root)) {
+        sheard_rpc_fail(error, SHEARD_RPC_BAD_PARAMETER, NULL, "%s must be one object", what);
+        json_decref(root);
+        return NULL;
     }
-    va_end(members);
-    object = json_text_whole(object, failed);
-    *line = rpc_dump(object, 0, "\n", n);
-    json_decref(object);
-    return *line != NULL ? SHEARD_RPC_OK : rpc_no_memory(error);
+    return root;
+}
+
+int rpc_write_text(char **text, size_t *n, json_t *value, size_t flags, const char *tail,
+                   sheard_rpc_error *error) {
+    *text = NULL;
+    if (n != NULL) {
+        *n = 0;
+    }
+    if (value == NULL) {
+        return error->code;
+    }
+    *text = tree_dump(value, flags, tail, n);
+    json_decref(value);
+    return *text != NULL ? SHEARD_RPC_OK
+                         : sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory");
+}
+
+int rpc_write_line(char **line, size_t *n, json_t *object, sheard_rpc_error *error) {
+    if (object == NULL) {
+        *line = NULL;
+        *n = 0;
+        return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL, "out of memory");
+    }
+    return rpc_write_text(line, n, object, 0, "\n", error);
 }

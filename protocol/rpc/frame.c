@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/frame.h"
 
-#include <stdint.h>
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/array.h"
 
 /* A connection that is quiet keeps no more than this. */
 enum { SMALL = 4096 };
@@ -21,7 +23,7 @@ size_t sheard_frame_pending(const sheard_frame *f) {
     return f->delivered ? 0 : f->used;
 }
 
-static void forget(sheard_frame *f) {
+static void reset(sheard_frame *f) {
     f->used = 0;
     f->delivered = false;
     if (f->size > SMALL) {
@@ -33,17 +35,13 @@ static void forget(sheard_frame *f) {
 
 /* Doubling, so that a line that comes byte by byte costs no more than its length; never beyond the
  * limit. */
-static int make_room(sheard_frame *f, size_t n) {
+static int reserve(sheard_frame *f, size_t n) {
+    assert(n <= f->limit);
     if (n <= f->size) {
         return SHEARD_FRAME_MORE;
     }
-    size_t size = f->size < 256 ? 256 : f->size;
-    while (size < n) {
-        size = size > SIZE_MAX / 2 ? n : size * 2;
-    }
-    if (size > f->limit) {
-        size = f->limit;
-    }
+    const size_t wanted = array_next_capacity(f->size, n, 1);
+    const size_t size = wanted < f->limit ? wanted : f->limit;
     char *larger = realloc(f->kept, size);
     if (larger == NULL) {
         return SHEARD_FRAME_NOMEM;
@@ -55,14 +53,14 @@ static int make_room(sheard_frame *f, size_t n) {
 
 /* Is there something wrong with the line that goes on with these n bytes? The first wrong byte
  * counts, so that the answer does not depend on the pieces. */
-static int look_for_faults(const sheard_frame *f, const char *bytes, size_t n) {
-    const size_t room = f->limit - f->used;
-    const char *nul = memchr(bytes, '\0', n < room ? n : room);
-    return nul != NULL ? SHEARD_FRAME_NUL : n > room ? SHEARD_FRAME_TOO_LONG : SHEARD_FRAME_MORE;
+static int first_fault(const sheard_frame *f, const char *bytes, size_t n) {
+    const size_t left = f->limit - f->used;
+    const char *nul = memchr(bytes, '\0', n < left ? n : left);
+    return nul != NULL ? SHEARD_FRAME_NUL : n > left ? SHEARD_FRAME_TOO_LONG : SHEARD_FRAME_MORE;
 }
 
-static int keep(sheard_frame *f, const char *bytes, size_t n) {
-    const int event = make_room(f, f->used + n);
+static int append(sheard_frame *f, const char *bytes, size_t n) {
+    const int event = reserve(f, f->used + n);
     if (event == SHEARD_FRAME_MORE) {
         memcpy(f->kept + f->used, bytes, n);
         f->used += n;
@@ -71,11 +69,12 @@ static int keep(sheard_frame *f, const char *bytes, size_t n) {
 }
 
 /* The n bytes end a line, which may have begun in `kept`. An empty line is no event. */
-static int finish(sheard_frame *f, const char *bytes, size_t n, const char **line, size_t *length) {
+static int end_line(sheard_frame *f, const char *bytes, size_t n, const char **line,
+                    size_t *length) {
     *line = bytes;
     *length = n;
     if (f->used > 0) {
-        const int event = n > 0 ? keep(f, bytes, n) : SHEARD_FRAME_MORE;
+        const int event = n > 0 ? append(f, bytes, n) : SHEARD_FRAME_MORE;
         if (event != SHEARD_FRAME_MORE) {
             return event;
         }
@@ -89,21 +88,21 @@ static int finish(sheard_frame *f, const char *bytes, size_t n, const char **lin
     return *length > 0 ? SHEARD_FRAME_LINE : SHEARD_FRAME_MORE;
 }
 
-/* Take n bytes of one line, `ended` if its \n follows. */
-static int take(sheard_frame *f, const char *bytes, size_t n, bool ended, const char **line,
-                size_t *length) {
+/* Add n bytes of one line, `ended` if its \n follows. */
+static int add_bytes(sheard_frame *f, const char *bytes, size_t n, bool ended, const char **line,
+                     size_t *length) {
     if (f->skipping) {
         f->skipping = !ended;
         return SHEARD_FRAME_MORE;
     }
-    int event = look_for_faults(f, bytes, n);
+    int event = first_fault(f, bytes, n);
     if (event == SHEARD_FRAME_MORE) {
-        event = ended   ? finish(f, bytes, n, line, length)
-                : n > 0 ? keep(f, bytes, n)
+        event = ended   ? end_line(f, bytes, n, line, length)
+                : n > 0 ? append(f, bytes, n)
                         : SHEARD_FRAME_MORE;
     }
     if (event != SHEARD_FRAME_MORE && event != SHEARD_FRAME_LINE) {
-        forget(f);
+        reset(f);
         f->skipping = !ended;
     }
     return event;
@@ -115,7 +114,7 @@ int sheard_frame_next(sheard_frame *f, const char **input, size_t *n, const char
     *length = 0;
     for (;;) {
         if (f->delivered) {
-            forget(f);
+            reset(f);
         }
         if (*n == 0) {
             return SHEARD_FRAME_MORE;
@@ -125,7 +124,7 @@ int sheard_frame_next(sheard_frame *f, const char **input, size_t *n, const char
         const size_t taken = newline != NULL ? (size_t)(newline - bytes) : *n;
         *input += taken + (newline != NULL);
         *n -= taken + (newline != NULL);
-        const int event = take(f, bytes, taken, newline != NULL, line, length);
+        const int event = add_bytes(f, bytes, taken, newline != NULL, line, length);
         if (event != SHEARD_FRAME_MORE) {
             return event;
         }

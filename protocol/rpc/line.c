@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages to lines: requests of the client; replies, errors and notifications of the daemon. */
-#include "rpc/envelope.h"
-#include "rpc/methods.h"
-#include "json/text.h"
-
 #include <stdlib.h>
 #include <string.h>
+
+#include "rpc/envelope.h"
+#include "rpc/methods.h"
 
 const char sheard_rpc_no_memory_line[] =
     "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32019,\"message\":\"out of memory\","
     "\"data\":{\"code\":\"out_of_memory\",\"retry\":true,\"parameter\":null,"
     "\"advice\":\"try again when the machine has more memory free\"}}}\n";
 
-static int bad_call(sheard_rpc_error *error, const char *what, int number) {
+static int bad_call(char **line, size_t *n, sheard_rpc_error *error, const char *what, int number) {
+    *line = NULL;
+    *n = 0;
     return sheard_rpc_fail(error, SHEARD_RPC_INTERNAL, NULL, "there is no %s number %d", what,
                            number);
 }
@@ -28,11 +29,11 @@ void sheard_params_init(sheard_params *params, int method) {
 static int check_as_daemon(int method, const json_t *params, sheard_rpc_error *error) {
     sheard_params parsed;
     const msg_table *table = rpc_methods[method].params;
-    const int rc = msg_read(&parsed, table, params, MSG_STRICT, error);
-    if (rc == SHEARD_RPC_OK) {
+    const int code = msg_read(&parsed, table, params, MSG_STRICT, error);
+    if (code == SHEARD_RPC_OK) {
         msg_deinit(&parsed, table);
     }
-    return rc;
+    return code;
 }
 
 /* Escapes may make a line longer than its parameters are. */
@@ -51,72 +52,75 @@ static int check_length(char **line, size_t *n, sheard_rpc_error *error) {
 
 int sheard_request_line(char **line, size_t *n, const sheard_rpc_id *id, int method,
                         const sheard_params *params, sheard_rpc_error *error) {
+    if (sheard_method_name(method) == NULL) {
+        return bad_call(line, n, error, "method", method);
+    }
     *line = NULL;
     *n = 0;
-    if (sheard_method_name(method) == NULL) {
-        return bad_call(error, "method", method);
-    }
     sheard_params none;
     sheard_params_init(&none, method);
     json_t *object =
         msg_write(params != NULL ? params : &none, rpc_methods[method].params, MSG_SPARSE, error);
-    const int rc = object != NULL ? check_as_daemon(method, object, error) : error->code;
-    if (rc != SHEARD_RPC_OK) {
-        json_decref(object);
-        return rc;
+    if (object == NULL) {
+        return error->code;
     }
-    const int written =
-        rpc_write_line(line, n, error, "id", rpc_id_write(id), "method",
-                       json_string(rpc_methods[method].name), "params", object, NULL);
-    return written == SHEARD_RPC_OK ? check_length(line, n, error) : written;
+    int code = check_as_daemon(method, object, error);
+    if (code != SHEARD_RPC_OK) {
+        json_decref(object);
+        return code;
+    }
+    code = rpc_write_line(line, n,
+                          JSON_OBJECT({"jsonrpc", json_string("2.0")}, {"id", rpc_id_write(id)},
+                                      {"method", json_string(rpc_methods[method].name)},
+                                      {"params", object}),
+                          error);
+    return code == SHEARD_RPC_OK ? check_length(line, n, error) : code;
 }
 
 int sheard_reply_line(char **line, size_t *n, const sheard_rpc_id *id, int method,
                       const sheard_reply *reply, sheard_rpc_error *error) {
+    if (sheard_method_name(method) == NULL) {
+        return bad_call(line, n, error, "method", method);
+    }
     *line = NULL;
     *n = 0;
-    if (sheard_method_name(method) == NULL) {
-        return bad_call(error, "method", method);
-    }
     json_t *result = msg_write(reply, rpc_methods[method].reply, 0, error);
     return result != NULL
-               ? rpc_write_line(line, n, error, "id", rpc_id_write(id), "result", result, NULL)
+               ? rpc_write_line(line, n,
+                                JSON_OBJECT({"jsonrpc", json_string("2.0")},
+                                            {"id", rpc_id_write(id)}, {"result", result}),
+                                error)
                : error->code;
-}
-
-static json_t *error_data(const sheard_rpc_error *what) {
-    json_t *o = json_object();
-    bool failed = o == NULL;
-    json_text_set(o, "code", json_text_string(what->name), &failed);
-    json_text_set(o, "retry", json_boolean(what->retry), &failed);
-    json_text_set(o, "parameter",
-                  json_text_string(what->parameter[0] != '\0' ? what->parameter : NULL), &failed);
-    json_text_set(o, "advice", json_text_string(what->advice), &failed);
-    return json_text_whole(o, failed);
 }
 
 int sheard_error_line(char **line, size_t *n, const sheard_rpc_id *id,
                       const sheard_rpc_error *what) {
-    json_t *o = json_object();
-    bool failed = o == NULL;
-    json_text_set(o, "code", json_integer(what->number), &failed);
-    json_text_set(o, "message", json_text_string(what->message), &failed);
-    json_text_set(o, "data", error_data(what), &failed);
+    const char *parameter = what->parameter[0] != '\0' ? what->parameter : NULL;
     sheard_rpc_error no_memory;
-    return rpc_write_line(line, n, &no_memory, "id", rpc_id_write(id), "error",
-                          json_text_whole(o, failed), NULL);
+    json_t *data = JSON_OBJECT(
+        {"code", json_text_string(what->name)}, {"retry", json_boolean(what->retry)},
+        {"parameter", json_text_string(parameter)}, {"advice", json_text_string(what->advice)});
+    json_t *error = JSON_OBJECT({"code", json_integer(what->number)},
+                                {"message", json_text_string(what->message)}, {"data", data});
+    return rpc_write_line(
+        line, n,
+        JSON_OBJECT({"jsonrpc", json_string("2.0")}, {"id", rpc_id_write(id)}, {"error", error}),
+        &no_memory);
 }
 
 int sheard_notice_line(char **line, size_t *n, int notice, const sheard_notice_params *params,
                        sheard_rpc_error *error) {
+    if (sheard_notice_name(notice) == NULL) {
+        return bad_call(line, n, error, "notification", notice);
+    }
     *line = NULL;
     *n = 0;
-    if (sheard_notice_name(notice) == NULL) {
-        return bad_call(error, "notification", notice);
-    }
     json_t *object = msg_write(params, rpc_notices[notice].params, 0, error);
     return object != NULL
-               ? rpc_write_line(line, n, error, "method", json_string(rpc_notices[notice].name),
-                                "params", object, NULL)
+               ? rpc_write_line(line, n,
+                                JSON_OBJECT({"jsonrpc", json_string("2.0")},
+                                            {"method", json_string(rpc_notices[notice].name)},
+                                            {"params", object}),
+                                error)
                : error->code;
 }

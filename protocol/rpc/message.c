@@ -1,19 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The client reads what the daemon says. */
+#include <string.h>
+
+#include "base/text.h"
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
-#include "json/dump.h"
-
-#include <stdio.h>
-#include <string.h>
+#include "json/tree.h"
 
 static int bad_reply(sheard_rpc_error *error, const char *said) {
     return sheard_rpc_fail(error, SHEARD_RPC_BAD_REPLY, NULL, "the service's answer %s", said);
-}
-
-static void copy_text(char *buf, size_t size, const json_t *object, const char *name) {
-    const char *text = json_string_value(json_object_get(object, name));
-    snprintf(buf, size, "%s", text != NULL ? text : "");
 }
 
 static int read_error(sheard_rpc_error *said, const json_t *value, sheard_rpc_error *error) {
@@ -27,10 +22,10 @@ static int read_error(sheard_rpc_error *said, const json_t *value, sheard_rpc_er
     *said = (sheard_rpc_error){.retry = json_is_true(json_object_get(data, "retry"))};
     const json_int_t given = json_integer_value(number);
     said->number = given < INT32_MIN || given > INT32_MAX ? 0 : (int)given;
-    copy_text(said->name, sizeof said->name, data, "code");
-    copy_text(said->parameter, sizeof said->parameter, data, "parameter");
-    copy_text(said->advice, sizeof said->advice, data, "advice");
-    copy_text(said->message, sizeof said->message, value, "message");
+    text_set(said->name, sizeof said->name, json_text_string_at(data, "code"));
+    text_set(said->parameter, sizeof said->parameter, json_text_string_at(data, "parameter"));
+    text_set(said->advice, sizeof said->advice, json_text_string_at(data, "advice"));
+    text_set(said->message, sizeof said->message, json_text_string_at(value, "message"));
     said->code = sheard_rpc_code_find(said->name);
     if (said->code == SHEARD_RPC_OK) { /* an error all the same */
         said->code = SHEARD_RPC_UNKNOWN;
@@ -38,19 +33,23 @@ static int read_error(sheard_rpc_error *said, const json_t *value, sheard_rpc_er
     return SHEARD_RPC_OK;
 }
 
+/* A notification that this version does not know is none of the errors. */
 static int read_notice(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
-    const char *name = json_string_value(json_object_get(root, "method"));
+    const char *name = json_text_string_at(root, "method");
     m->kind = SHEARD_MESSAGE_NOTICE;
-    m->notice = -1;
-    for (int i = 0; name != NULL && i < SHEARD_N_NOTICES; i++) {
-        if (strcmp(rpc_notices[i].name, name) == 0) {
-            const int rc = msg_read(&m->params, rpc_notices[i].params,
-                                    json_object_get(root, "params"), 0, error);
-            m->notice = rc == SHEARD_RPC_OK ? i : -1;
-            return rc;
-        }
+    if (name == NULL) {
+        return bad_reply(error, "has a method that is no string");
     }
-    return name != NULL ? SHEARD_RPC_OK : bad_reply(error, "has a method that is no string");
+    const enum sheard_notice notice = sheard_notice_find(name);
+    if (notice == SHEARD_NOTICE_NONE) {
+        return SHEARD_RPC_OK;
+    }
+    const int code =
+        msg_read(&m->params, rpc_notices[notice].params, json_object_get(root, "params"), 0, error);
+    if (code == SHEARD_RPC_OK) {
+        m->notice = notice;
+    }
+    return code;
 }
 
 static int read_answer(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
@@ -72,43 +71,44 @@ static int read_answer(sheard_message *m, const json_t *root, sheard_rpc_error *
     return SHEARD_RPC_OK;
 }
 
+static int read_message(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
+    if (!rpc_is_2_0(root)) {
+        return bad_reply(error, "is not JSON-RPC 2.0");
+    }
+    return json_object_get(root, "method") != NULL ? read_notice(m, root, error)
+                                                   : read_answer(m, root, error);
+}
+
 int sheard_message_parse(sheard_message *message, const char *line, size_t n,
                          sheard_rpc_error *error) {
     *error = (sheard_rpc_error){.code = SHEARD_RPC_OK};
     memset(message, 0, sizeof *message);
-    message->notice = -1;
-    sheard_rpc_error why = {0};
+    message->notice = SHEARD_NOTICE_NONE;
+    sheard_rpc_error why;
     json_t *root = rpc_read_line(line, n, &sheard_rpc_reply_limits, NULL, &why);
-    if (root == NULL) {
+    if (root == NULL && why.code == SHEARD_RPC_OUT_OF_MEMORY) {
         *error = why;
-        return why.code == SHEARD_RPC_OUT_OF_MEMORY
-                   ? why.code
-                   : sheard_rpc_fail(error, SHEARD_RPC_BAD_REPLY, NULL,
-                                     "the service's answer cannot be read: %.300s", why.message);
+        return why.code;
     }
-    const char *version = json_string_value(json_object_get(root, "jsonrpc"));
-    int rc = SHEARD_RPC_OK;
-    if (version == NULL || strcmp(version, "2.0") != 0) {
-        rc = bad_reply(error, "is not JSON-RPC 2.0");
-    } else if (json_object_get(root, "method") != NULL) {
-        rc = read_notice(message, root, error);
-    } else {
-        rc = read_answer(message, root, error);
+    if (root == NULL) {
+        return sheard_rpc_fail(error, SHEARD_RPC_BAD_REPLY, NULL,
+                               "the service's answer cannot be read: %.300s", why.message);
     }
+    const int code = read_message(message, root, error);
     json_decref(root);
-    if (rc != SHEARD_RPC_OK) {
+    if (code != SHEARD_RPC_OK) {
         sheard_message_deinit(message);
     }
-    return rc;
+    return code;
 }
 
 void sheard_message_deinit(sheard_message *message) {
-    if (message->kind == SHEARD_MESSAGE_NOTICE && message->notice >= 0) {
+    if (message->kind == SHEARD_MESSAGE_NOTICE && sheard_notice_name(message->notice) != NULL) {
         msg_deinit(&message->params, rpc_notices[message->notice].params);
     }
     json_decref(message->body);
     memset(message, 0, sizeof *message);
-    message->notice = -1;
+    message->notice = SHEARD_NOTICE_NONE;
 }
 
 int sheard_message_reply(const sheard_message *message, int method, sheard_reply *reply,
@@ -132,9 +132,9 @@ void sheard_reply_deinit(sheard_reply *reply, int method) {
 }
 
 int sheard_message_text(const sheard_message *message, char **text, sheard_rpc_error *error) {
-    *text = rpc_dump(message->body, 0, "", NULL);
-    if (*text != NULL) {
-        return SHEARD_RPC_OK;
+    if (message->body == NULL) {
+        *text = NULL;
+        return bad_reply(error, "is not a reply");
     }
-    return message->body != NULL ? rpc_no_memory(error) : bad_reply(error, "is not a reply");
+    return rpc_write_text(text, NULL, json_incref(message->body), 0, "", error);
 }

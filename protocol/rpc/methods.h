@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* rpc/methods.h: what each method and notification is made of. */
+/* rpc/methods.h: what each method and notification is made of: SHEARD_METHODS and SHEARD_NOTICES of
+ * sheard/rpc.h as tables. */
 #ifndef PROTOCOL_RPC_METHODS_H
 #define PROTOCOL_RPC_METHODS_H
 
@@ -18,10 +19,5 @@ typedef struct rpc_notice {
 
 extern const rpc_method rpc_methods[SHEARD_N_METHODS];
 extern const rpc_notice rpc_notices[SHEARD_N_NOTICES];
-
-/* `params` as submit's, with its settings checked upon `defaults` (NULL: shear_settings_init). On
- * an error it is empty. */
-int rpc_read_submit(sheard_msg_submit *submit, const json_t *params, const shear_settings *defaults,
-                    sheard_rpc_error *error);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "rpc/scan.h"
 
+#include <assert.h>
 #include <string.h>
 
 const sheard_rpc_limits sheard_rpc_request_limits = {
@@ -21,6 +22,7 @@ typedef struct scanner {
 } scanner;
 
 static void end_string(scanner *s) {
+    assert(s->in_string && s->at >= s->text_at);
     const size_t n = s->at - s->text_at;
     const char *text = s->line + s->text_at;
     s->in_string = false;
@@ -87,7 +89,8 @@ static void outside_string(scanner *s, rpc_scan *scan, char c) {
     }
 }
 
-static int judge(const scanner *s, const sheard_rpc_limits *limits, sheard_rpc_error *error) {
+static int check_limits(const scanner *s, const sheard_rpc_limits *limits,
+                        sheard_rpc_error *error) {
     if (s->deepest > limits->depth) {
         return sheard_rpc_fail(error, SHEARD_RPC_TOO_COMPLEX, NULL,
                                "objects and arrays are %d deep; at most %d are taken", s->deepest,
@@ -126,5 +129,5 @@ int rpc_scan_line(rpc_scan *scan, const char *line, size_t n, const sheard_rpc_l
             outside_string(&s, scan, line[s.at]);
         }
     }
-    return judge(&s, limits, error);
+    return check_limits(&s, limits, error);
 }

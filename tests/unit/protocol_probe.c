@@ -130,7 +130,8 @@ static int check_request(const char *text, int method, sheard_rpc_error *error) 
     return other ? sheard_rpc_fail(error, SHEARD_RPC_UNKNOWN_METHOD, NULL, "another method") : rc;
 }
 
-static int check_message(const char *text, int kind, int method, sheard_rpc_error *error) {
+static int check_message(const char *text, enum sheard_message_kind kind, int method,
+                         sheard_rpc_error *error) {
     sheard_message message;
     int rc = sheard_message_parse(&message, text, strlen(text), error);
     if (rc == SHEARD_RPC_OK && message.kind != kind) {

@@ -61,7 +61,7 @@ static char *some_object(uint64_t *seed) {
     snprintf(text, sizeof text,
              "{\"g1\":%.17g,\"n_used\":%llu,\"deep\":{\"list\":[1,null,\"\\u0001\"]}}",
              real_within(-1, 1, seed), (unsigned long long)(next_random(seed) >> 2));
-    return msg_copy(text, strlen(text));
+    return strdup(text);
 }
 
 static char *some_settings(uint64_t *seed) {
@@ -78,7 +78,7 @@ static char *some_settings(uint64_t *seed) {
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         strcat(text, coin(seed) ? lines[i] : "");
     }
-    return text[0] != '\0' ? msg_copy(text, strlen(text)) : NULL;
+    return text[0] != '\0' ? strdup(text) : NULL;
 }
 
 static void fill_list(void *message, const msg_member *m, uint64_t *seed) {

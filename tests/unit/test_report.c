@@ -5,6 +5,7 @@
 
 #include "sheard/account.h"
 #include "sheard/report.h"
+#include "sheard/validation_report.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -39,8 +39,10 @@ enum {
     SHEARD_MSG_SETTINGS_SIZE = 2048 /* canonical settings, with the NUL */
 };
 
-/* The numbers of these enums are also those of the store. */
+/* The numbers of these enums are also those of the store. X_UNKNOWN is a name that this version
+ * does not know, said by a newer service. */
 enum sheard_job_state {
+    SHEARD_JOB_UNKNOWN = -1,
     SHEARD_JOB_QUEUED = 0,
     SHEARD_JOB_RUNNING = 1,
     SHEARD_JOB_WAITING = 2,
@@ -51,6 +53,7 @@ enum sheard_job_state {
     SHEARD_N_JOB_STATES = 7
 };
 enum sheard_job_class {
+    SHEARD_CLASS_UNKNOWN = -1,
     SHEARD_CLASS_NONE = 0,
     SHEARD_CLASS_TRANSIENT = 1,
     SHEARD_CLASS_DATA = 2,
@@ -58,6 +61,7 @@ enum sheard_job_class {
 };
 /* What a running job is at. */
 enum sheard_job_phase {
+    SHEARD_PHASE_UNKNOWN = -1,
     SHEARD_PHASE_NONE,
     SHEARD_PHASE_OPENING,
     SHEARD_PHASE_HASHING,
@@ -68,12 +72,18 @@ enum sheard_job_phase {
 };
 
 enum sheard_job_outcome {
+    SHEARD_OUTCOME_UNKNOWN = -1,
     SHEARD_OUTCOME_NONE = 0,
     SHEARD_OUTCOME_COUNTED = 1,
     SHEARD_OUTCOME_DUPLICATE = 2
 };
-enum sheard_job_origin { SHEARD_ORIGIN_SPOOL = 0, SHEARD_ORIGIN_SOCKET = 1 };
+enum sheard_job_origin {
+    SHEARD_ORIGIN_UNKNOWN = -1,
+    SHEARD_ORIGIN_SPOOL = 0,
+    SHEARD_ORIGIN_SOCKET = 1
+};
 enum sheard_attempt_outcome {
+    SHEARD_ATTEMPT_UNKNOWN = -1,
     SHEARD_ATTEMPT_OPEN = 0,
     SHEARD_ATTEMPT_DONE = 1,
     SHEARD_ATTEMPT_FAILED = 2,
@@ -82,13 +92,19 @@ enum sheard_attempt_outcome {
     SHEARD_ATTEMPT_INTERRUPTED = 5
 };
 enum sheard_server_state {
+    SHEARD_SERVER_UNKNOWN = -1,
     SHEARD_SERVER_RUNNING = 0,
     SHEARD_SERVER_DRAINING,
     SHEARD_SERVER_STOPPING
 };
-enum sheard_shutdown_mode { SHEARD_SHUTDOWN_DRAIN = 0, SHEARD_SHUTDOWN_NOW };
+enum sheard_shutdown_mode {
+    SHEARD_SHUTDOWN_UNKNOWN = -1,
+    SHEARD_SHUTDOWN_DRAIN = 0,
+    SHEARD_SHUTDOWN_NOW
+};
 
-/* The name in JSON; "" for the one that is null there, "unknown" for what is none. Never NULL. */
+/* The name in JSON; "" for the one that is null there, "unknown" for any other number. Never NULL.
+ */
 const char *sheard_job_state_name(int state);
 const char *sheard_job_class_name(int job_class);
 const char *sheard_job_outcome_name(int outcome);
@@ -117,6 +133,11 @@ typedef struct sheard_msg_source {
 shear_input sheard_source_input(const sheard_msg_source *source);
 
 /* ---- Requests ---- */
+
+/* Of methods without parameters. */
+typedef struct sheard_msg_nothing {
+    char unused;
+} sheard_msg_nothing;
 
 typedef struct sheard_msg_hello {
     int64_t oldest, newest; /* protocol versions that the client speaks; both 1 where not given */
@@ -177,9 +198,10 @@ typedef struct sheard_msg_subscribe {
     bool all;      /* every job and every field */
     bool progress; /* of subscribe: job_progress, too */
 } sheard_msg_subscribe;
+typedef sheard_msg_subscribe sheard_msg_unsubscribe;
 
 typedef struct sheard_msg_shutdown {
-    int mode;         /* enum sheard_shutdown_mode */
+    enum sheard_shutdown_mode mode;
     double timeout_s; /* NaN: as configured */
 } sheard_msg_shutdown;
 
@@ -207,21 +229,21 @@ typedef struct sheard_msg_progress {
     int64_t done, total; /* stamps; total -1: not known yet */
     double rate;         /* stamps per second */
     double eta_s;
-    int phase;                       /* enum sheard_job_phase, of a running job */
+    enum sheard_job_phase phase;     /* of a running job */
     int64_t bytes_done, bytes_total; /* of its files, while they are hashed; else -1 */
 } sheard_msg_progress;
 
 typedef struct sheard_msg_job {
     int64_t id;
-    int state;        /* enum sheard_job_state; -1: a name that this version does not know */
-    int job_class;    /* "class": enum sheard_job_class of the last failure */
-    const char *code; /* the last failure's, its message and advice */
+    enum sheard_job_state state;
+    enum sheard_job_class job_class; /* "class", of the last failure */
+    const char *code;                /* the last failure's, its message and advice */
     const char *message, *advice;
     const char *field;
     sheard_msg_source source;
     int64_t owner;    /* uid */
     const char *user; /* its name */
-    int origin;       /* enum sheard_job_origin */
+    enum sheard_job_origin origin;
     int64_t priority;
     bool force;
     const char *key;
@@ -230,7 +252,7 @@ typedef struct sheard_msg_job {
     int64_t not_before_ms; /* of a waiting job */
     int64_t attempts;
     sheard_msg_progress progress;
-    int outcome;          /* enum sheard_job_outcome */
+    enum sheard_job_outcome outcome;
     int64_t duplicate_of; /* 0: none */
     const char *settings; /* canonical */
     const char *digest;   /* of the settings */
@@ -244,8 +266,8 @@ typedef struct sheard_msg_job {
 typedef struct sheard_msg_attempt {
     int64_t number; /* from 1 */
     int64_t started_ms, ended_ms;
-    int outcome; /* enum sheard_attempt_outcome */
-    int job_class;
+    enum sheard_attempt_outcome outcome; /* "ending" */
+    enum sheard_job_class job_class;
     const char *code, *message;
 } sheard_msg_attempt;
 
@@ -429,7 +451,7 @@ typedef struct sheard_msg_root { /* a data root, as the service sees it */
 typedef struct sheard_msg_status {
     const char *version;
     int64_t protocol, pid;
-    int state; /* enum sheard_server_state */
+    enum sheard_server_state state;
     int64_t started_ms;
     double uptime_s;
     int64_t connections, subscribers;
@@ -485,8 +507,8 @@ typedef struct sheard_msg_reloaded {
 
 typedef struct sheard_msg_stopping { /* of drain and shutdown; and of the notification server_state
                                       */
-    int state;                       /* enum sheard_server_state */
-    int64_t running, queued;         /* jobs that are still to be finished; that wait for later */
+    enum sheard_server_state state;
+    int64_t running, queued; /* jobs that are still to be finished; that wait for later */
 } sheard_msg_stopping;
 
 /* ---- Notifications ---- */
@@ -511,9 +533,9 @@ typedef struct sheard_msg_lost {
 /* ---- The file beside an input in done/ and failed/ ---- */
 
 typedef struct sheard_msg_side {
-    const char *file; /* the input's name when it was dropped */
-    int state;        /* enum sheard_job_state, a final one */
-    const char *code; /* why it failed; NULL for done */
+    const char *file;            /* the input's name when it was dropped */
+    enum sheard_job_state state; /* a final one */
+    const char *code;            /* why it failed; NULL for done */
     const char *message, *advice;
     int64_t written_ms;
     const char *version; /* of the service */

@@ -9,190 +9,90 @@
 #ifndef SHEARD_RPC_H
 #define SHEARD_RPC_H
 
-#include "sheard/messages.h"
-
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* ---- Errors ---- */
-
-/* The one table of codes is in rpc_codes.c; names, numbers and meanings never change. */
-enum sheard_rpc_code {
-    SHEARD_RPC_OK = 0,
-    /* the line or the request is wrong */
-    SHEARD_RPC_PARSE_ERROR,
-    SHEARD_RPC_INVALID_REQUEST,
-    SHEARD_RPC_UNKNOWN_METHOD,
-    SHEARD_RPC_BATCH_UNSUPPORTED,
-    SHEARD_RPC_LINE_TOO_LONG,
-    SHEARD_RPC_NUL_BYTE,
-    SHEARD_RPC_TOO_COMPLEX,
-    SHEARD_RPC_DUPLICATE_KEY,
-    SHEARD_RPC_UNKNOWN_PARAMETER,
-    SHEARD_RPC_MISSING_PARAMETER,
-    SHEARD_RPC_BAD_PARAMETER,
-    SHEARD_RPC_BAD_SETTING,
-    SHEARD_RPC_BAD_CURSOR,
-    SHEARD_RPC_UNSUPPORTED_VERSION,
-    /* the service cannot take it now */
-    SHEARD_RPC_QUEUE_FULL,
-    SHEARD_RPC_DRAINING,
-    SHEARD_RPC_STOPPING,
-    SHEARD_RPC_TOO_MANY_CONNECTIONS,
-    SHEARD_RPC_TOO_MANY_REQUESTS,
-    SHEARD_RPC_TOO_MANY_SUBSCRIPTIONS,
-    SHEARD_RPC_IDLE_TIMEOUT,
-    SHEARD_RPC_DISK_FULL,
-    SHEARD_RPC_STORE_FAILED,
-    SHEARD_RPC_OUT_OF_MEMORY,
-    /* not allowed */
-    SHEARD_RPC_OUTSIDE_ROOTS,
-    SHEARD_RPC_NOT_READABLE,
-    SHEARD_RPC_NOT_OWNER,
-    SHEARD_RPC_NOT_ADMIN,
-    SHEARD_RPC_PRIORITY_NOT_ALLOWED,
-    SHEARD_RPC_ROOT_MISSING,
-    /* not there, or not in that state */
-    SHEARD_RPC_NO_SUCH_FILE,
-    SHEARD_RPC_NOT_REGULAR,
-    SHEARD_RPC_NO_SUCH_JOB,
-    SHEARD_RPC_NO_SUCH_FIELD,
-    SHEARD_RPC_WRONG_STATE,
-    SHEARD_RPC_KEY_REUSED,
-    SHEARD_RPC_BAD_CONFIG,
-    SHEARD_RPC_FILE_TOO_LARGE,
-    /* why a job failed: also libshear's own names (shear_code_name) */
-    SHEARD_RPC_IO,
-    SHEARD_RPC_BAD_FILE,
-    SHEARD_RPC_BETA_TOO_SMALL,
-    SHEARD_RPC_BAD_PSF,
-    SHEARD_RPC_NEGATIVE_PIXELS,
-    SHEARD_RPC_EXISTS,
-    SHEARD_RPC_CANCELLED,
-    SHEARD_RPC_FILE_VANISHED,
-    SHEARD_RPC_FILE_CHANGED,
-    SHEARD_RPC_READER_CRASHED,
-    SHEARD_RPC_READER_TIMEOUT,
-    SHEARD_RPC_READER_MEMORY,
-    SHEARD_RPC_MEMORY_BUDGET,
-    SHEARD_RPC_INTERNAL,
-    /* seen by clients only */
-    SHEARD_RPC_BAD_REPLY,
-    SHEARD_RPC_UNKNOWN, /* a code that this version does not know: see its name */
-    SHEARD_N_RPC_CODES
-};
-
-typedef struct sheard_rpc_code_info {
-    const char *name; /* "queue_full": error.data.code, and code of a failed job */
-    int number;       /* JSON-RPC's error.code */
-    bool retry;       /* the same request may succeed later */
-    int job_class;    /* enum sheard_job_class of a job that fails with it */
-    const char *advice;
-} sheard_rpc_code_info;
-
-/* The entry of the table; that of SHEARD_RPC_UNKNOWN for what is no code. Never NULL. */
-const sheard_rpc_code_info *sheard_rpc_code_get(int code);
-/* By name; SHEARD_RPC_UNKNOWN where there is none. */
-int sheard_rpc_code_find(const char *name);
-/* For an enum shear_code of libshear, except SHEAR_OK, which is SHEARD_RPC_OK. */
-int sheard_rpc_code_from_core(int core_code);
-
-enum { SHEARD_RPC_NAME_SIZE = 48, SHEARD_RPC_PARAMETER_SIZE = 96 };
-
-typedef struct sheard_rpc_error {
-    int code;                                  /* enum sheard_rpc_code */
-    int number;                                /* JSON-RPC's */
-    bool retry;                                /* may succeed later */
-    char name[SHEARD_RPC_NAME_SIZE];           /* the stable code as text */
-    char parameter[SHEARD_RPC_PARAMETER_SIZE]; /* "galaxy.hdu", "ids[3]", "settings.beta"; or "" */
-    char message[480];
-    char advice[240];
-} sheard_rpc_error;
-
-/* Fill *error from the table and return `code`. `advice` NULL: the table's. */
-int sheard_rpc_fail(sheard_rpc_error *error, int code, const char *advice, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
-/* The same from an error of libshear. */
-int sheard_rpc_fail_core(sheard_rpc_error *error, const shear_error *core);
+#include "sheard/codes.h"
+#include "sheard/messages.h"
 
 /* ---- Methods and notifications ---- */
 
+/* Every method: its number SHEARD_METHOD_X; its name, also that of its members in the unions below;
+ * the messages that are its parameters and its reply (structs sheard_msg_Y, tables in message/); is
+ * it for administrators only? */
+#define SHEARD_METHODS(METHOD)                                                                     \
+    METHOD(HELLO, hello, hello, welcome, false)                                                    \
+    METHOD(SUBMIT, submit, submit, submitted, false)                                               \
+    METHOD(JOB, job, id, shown, false)                                                             \
+    METHOD(JOBS, jobs, jobs, job_page, false)                                                      \
+    METHOD(WAIT, wait, wait, waited, false)                                                        \
+    METHOD(CANCEL, cancel, id, job, false)                                                         \
+    METHOD(RETRY, retry, id, job, false)                                                           \
+    METHOD(RETRACT, retract, id, job, false)                                                       \
+    METHOD(FIELD, field, field, field_result, false)                                               \
+    METHOD(FIELDS, fields, fields, field_page, false)                                              \
+    METHOD(FORGET, forget, forget, forgotten, true)                                                \
+    METHOD(SUBSCRIBE, subscribe, subscribe, subscribed, false)                                     \
+    METHOD(UNSUBSCRIBE, unsubscribe, unsubscribe, subscribed, false)                               \
+    METHOD(STATUS, status, nothing, status, false)                                                 \
+    METHOD(METRICS, metrics, nothing, metrics, false)                                              \
+    METHOD(PROBE, probe, nothing, probed, false)                                                   \
+    METHOD(RELOAD, reload, nothing, reloaded, true)                                                \
+    METHOD(DRAIN, drain, nothing, stopping, true)                                                  \
+    METHOD(SHUTDOWN, shutdown, shutdown, stopping, true)
+
+/* Every notification: its number SHEARD_NOTICE_X, its name, the message that is its parameters. */
+#define SHEARD_NOTICES(NOTICE)                                                                     \
+    NOTICE(JOB_CHANGED, job_changed, job_changed)                                                  \
+    NOTICE(JOB_PROGRESS, job_progress, job_progress)                                               \
+    NOTICE(FIELD_CHANGED, field_changed, field_changed)                                            \
+    NOTICE(SERVER_STATE, server_state, stopping)                                                   \
+    NOTICE(LOST, lost, lost)
+
 enum sheard_method {
-    SHEARD_METHOD_HELLO,
-    SHEARD_METHOD_SUBMIT,
-    SHEARD_METHOD_JOB,
-    SHEARD_METHOD_JOBS,
-    SHEARD_METHOD_WAIT,
-    SHEARD_METHOD_CANCEL,
-    SHEARD_METHOD_RETRY,
-    SHEARD_METHOD_RETRACT,
-    SHEARD_METHOD_FIELD,
-    SHEARD_METHOD_FIELDS,
-    SHEARD_METHOD_FORGET,
-    SHEARD_METHOD_SUBSCRIBE,
-    SHEARD_METHOD_UNSUBSCRIBE,
-    SHEARD_METHOD_STATUS,
-    SHEARD_METHOD_METRICS,
-    SHEARD_METHOD_PROBE,
-    SHEARD_METHOD_RELOAD,
-    SHEARD_METHOD_DRAIN,
-    SHEARD_METHOD_SHUTDOWN,
-    SHEARD_N_METHODS
+    SHEARD_METHOD_NONE = -1,
+#define METHOD(NAME, name, params, reply, admin) SHEARD_METHOD_##NAME,
+    SHEARD_METHODS(METHOD)
+#undef METHOD
+        SHEARD_N_METHODS
 };
+
 enum sheard_notice {
-    SHEARD_NOTICE_JOB_CHANGED,
-    SHEARD_NOTICE_JOB_PROGRESS,
-    SHEARD_NOTICE_FIELD_CHANGED,
-    SHEARD_NOTICE_SERVER_STATE,
-    SHEARD_NOTICE_LOST,
-    SHEARD_N_NOTICES
+    SHEARD_NOTICE_NONE = -1,
+#define NOTICE(NAME, name, params) SHEARD_NOTICE_##NAME,
+    SHEARD_NOTICES(NOTICE)
+#undef NOTICE
+        SHEARD_N_NOTICES
 };
-/* The name; NULL for what is none. */
+
+/* The name; NULL if there is none of this number. */
 const char *sheard_method_name(int method);
 const char *sheard_notice_name(int notice);
-int sheard_method_find(const char *name); /* -1: none */
+/* By name; SHEARD_METHOD_NONE, SHEARD_NOTICE_NONE. */
+enum sheard_method sheard_method_find(const char *name);
+enum sheard_notice sheard_notice_find(const char *name);
 bool sheard_method_needs_admin(int method);
 /* All names, in order; *n becomes their number. Static. */
 const char *const *sheard_method_names(size_t *n);
 
 typedef union sheard_params {
-    sheard_msg_hello hello;
-    sheard_msg_submit submit;
-    sheard_msg_id id; /* job, cancel, retry, retract */
-    sheard_msg_jobs jobs;
-    sheard_msg_wait wait;
-    sheard_msg_field field;
-    sheard_msg_fields fields;
-    sheard_msg_forget forget;
-    sheard_msg_subscribe subscribe; /* and unsubscribe */
-    sheard_msg_shutdown shutdown;
+#define METHOD(NAME, name, params, reply, admin) sheard_msg_##params name;
+    SHEARD_METHODS(METHOD)
+#undef METHOD
+    sheard_msg_id id; /* of job, cancel, retry and retract alike */
 } sheard_params;
 
 typedef union sheard_reply {
-    sheard_msg_welcome hello;
-    sheard_msg_submitted submit;
-    sheard_msg_shown job;
-    sheard_msg_job_page jobs;
-    sheard_msg_waited wait;
-    sheard_msg_job cancel, retry, retract;
-    sheard_msg_field_result field;
-    sheard_msg_field_page fields;
-    sheard_msg_forgotten forget;
-    sheard_msg_subscribed subscribe, unsubscribe;
-    sheard_msg_status status;
-    sheard_msg_metrics metrics;
-    sheard_msg_probed probe;
-    sheard_msg_reloaded reload;
-    sheard_msg_stopping drain, shutdown;
+#define METHOD(NAME, name, params, reply, admin) sheard_msg_##reply name;
+    SHEARD_METHODS(METHOD)
+#undef METHOD
 } sheard_reply;
 
 typedef union sheard_notice_params {
-    sheard_msg_job_changed job_changed;
-    sheard_msg_job_progress job_progress;
-    sheard_msg_field_changed field_changed;
-    sheard_msg_stopping server_state;
-    sheard_msg_lost lost;
+#define NOTICE(NAME, name, params) sheard_msg_##params name;
+    SHEARD_NOTICES(NOTICE)
+#undef NOTICE
 } sheard_notice_params;
 
 /* ---- Identity of a request ---- */
@@ -200,7 +100,7 @@ typedef union sheard_notice_params {
 enum { SHEARD_RPC_ID_MAX = 128 }; /* bytes of a text */
 enum sheard_rpc_id_type { SHEARD_ID_NULL = 0, SHEARD_ID_INTEGER, SHEARD_ID_TEXT };
 typedef struct sheard_rpc_id {
-    int type;
+    enum sheard_rpc_id_type type;
     int64_t integer;
     char text[SHEARD_RPC_ID_MAX + 1];
 } sheard_rpc_id;
@@ -220,7 +120,7 @@ extern const sheard_rpc_limits sheard_rpc_reply_limits;   /* 32 MiB, 16, 4 milli
 
 typedef struct sheard_request {
     sheard_rpc_id id;
-    int method;
+    enum sheard_method method; /* SHEARD_METHOD_NONE after an error */
     sheard_params params;
 } sheard_request;
 
@@ -263,10 +163,10 @@ void sheard_params_init(sheard_params *params, int method);
 
 enum sheard_message_kind { SHEARD_MESSAGE_REPLY, SHEARD_MESSAGE_ERROR, SHEARD_MESSAGE_NOTICE };
 typedef struct sheard_message {
-    int kind;
-    sheard_rpc_id id;            /* of a reply or an error */
-    sheard_rpc_error error;      /* of an error */
-    int notice;                  /* of a notification; -1: one that this version does not know */
+    enum sheard_message_kind kind;
+    sheard_rpc_id id;          /* of a reply or an error */
+    sheard_rpc_error error;    /* of an error */
+    enum sheard_notice notice; /* of a notification; SHEARD_NOTICE_NONE: unknown to this version */
     sheard_notice_params params; /* of a notification */
     void *body;                  /* of a reply; see below */
 } sheard_message;

@@ -1,16 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* jansson up to at least 2.14 does not notice when its lexer cannot grow the text of a token: bytes
- * are dropped, a value may silently change, and where the dropped byte is a closing quote it reads
- * and writes beyond its buffers. So its allocations come through here. While a text is loaded, the
- * first request that the system cannot serve is served from a reserve, and the input ends there:
- * the lexer's buffer grows only when it is fed, and by one doubling at most, which the reserve
- * holds. All else it does with a NULL is right. The load then fails as out of memory. */
-#include "json/load.h"
+/* Two faults of jansson, up to at least 2.14, are kept away here.
+ *
+ * Its lexer does not notice when it cannot grow the text of a token: bytes are dropped, a value may
+ * silently change, and where the dropped byte is a closing quote it reads and writes beyond its
+ * buffers. So its allocations come through here. While a text is loaded, the first request that the
+ * system cannot serve is served from a reserve, and the input ends there: the lexer's buffer grows
+ * only when it is fed, and by one doubling at most, which the reserve holds. All else that it does
+ * with a NULL is right. The load then fails as out of memory.
+ *
+ * json_dumps passes over a failure to write a member's name: when memory is scarce, it returns a
+ * text with the name left out. So the bytes are collected here, and a failure is remembered. */
+#include "json/tree.h"
 
+#include <assert.h>
 #include <stdalign.h>
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/buffer.h"
 
 typedef struct reserve {
     const char *next, *end; /* input that is to come */
@@ -33,12 +43,12 @@ static void *from_reserve(reserve *r, size_t n) {
     return p;
 }
 
-static void *take(size_t n) {
+static void *allocate(size_t n) {
     void *p = malloc(n);
     return p != NULL || active == NULL ? p : from_reserve(active, n);
 }
 
-static void give_back(void *p) {
+static void release(void *p) {
     const uintptr_t at = (uintptr_t)p;
     if (active != NULL && at >= (uintptr_t)active->bytes && at < (uintptr_t)active->limit) {
         return;
@@ -48,29 +58,29 @@ static void give_back(void *p) {
 
 /* Before main, since jansson keeps the functions in plain globals: no thread may be running. */
 __attribute__((constructor)) static void install(void) {
-    json_set_alloc_funcs(take, give_back);
+    json_set_alloc_funcs(allocate, release);
 }
 
 /* One byte at a time, so that nothing is read after memory ran out. */
-static size_t feed(void *buffer, size_t size, void *data) {
+static size_t feed(void *bytes, size_t size, void *data) {
     reserve *r = data;
     if (r->spent || r->next == r->end || size == 0) {
         return 0;
     }
-    *(char *)buffer = *r->next++;
+    *(char *)bytes = *r->next++;
     return 1;
 }
 
-static void explain(rpc_load_error *why, const json_error_t *error) {
-    why->code = json_error_code(error) == json_error_duplicate_key ? SHEARD_RPC_DUPLICATE_KEY
-                                                                   : SHEARD_RPC_PARSE_ERROR;
+static void explain(tree_error *why, const json_error_t *error) {
+    why->fault =
+        json_error_code(error) == json_error_duplicate_key ? TREE_DUPLICATE_KEY : TREE_SYNTAX;
     snprintf(why->text, sizeof why->text, "%s (line %d, column %d)", error->text, error->line,
              error->column);
 }
 
-json_t *rpc_load(const char *text, size_t n, size_t flags, rpc_load_error *why) {
-    *why = (rpc_load_error){SHEARD_RPC_OUT_OF_MEMORY, "out of memory"};
+json_t *tree_load(const char *text, size_t n, size_t flags, tree_error *why) {
     enum { SLACK = 256 };
+    *why = (tree_error){TREE_NO_MEMORY, "out of memory"};
     if (n > SIZE_MAX / 4) {
         return NULL;
     }
@@ -80,6 +90,7 @@ json_t *rpc_load(const char *text, size_t n, size_t flags, rpc_load_error *why) 
         return NULL;
     }
     *r = (reserve){.next = text, .end = text + n, .free = r->bytes, .limit = r->bytes + spare};
+    assert(active == NULL); /* a load within a load would take the other's reserve */
     active = r;
     json_error_t error = {.text = ""};
     json_t *value =
@@ -93,4 +104,20 @@ json_t *rpc_load(const char *text, size_t n, size_t flags, rpc_load_error *why) 
     active = NULL;
     free(r);
     return value;
+}
+
+static int collect(const char *bytes, size_t n, void *data) {
+    return buffer_add(data, bytes, n) ? 0 : -1;
+}
+
+char *tree_dump(const json_t *value, size_t flags, const char *tail, size_t *n) {
+    enum { ALWAYS = JSON_ENSURE_ASCII | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17) };
+    const size_t layout = flags != 0 ? flags : JSON_COMPACT;
+    buffer b = {0};
+    if (value == NULL || json_dump_callback(value, collect, &b, layout | ALWAYS) != 0 ||
+        !buffer_add_text(&b, tail)) {
+        buffer_deinit(&b);
+        return NULL;
+    }
+    return buffer_take(&b, n);
 }
