@@ -22,7 +22,7 @@ static json_t *all_flags(const sheard_validation_report *v) {
     return object;
 }
 
-static const char *psf_layout_name(int layout) {
+static const char *psf_layout_name(enum shear_psf_layout layout) {
     return layout == SHEAR_PSF_ONE ? "one" : layout == SHEAR_PSF_PER_STAMP ? "per_stamp" : "by_id";
 }
 

@@ -134,7 +134,7 @@ void spooled_end(service *s, store_job *job) {
         return;
     }
     sheard_msg_side side = {.file = job->dropped,
-                            .state = job->state,
+                            .state = (enum sheard_job_state)job->state,
                             .code = job->state == STORE_DONE ? NULL : job->code,
                             .message = job->message,
                             .advice = job->advice,

@@ -58,16 +58,17 @@ static void present_progress(service *s, const store_job *job, sheard_msg_progre
 void present_job(service *s, const store_job *job, sheard_msg_job *out) {
     sheard_rpc_error ignored;
     const char *user = user_name(s, job->owner);
+    /* The numbers of the enums of the store and the protocol are the same. */
     *out = (sheard_msg_job){.id = job->id,
-                            .state = job->state,
-                            .job_class = job->failure_class,
+                            .state = (enum sheard_job_state)job->state,
+                            .job_class = (enum sheard_job_class)job->failure_class,
                             .code = job->code,
                             .message = job->message,
                             .advice = job->advice,
                             .field = job->field,
                             .owner = job->owner,
                             .user = user != NULL ? strdup(user) : NULL,
-                            .origin = job->origin,
+                            .origin = (enum sheard_job_origin)job->origin,
                             .priority = job->priority,
                             .force = job->force,
                             .key = job->key,
@@ -77,7 +78,7 @@ void present_job(service *s, const store_job *job, sheard_msg_job *out) {
                             .finished_ms = job->finished_ms,
                             .not_before_ms = job->not_before_ms,
                             .attempts = job->attempts,
-                            .outcome = job->outcome,
+                            .outcome = (enum sheard_job_outcome)job->outcome,
                             .duplicate_of = job->duplicate_of,
                             .settings = job->settings,
                             .digest = job->settings_digest,

@@ -25,8 +25,8 @@ void method_job(service *s, const server_request *r) {
             history[i] = (sheard_msg_attempt){.number = a->number,
                                               .started_ms = a->started_ms,
                                               .ended_ms = a->ended_ms,
-                                              .outcome = a->outcome,
-                                              .job_class = a->failure_class,
+                                              .outcome = (enum sheard_attempt_outcome)a->outcome,
+                                              .job_class = (enum sheard_job_class)a->failure_class,
                                               .code = a->code,
                                               .message = a->message};
         }
