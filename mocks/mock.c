@@ -19,9 +19,9 @@ struct shear_mock {
 static void fill_info(shear_mock *m) {
     const shear_mock_spec *s = &m->spec;
     int side = spec_psf_side(s);
-    int layout = s->psf_per_stamp ? SHEAR_PSF_PER_STAMP
-                 : s->psf_ids > 0 ? SHEAR_PSF_BY_ID
-                                  : SHEAR_PSF_ONE;
+    enum shear_psf_layout layout = s->psf_per_stamp ? SHEAR_PSF_PER_STAMP
+                                   : s->psf_ids > 0 ? SHEAR_PSF_BY_ID
+                                                    : SHEAR_PSF_ONE;
     m->info =
         (shear_mock_info){.geometry = {s->nx, s->ny, side, side, s->oversample},
                           .n_stamps = s->n_stamps,

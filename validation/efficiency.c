@@ -103,7 +103,8 @@ static int estimate(const shear_row *rows, int count, double beta, int kind, dou
         shear_field_sums_add(sums, &block);
         code = symmetric ? shear_symmetry_add(terms, &row, beta, err) : SHEAR_OK;
     }
-    code = code != SHEAR_OK ? code : shear_estimate(kind, sums, terms, &s, err);
+    code =
+        code != SHEAR_OK ? code : shear_estimate((enum shear_estimator)kind, sums, terms, &s, err);
     const double values[EFFICIENCY_PER_KIND] = {s.g1, s.g2, s.g1_err, s.g2_err};
     memcpy(out, values, sizeof values);
     shear_symmetry_free(terms);

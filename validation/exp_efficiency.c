@@ -69,7 +69,7 @@ static void add_row(struct table *t, const struct cases *cases, int c, int kind,
                     const struct outcome *o) {
     table_number(t, cases->c[c].range);
     table_number(t, cases->snr[c]);
-    table_text(t, shear_estimator_name(kind));
+    table_text(t, shear_estimator_name((enum shear_estimator)kind));
     table_number(t, o->error.width);
     table_number(t, o->error.width_err);
     table_number(t, o->quoted);
@@ -132,7 +132,8 @@ static int draw(struct curves *curves, const struct summary *s, shear_figure **f
         for (int kind = 0; kind < N_KINDS; kind++) {
             panels[p][kind].hue = hues[kind];
             panels[p][kind].marker = markers[kind];
-            panels[p][kind].label = p == 0 && kind == CROSSED ? NULL : shear_estimator_name(kind);
+            panels[p][kind].label =
+                p == 0 && kind == CROSSED ? NULL : shear_estimator_name((enum shear_estimator)kind);
         }
         chart_draw(*figure, &(struct chart){
                                 .cell = shear_grid_cell(&grid, p, 0, 1, 1),

@@ -15,7 +15,8 @@
 const char *const selection_cuts[N_CUTS] = {"true S/N",     "FLUX",          "SNR",
                                             "aperture S/N", "deep aperture", "D"};
 const char *const selection_estimators[SELECTION_ESTIMATORS] = {"mean", "pdf-sym"};
-static const int estimators[SELECTION_ESTIMATORS] = {SHEAR_ESTIMATOR_MEAN, SHEAR_ESTIMATOR_PDF_SYM};
+static const enum shear_estimator estimators[SELECTION_ESTIMATORS] = {SHEAR_ESTIMATOR_MEAN,
+                                                                      SHEAR_ESTIMATOR_PDF_SYM};
 
 static const struct knob knobs[] = {
     {"kept", "1,0.9,0.8,0.7,0.6,0.5,0.4,0.3", 0.05, 1, true, "parts of the stamps that are kept"},
@@ -182,8 +183,8 @@ static int gather(const struct run *run, struct cut cut, const int64_t range[2],
 }
 
 /* What is left by a cut, of all groups at both signs. */
-static int harvest_cut(const struct run *run, struct cut cut, int estimator, harvest *h,
-                       double *kept, shear_error *err) {
+static int harvest_cut(const struct run *run, struct cut cut, enum shear_estimator estimator,
+                       harvest *h, double *kept, shear_error *err) {
     const struct trial *t = &run->trial;
     double n = 0.0;
     int code = harvest_init(h, t->groups, estimator, err);
@@ -197,8 +198,8 @@ static int harvest_cut(const struct run *run, struct cut cut, int estimator, har
     return code;
 }
 
-static int judge(const struct run *run, struct cut cut, int estimator, const harvest *reference,
-                 selection_outcome *out, shear_error *err) {
+static int judge(const struct run *run, struct cut cut, enum shear_estimator estimator,
+                 const harvest *reference, selection_outcome *out, shear_error *err) {
     harvest h;
     trial_outcome o = {0};
     int code = harvest_cut(run, cut, estimator, &h, &out->kept, err);

@@ -40,7 +40,7 @@ static void defaults(struct request *r) {
 /* How a stamp is measured: the paper's way, and two without interpolation. */
 static const struct {
     const char *name;
-    int interpolation;
+    enum shear_interpolation interpolation;
     const char *shot_noise;
 } ways[N_WAYS] = {{"log-spline", SHEAR_INTERP_LOG_SPLINE, "none"},
                   {"none", SHEAR_INTERP_NONE, "none"},

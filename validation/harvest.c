@@ -8,7 +8,7 @@
 /* m along the shear, m by component, c by component, g(+) and g(-). */
 enum { N_VALUES = 9, FIELDS = 16 };
 
-int harvest_init(harvest *h, int groups, int estimator, shear_error *err) {
+int harvest_init(harvest *h, int groups, enum shear_estimator estimator, shear_error *err) {
     int code = SHEAR_OK;
     const size_t n = 2 * (size_t)groups;
     *h = (harvest){.groups = groups, .estimator = estimator};

@@ -12,13 +12,14 @@
 
 /* One way at one level. */
 typedef struct harvest {
-    int groups, estimator;
+    int groups;
+    enum shear_estimator estimator;
     shear_field_sums **sums; /* [2][groups]: +g, -g */
     shear_symmetry **terms;  /* the same; NULL for the mean */
     bool refused;
 } harvest;
 
-int harvest_init(harvest *h, int groups, int estimator, shear_error *err);
+int harvest_init(harvest *h, int groups, enum shear_estimator estimator, shear_error *err);
 void harvest_deinit(harvest *h);
 
 /* Fills m, c, errors, used, flagged; NaN where a file was refused or there is no shear. */

@@ -9,9 +9,9 @@ enum { N_METHODS = 6 };
 
 struct method {
     const char *label; /* "Log-Bicubic" */
-    int interpolation; /* enum shear_interpolation */
-    int plain;         /* index of the method without the logarithm; -1 where it is one */
-    int hue, marker;   /* close to the paper's colours: cyan, blue, magenta, green, red, black */
+    enum shear_interpolation interpolation;
+    int plain;       /* index of the method without the logarithm; -1 where it is one */
+    int hue, marker; /* close to the paper's colours: cyan, blue, magenta, green, red, black */
 };
 /* In the paper's order: Bilinear, Bicubic, Spline, and the same with Log-. */
 extern const struct method methods[N_METHODS];

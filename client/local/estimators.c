@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-bool estimators_wanted(int64_t n_stamps, int estimator) {
+bool estimators_wanted(int64_t n_stamps, enum shear_estimator estimator) {
     return shear_estimator_is_symmetric(estimator) ||
            (n_stamps >= ESTIMATORS_MIN && n_stamps <= ESTIMATORS_MAX);
 }

@@ -12,7 +12,7 @@ enum {
 };
 
 /* Will both be told of a field of so many stamps? Then keep its terms. */
-bool estimators_wanted(int64_t n_stamps, int estimator);
+bool estimators_wanted(int64_t n_stamps, enum shear_estimator estimator);
 
 /* Fill in *out from a field's sums and terms: the mean and a symmetric estimator: that of *chosen,
  * or pdf-sym where that is the mean. out->n is 0 where `terms` is NULL, fewer than ESTIMATORS_MIN

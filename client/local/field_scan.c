@@ -223,7 +223,7 @@ static void scan_deinit(struct scan *s) {
 }
 
 /* The mean's result is told for the estimator that is asked for. */
-static void tell_for(shear_result *r, int estimator) {
+static void tell_for(shear_result *r, enum shear_estimator estimator) {
     r->estimator = estimator;
     if (shear_estimator_is_symmetric(estimator) && r->valid && r->n_used < SHEAR_SYMMETRY_FEWEST) {
         r->valid = false;

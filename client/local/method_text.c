@@ -7,7 +7,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-static bool is_filter(const char *name, int filter) {
+static bool is_filter(const char *name, enum shear_filter filter) {
     return strcmp(name, shear_filter_name(filter)) == 0;
 }
 

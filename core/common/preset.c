@@ -18,7 +18,7 @@ static const preset_value *const presets[] = {
     [SHEAR_PRESET_ZHANG2010] = zhang2010,
 };
 
-int preset_apply(shear_settings *s, int preset, shear_error *err) {
+int preset_apply(shear_settings *s, enum shear_preset preset, shear_error *err) {
     int code = SHEAR_OK;
     shear_settings_init(s);
     s->preset = preset;

@@ -7,6 +7,6 @@
 #include "shear/settings.h"
 
 /* Set all members to those of enum shear_preset `preset`. */
-int preset_apply(shear_settings *s, int preset, shear_error *err);
+int preset_apply(shear_settings *s, enum shear_preset preset, shear_error *err);
 
 #endif

@@ -211,7 +211,7 @@ static int set_preset(shear_settings *s, const shear_setting_def *def, const cha
                       shear_error *err) {
     int preset = SHEAR_PRESET_DEFAULT;
     const int code = set_choice(&preset, def, text, err);
-    return code == SHEAR_OK ? preset_apply(s, preset, err) : code;
+    return code == SHEAR_OK ? preset_apply(s, (enum shear_preset)preset, err) : code;
 }
 
 int shear_settings_set(shear_settings *s, const char *name, const char *text, shear_error *err) {
@@ -363,21 +363,19 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-const char *shear_interpolation_name(int interpolation) {
-    return interpolation >= 0 && interpolation <= SHEAR_INTERP_PAPER ? interpolations[interpolation]
-                                                                     : "unknown";
+const char *shear_interpolation_name(enum shear_interpolation interpolation) {
+    return interpolation <= SHEAR_INTERP_PAPER ? interpolations[interpolation] : "unknown";
 }
 
-const char *shear_filter_name(int filter) {
-    return filter >= 0 && filter <= SHEAR_FILTER_R_GAL ? filters[filter] : "unknown";
+const char *shear_filter_name(enum shear_filter filter) {
+    return filter <= SHEAR_FILTER_R_GAL ? filters[filter] : "unknown";
 }
 
-const char *shear_estimator_name(int estimator) {
-    return estimator >= 0 && estimator <= SHEAR_ESTIMATOR_PDF_SYM_CROSS ? estimators[estimator]
-                                                                        : "unknown";
+const char *shear_estimator_name(enum shear_estimator estimator) {
+    return estimator <= SHEAR_ESTIMATOR_PDF_SYM_CROSS ? estimators[estimator] : "unknown";
 }
 
-bool shear_estimator_is_symmetric(int estimator) {
+bool shear_estimator_is_symmetric(enum shear_estimator estimator) {
     return estimator == SHEAR_ESTIMATOR_PDF_SYM || estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS;
 }
 
@@ -385,10 +383,10 @@ bool shear_settings_keep_background(const shear_settings *s) {
     return s->background == SHEAR_BACKGROUND_KEEP && s->estimator != SHEAR_ESTIMATOR_PDF_SYM_CROSS;
 }
 
-bool shear_interpolation_is_rule(int interpolation) {
+bool shear_interpolation_is_rule(enum shear_interpolation interpolation) {
     return interpolation == SHEAR_INTERP_AUTO || interpolation == SHEAR_INTERP_PAPER;
 }
 
-bool shear_interpolation_is_log(int interpolation) {
+bool shear_interpolation_is_log(enum shear_interpolation interpolation) {
     return interpolation >= SHEAR_INTERP_LOG_BILINEAR && interpolation <= SHEAR_INTERP_LOG_SPLINE;
 }

@@ -24,7 +24,8 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
                           .beta_px = info->beta_px,
                           .threshold = set->psf_threshold,
                           .power_tolerance = set->power_tolerance};
-    const int psf_method = psf_factor > 1 ? info->interpolation : SHEAR_INTERP_NONE;
+    const enum shear_interpolation psf_method =
+        psf_factor > 1 ? info->interpolation : SHEAR_INTERP_NONE;
     const bool grid_made = image_grid_init(&plan->grid, g->nx, g->ny, info->interpolation,
                                            info->oversample, set->zeros, set->pedestal);
     const bool psf_grid_made =
@@ -61,7 +62,7 @@ static bool make_filter(shear_plan *plan) {
 
 static bool make_high_band(shear_plan *plan) {
     const shear_geometry *g = &plan->info.geometry;
-    const int band = plan->info.noise_band;
+    const enum shear_noise_band band = plan->info.noise_band;
     return band == SHEAR_NOISE_BAND_NONE ||
            high_band_init(&plan->high, g->nx, g->ny, band == SHEAR_NOISE_BAND_CORNERS);
 }
@@ -183,9 +184,9 @@ void shear_plan_free(shear_plan *plan) {
     free(plan);
 }
 
-const char *shear_noise_band_name(int band) {
+const char *shear_noise_band_name(enum shear_noise_band band) {
     static const char *const names[] = {"none", "high", "corners"};
-    return band >= 0 && band <= SHEAR_NOISE_BAND_CORNERS ? names[band] : "unknown";
+    return band <= SHEAR_NOISE_BAND_CORNERS ? names[band] : "unknown";
 }
 
 void shear_plan_note_psfs(shear_plan *plan, const shear_psf_quality *each, int n, int unusable) {

@@ -55,7 +55,8 @@ static int finest_needed(double r_psf_px) {
 
 /* Interpolation by a rule. A beta of the user's own that is too small for the pixels asks for
  * interpolation as an s or a pedestal of his own does. */
-static int choose_interpolation(const shear_settings *set, const shear_plan_info *info) {
+static enum shear_interpolation choose_interpolation(const shear_settings *set,
+                                                     const shear_plan_info *info) {
     const double r = info->r_psf_px;
     const bool asked = set->oversample > 1 || set->pedestal > 0;
     const bool blurred =
@@ -122,7 +123,7 @@ bool shear_plan_wants_core(const shear_plan_request *request) {
     return wants_core(&settings, request);
 }
 
-static double width_of(const shear_settings *set, int filter, double beta_px) {
+static double width_of(const shear_settings *set, enum shear_filter filter, double beta_px) {
     return !isnan(set->width_px)         ? set->width_px
            : filter == SHEAR_FILTER_EDGE ? 0.5 * beta_px
                                          : beta_px;
@@ -165,7 +166,8 @@ static int resolve_filter(const shear_settings *set, shear_plan_info *info,
     return SHEAR_OK;
 }
 
-static int resolve_noise_band(const shear_settings *set, const shear_plan_info *info) {
+static enum shear_noise_band resolve_noise_band(const shear_settings *set,
+                                                const shear_plan_info *info) {
     const bool wanted = set->noise_level == SHEAR_NOISE_LEVEL_FIELD && set->noise_correction &&
                         set->shot_noise == SHEAR_SHOT_NONE;
     if (!wanted || info->interpolation != SHEAR_INTERP_NONE || info->r_psf_px < well_sampled_px) {

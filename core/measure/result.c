@@ -232,7 +232,7 @@ static bool no_difference(const rounded *r, double n) {
 }
 
 /* Why there is no shear; SHEAR_HAS_SHEAR where there may be one. */
-static int no_shear(const shear_result *out, const rounded *r) {
+static enum shear_no_shear no_shear(const shear_result *out, const rounded *r) {
     if (out->n_used < 2) {
         return SHEAR_NO_STAMPS;
     }

@@ -11,7 +11,7 @@
  * result scales with the flux. */
 static const double floor_of_peak = 1e-12;
 
-static int axis_kind_of(int interpolation) {
+static int axis_kind_of(enum shear_interpolation interpolation) {
     switch (interpolation) {
     case SHEAR_INTERP_BILINEAR:
     case SHEAR_INTERP_LOG_BILINEAR:
@@ -27,8 +27,8 @@ static int axis_kind_of(int interpolation) {
     }
 }
 
-bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros,
-                     double pedestal) {
+bool image_grid_init(image_grid *g, int nx, int ny, enum shear_interpolation interpolation, int s,
+                     enum shear_zeros zeros, double pedestal) {
     const int kind = axis_kind_of(interpolation);
     *g = (image_grid){.log = shear_interpolation_is_log(interpolation),
                       .zeros = zeros,

@@ -14,8 +14,8 @@
 /* How images of one shape are interpolated; immutable, shared by threads. */
 typedef struct image_grid {
     axis x, y;
-    bool log;  /* interpolate ln(pixel + pedestal) */
-    int zeros; /* enum shear_zeros, where log */
+    bool log;               /* interpolate ln(pixel + pedestal) */
+    enum shear_zeros zeros; /* where log */
     double pedestal;
     double rounding; /* a negative pixel this small beside the brightest counts as 0; set to 0 */
     int fine_nx, fine_ny;
@@ -23,8 +23,8 @@ typedef struct image_grid {
 } image_grid;
 
 /* interpolation: never AUTO. false when memory is out; deinit is safe then too. */
-bool image_grid_init(image_grid *g, int nx, int ny, int interpolation, int s, int zeros,
-                     double pedestal);
+bool image_grid_init(image_grid *g, int nx, int ny, enum shear_interpolation interpolation, int s,
+                     enum shear_zeros zeros, double pedestal);
 void image_grid_deinit(image_grid *g);
 
 typedef struct image {

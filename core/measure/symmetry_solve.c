@@ -416,8 +416,8 @@ int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, s
     return symmetry_solve(s, bins, &none, out, err);
 }
 
-int shear_estimate(int estimator, const shear_field_sums *sums, const shear_symmetry *terms,
-                   shear_result *out, shear_error *err) {
+int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
+                   const shear_symmetry *terms, shear_result *out, shear_error *err) {
     shear_result symmetric;
     shear_field_result(sums, out);
     if (!shear_estimator_is_symmetric(estimator)) {

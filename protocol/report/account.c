@@ -14,16 +14,25 @@ static int small(const json_t *o, const char *key) {
     return (int)json_text_count_at(o, key);
 }
 
-/* The number of a setting's choice by its name; 0 if there is none of this name. */
-static int choice(const json_t *o, const char *key, const char *(*name_of)(int)) {
-    enum { CHOICES = 32 }; /* more than any setting has */
-    const char *name = json_text_string_at(o, key);
-    for (int i = 0; name != NULL && i < CHOICES; i++) {
-        if (strcmp(name_of(i), name) == 0) {
+/* The number of the choice of a setting that `o` has under the setting's name; 0 if it has none. */
+static unsigned choice(const json_t *o, const char *setting) {
+    const char *name = json_text_string_at(o, setting);
+    const char *const *choices = shear_settings_find(setting)->choices;
+    for (unsigned i = 0; name != NULL && choices[i] != NULL; i++) {
+        if (strcmp(choices[i], name) == 0) {
             return i;
         }
     }
     return 0;
+}
+
+static enum shear_noise_band noise_band_named(const char *name) {
+    for (unsigned i = 0; name != NULL && i <= SHEAR_NOISE_BAND_CORNERS; i++) {
+        if (strcmp(shear_noise_band_name(i), name) == 0) {
+            return i;
+        }
+    }
+    return SHEAR_NOISE_BAND_NONE;
 }
 
 /* Accounts of older versions have none: nothing is known then. */
@@ -51,15 +60,15 @@ static shear_plan_info read_plan(const json_t *entry, const json_t *o) {
     return (shear_plan_info){
         .geometry = {.nx = small(entry, "nx"), .ny = small(entry, "ny")},
         .filter_per_stamp = json_is_true(json_object_get(entry, "per_stamp")),
-        .interpolation = choice(o, "interpolation", shear_interpolation_name),
+        .interpolation = choice(o, "interpolation"),
         .oversample = small(o, "oversample"),
         .beta_px = json_text_number_at(o, "beta_px"),
         .r_psf_px = json_text_number_at(o, "r_psf_px"),
-        .filter = choice(o, "filter", shear_filter_name),
+        .filter = choice(o, "filter"),
         .core_px = json_text_number_at(o, "core_px"),
         .core_found = json_is_true(json_object_get(o, "core_found")),
         .width_px = json_text_number_at(o, "width_px"),
-        .noise_band = choice(o, "noise_band", shear_noise_band_name),
+        .noise_band = noise_band_named(json_text_string_at(o, "noise_band")),
         .k_cut = json_text_number_at(o, "k_cut"),
         .psf = read_psf(json_object_get(entry, "psf")),
     };

@@ -33,16 +33,17 @@ static const reason reasons[] = {
 };
 enum { N_REASONS = sizeof reasons / sizeof reasons[0] };
 
-static const reason *reason_of(int why) {
-    return &reasons[why >= 0 && why < N_REASONS ? why : SHEAR_HAS_SHEAR];
+static const reason *reason_of(enum shear_no_shear why) {
+    return &reasons[(unsigned)why < N_REASONS ? why : SHEAR_HAS_SHEAR];
 }
 
-const char *sheard_no_shear_name(int why) {
+const char *sheard_no_shear_name(enum shear_no_shear why) {
     return reason_of(why)->name;
 }
 
-int sheard_no_shear_of(const char *name) {
-    for (int why = 0; name != NULL && why < N_REASONS; why++) {
+enum shear_no_shear sheard_no_shear_of(const char *name) {
+    for (enum shear_no_shear why = SHEAR_NO_STAMPS; name != NULL && why <= SHEAR_NOT_FINITE;
+         why++) {
         if (reasons[why].name != NULL && strcmp(reasons[why].name, name) == 0) {
             return why;
         }
@@ -50,7 +51,7 @@ int sheard_no_shear_of(const char *name) {
     return SHEAR_HAS_SHEAR;
 }
 
-const char *sheard_no_shear_words(int why) {
+const char *sheard_no_shear_words(enum shear_no_shear why) {
     return reason_of(why)->words;
 }
 

@@ -13,7 +13,7 @@ static double *numbers(size_t n) {
     return out;
 }
 
-static bool is_log(int method) {
+static bool is_log(enum shear_interpolation method) {
     return method == SHEAR_INTERP_LOG_BILINEAR || method == SHEAR_INTERP_LOG_BICUBIC ||
            method == SHEAR_INTERP_LOG_SPLINE;
 }
@@ -59,7 +59,8 @@ static void second_derivatives(int n, const double *f, double *e) {
 }
 
 /* Labels A_bilinear, A_bicubic, A_spline in one dimension, at t between two points. */
-static double between(int method, double t, double f0, double f1, double e0, double e1) {
+static double between(enum shear_interpolation method, double t, double f0, double f1, double e0,
+                      double e1) {
     const double h = 1.0 - t;
     switch (method) {
     case SHEAR_INTERP_BICUBIC:
@@ -76,8 +77,8 @@ static double between(int method, double t, double f0, double f1, double e0, dou
 
 /* What the method wants of a line of n points besides their values, each unbroken stretch of
  * non-zero pixels by itself. Points lie `step` numbers apart; `marks` says which are zeros. */
-static void line_slopes(int method, int n, int step, const double *marks, const double *f,
-                        double *e) {
+static void line_slopes(enum shear_interpolation method, int n, int step, const double *marks,
+                        const double *f, double *e) {
     double *line = numbers(2 * (size_t)n);
     for (int from = 0, to; from < n; from = to + 1) {
         for (to = from; to < n && marks[to * step] != -INFINITY; to++) {
@@ -99,7 +100,8 @@ static void line_slopes(int method, int n, int step, const double *marks, const 
  * Beside zeros it matters in which order the two slopes of the mixed one are taken; their mean
  * prefers neither axis. */
 typedef struct surface {
-    int method, nx, ny;
+    enum shear_interpolation method;
+    int nx, ny;
     double *f, *fx, *fy, *fxy, *fyx; /* [ny][nx] */
 } surface;
 
@@ -123,8 +125,8 @@ static double surface_at(const surface *s, int x, int y, double t, double u) {
     const int x1 = x == s->nx - 1 ? 0 : x + 1;
     const int y1 = y == s->ny - 1 ? 0 : y + 1;
     const int corner[2][2] = {{y * s->nx + x, y * s->nx + x1}, {y1 * s->nx + x, y1 * s->nx + x1}};
-    const int across = x1 == 0 ? SHEAR_INTERP_BILINEAR : s->method;
-    const int up = y1 == 0 ? SHEAR_INTERP_BILINEAR : s->method;
+    const enum shear_interpolation across = x1 == 0 ? SHEAR_INTERP_BILINEAR : s->method;
+    const enum shear_interpolation up = y1 == 0 ? SHEAR_INTERP_BILINEAR : s->method;
     double f[2] = {0.0, 0.0};
     double e[2] = {0.0, 0.0};
     for (int row = 0; row <= (u > 0.0); row++) {
@@ -141,7 +143,8 @@ static double surface_at(const surface *s, int x, int y, double t, double u) {
 }
 
 /* What is interpolated: the pixels, or their logarithms with zeros as the policy says. */
-static double *prepare(const double *pixels, size_t n, int method, int zeros, double pedestal) {
+static double *prepare(const double *pixels, size_t n, enum shear_interpolation method,
+                       enum shear_zeros zeros, double pedestal) {
     double *out = numbers(n);
     double peak = 0.0;
     bool has_zero = false;
@@ -157,8 +160,9 @@ static double *prepare(const double *pixels, size_t n, int method, int zeros, do
     return out;
 }
 
-double *oracle_interpolate(const double *pixels, int nx, int ny, int interpolation, int s,
-                           int zeros, double pedestal) {
+double *oracle_interpolate(const double *pixels, int nx, int ny,
+                           enum shear_interpolation interpolation, int s, enum shear_zeros zeros,
+                           double pedestal) {
     const size_t n = (size_t)nx * (size_t)ny;
     double *slopes = numbers(4 * n);
     surface surf = {.method = interpolation,

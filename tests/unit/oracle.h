@@ -7,8 +7,9 @@
 #include "shear/plan.h"
 
 /* The fine image [ny s][nx s] of pixels [ny][nx], malloc'd. */
-double *oracle_interpolate(const double *pixels, int nx, int ny, int interpolation, int s,
-                           int zeros, double pedestal);
+double *oracle_interpolate(const double *pixels, int nx, int ny,
+                           enum shear_interpolation interpolation, int s, enum shear_zeros zeros,
+                           double pedestal);
 
 /* The border filter at fine pixel (x, y) of a stamp of nx x ny pixels, s fine ones a pixel. */
 double oracle_filter(int nx, int ny, int s, int x, int y, double core, double width);

@@ -321,7 +321,7 @@ static void reasons_have_names(void **state) {
                                         "same_stamps", "no_signal",      "swapped",
                                         "too_narrow",  "no_symmetry",    "not_finite"};
     (void)state;
-    for (int why = SHEAR_HAS_SHEAR; why <= SHEAR_NOT_FINITE; why++) {
+    for (enum shear_no_shear why = SHEAR_HAS_SHEAR; why <= SHEAR_NOT_FINITE; why++) {
         const char *name = sheard_no_shear_name(why);
         if (names[why] == NULL) {
             assert_null(name);
@@ -334,7 +334,7 @@ static void reasons_have_names(void **state) {
     }
     assert_int_equal(sheard_no_shear_of("other"), SHEAR_HAS_SHEAR);
     assert_null(sheard_no_shear_name(SHEAR_NOT_FINITE + 1));
-    assert_null(sheard_no_shear_name(-1));
+    assert_null(sheard_no_shear_name((enum shear_no_shear) - 1));
 }
 
 static void reasons_in_words(void **state) {

@@ -12,7 +12,7 @@
 
 static char text[SHEARD_ADVICE_SIZE];
 
-static const char *filter_advice(double removed, double error, int filter) {
+static const char *filter_advice(double removed, double error, enum shear_filter filter) {
     shear_result r = {.filter_removed = removed, .filter_removed_err = error};
     shear_plan_info plan = {.filter = filter, .core_px = 20.0};
     return sheard_advice_filter(&r, &plan, text, sizeof text);
@@ -35,11 +35,11 @@ static void filter_warns_above_one_percent_and_three_errors(void **state) {
 }
 
 /* 10 x 10 px and a mean flux of 100: 2 % of the flux is 0.02 a pixel. */
-static shear_plan_info small_plan(int filter) {
+static shear_plan_info small_plan(enum shear_filter filter) {
     return (shear_plan_info){.geometry = {.nx = 10, .ny = 10}, .filter = filter};
 }
 
-static const char *bright_advice(double excess, double error, int filter) {
+static const char *bright_advice(double excess, double error, enum shear_filter filter) {
     shear_result r = {.border_excess = excess, .border_excess_err = error, .mean_flux = 100.0};
     shear_plan_info plan = small_plan(filter);
     return sheard_advice_bright_border(&r, &plan, text, sizeof text);
@@ -57,7 +57,8 @@ static void bright_border_warns(void **state) {
     assert_null(bright_advice(1.0, 0.0, SHEAR_FILTER_EDGE));
 }
 
-static const char *rough_advice(double rough, double error, double noise, int filter) {
+static const char *rough_advice(double rough, double error, double noise,
+                                enum shear_filter filter) {
     shear_result r = {.border_rough = rough,
                       .border_rough_err = error,
                       .border_noise_var = noise,

@@ -22,7 +22,8 @@ static void check_image(const double *image, int kind, int64_t i, int nx, int ny
     }
 }
 
-static void check_psf(const shear_block *b, const shear_field_spec *s, int psf_layout, int k) {
+static void check_psf(const shear_block *b, const shear_field_spec *s,
+                      enum shear_psf_layout psf_layout, int k) {
     const int64_t i = b->stamps.first + k;
     const shear_geometry *g = &s->geometry;
     if (psf_layout == SHEAR_PSF_ONE) {
@@ -66,7 +67,8 @@ static void check_columns(const shear_block *b, unsigned columns, int k) {
 }
 
 /* Read the file in chunks of `chunk` stamps. */
-static void check_stamps(shear_field *field, const shear_field_spec *s, int psf_layout, int chunk) {
+static void check_stamps(shear_field *field, const shear_field_spec *s,
+                         enum shear_psf_layout psf_layout, int chunk) {
     shear_error err = {0};
     shear_block *b = NULL;
     const shear_geometry *g = &s->geometry;
@@ -96,7 +98,8 @@ static void check_stamps(shear_field *field, const shear_field_spec *s, int psf_
     shear_block_free(b);
 }
 
-static void check_info(const shear_field_info *info, const shear_field_spec *s, int psf_layout) {
+static void check_info(const shear_field_info *info, const shear_field_spec *s,
+                       enum shear_psf_layout psf_layout) {
     assert_memory_equal(&info->geometry, &s->geometry, sizeof info->geometry);
     assert_int_equal(info->n_stamps, s->n_stamps);
     assert_int_equal(info->n_psf, s->n_psf);
@@ -109,7 +112,7 @@ static void check_info(const shear_field_info *info, const shear_field_spec *s, 
     assert_false(info->gzipped);
 }
 
-static void round_trip(const shear_field_spec *s, int psf_layout) {
+static void round_trip(const shear_field_spec *s, enum shear_psf_layout psf_layout) {
     static const int chunks[] = {1, 3, 7, 16};
     const char *path = fixture_path("round.fits");
     shear_error err = {0};
@@ -137,7 +140,7 @@ static void every_layout(void **state) {
     static const struct {
         int64_t n_psf;
         unsigned column;
-        int layout;
+        enum shear_psf_layout layout;
     } psfs[] = {{1, 0, SHEAR_PSF_ONE},
                 {1, SHEAR_COL_PSF_ID, SHEAR_PSF_ONE},
                 {10, 0, SHEAR_PSF_PER_STAMP},
@@ -181,7 +184,8 @@ static void odd_and_extreme_shapes(void **state) {
     static const int sides[][2] = {{8, 8},   {9, 8},    {8, 9},   {13, 11},
                                    {64, 63}, {1024, 8}, {8, 1024}};
     for (size_t i = 0; i < sizeof sides / sizeof sides[0]; i++) {
-        for (int layout = 0; layout < 2; layout++) {
+        for (enum shear_layout layout = SHEAR_LAYOUT_CUBE; layout <= SHEAR_LAYOUT_MOSAIC;
+             layout++) {
             shear_field_spec s = fixture_spec();
             s.geometry.nx = sides[i][0];
             s.geometry.ny = sides[i][1];

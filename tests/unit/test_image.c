@@ -15,8 +15,8 @@
 enum { MAX_POINTS = 128 * 128 };
 
 /* The fine image of pixels [ny][nx]; false where a log method meets a negative one. */
-static bool refine(const double *pixels, int nx, int ny, int method, int s, int zeros,
-                   double pedestal, double *fine, int *bad_x, int *bad_y) {
+static bool refine(const double *pixels, int nx, int ny, enum shear_interpolation method, int s,
+                   enum shear_zeros zeros, double pedestal, double *fine, int *bad_x, int *bad_y) {
     image_grid grid;
     image im;
     static double strip[MAX_POINTS];
@@ -38,8 +38,8 @@ static bool refine(const double *pixels, int nx, int ny, int method, int s, int 
     return good;
 }
 
-static void refine_good(const double *pixels, int nx, int ny, int method, int s, int zeros,
-                        double pedestal, double *fine) {
+static void refine_good(const double *pixels, int nx, int ny, enum shear_interpolation method,
+                        int s, enum shear_zeros zeros, double pedestal, double *fine) {
     int x;
     int y;
     assert_true(refine(pixels, nx, ny, method, s, zeros, pedestal, fine, &x, &y));
@@ -144,10 +144,14 @@ static void test_logs(void **state) {
     for (int i = 0; i < NX * NY; i++) {
         logs[i] = log(a[i] + 0.25);
     }
+    static const enum shear_interpolation methods[] = {SHEAR_INTERP_BILINEAR, SHEAR_INTERP_BICUBIC,
+                                                       SHEAR_INTERP_SPLINE};
+    static const enum shear_interpolation log_methods[] = {
+        SHEAR_INTERP_LOG_BILINEAR, SHEAR_INTERP_LOG_BICUBIC, SHEAR_INTERP_LOG_SPLINE};
     for (int m = 0; m < 3; m++) {
-        for (int zeros = 0; zeros < 2; zeros++) {
-            refine_good(a, NX, NY, SHEAR_INTERP_LOG_BILINEAR + m, S, zeros, 0.25, fine);
-            refine_good(logs, NX, NY, SHEAR_INTERP_BILINEAR + m, S, 0, 0.0, fine_logs);
+        for (enum shear_zeros zeros = SHEAR_ZEROS_SKIP; zeros <= SHEAR_ZEROS_FLOOR; zeros++) {
+            refine_good(a, NX, NY, log_methods[m], S, zeros, 0.25, fine);
+            refine_good(logs, NX, NY, methods[m], S, 0, 0.0, fine_logs);
             for (int i = 0; i < NX * NY * S * S; i++) {
                 assert_near(fine[i], exp(fine_logs[i]) - 0.25, 1e-14, 1.0, "log");
             }
@@ -164,7 +168,8 @@ static void test_strips_and_parts(void **state) {
     static double fine[MAX_POINTS];
     double part[NY * S * FFT_LANES];
     draw(a, NX * NY, 4);
-    for (int method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE; method++) {
+    for (enum shear_interpolation method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE;
+         method++) {
         for (int holes = 0; holes < 2; holes++) {
             a[20] = holes != 0 ? 0.0 : 0.5;
             double *expected = oracle_interpolate(a, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0);
@@ -242,7 +247,8 @@ static void test_zero_row(void **state) {
     for (int x = 0; x < NX; x++) {
         a[CUT * NX + x] = 0.0;
     }
-    for (int method = SHEAR_INTERP_LOG_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE; method++) {
+    for (enum shear_interpolation method = SHEAR_INTERP_LOG_BILINEAR;
+         method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         refine_good(a, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0, fine);
         refine_good(a, NX, CUT, method, S, SHEAR_ZEROS_SKIP, 0.0, part);
         for (int i = 0; i <= (CUT - 1) * S * NX * S + NX * S - 1; i++) {
@@ -264,7 +270,8 @@ static void test_isolated_pixel(void **state) {
     double a[81] = {0};
     static double fine[MAX_POINTS];
     a[4 * 9 + 3] = 7.0;
-    for (int method = SHEAR_INTERP_LOG_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE; method++) {
+    for (enum shear_interpolation method = SHEAR_INTERP_LOG_BILINEAR;
+         method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         refine_good(a, 9, 9, method, 4, SHEAR_ZEROS_SKIP, 0.0, fine);
         for (int i = 0; i < 36 * 36; i++) {
             assert_near(fine[i], i == 16 * 36 + 12 ? 7.0 : 0.0, 1e-15, 7.0, "alone");
@@ -287,7 +294,8 @@ static void test_floor(void **state) {
         a[i] = i % 7 == 0 ? 0.0 : a[i];
         b[i] = i % 7 == 0 ? 3e-12 : a[i];
     }
-    for (int method = SHEAR_INTERP_LOG_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE; method++) {
+    for (enum shear_interpolation method = SHEAR_INTERP_LOG_BILINEAR;
+         method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         refine_good(a, N, N, method, S, SHEAR_ZEROS_FLOOR, 0.0, fine);
         refine_good(b, N, N, method, S, SHEAR_ZEROS_SKIP, 0.0, expected);
         for (int i = 0; i < N * N * S * S; i++) {
@@ -309,8 +317,9 @@ static void test_constant(void **state) {
     for (int i = 0; i < 64; i++) {
         a[i] = -0.375;
     }
-    for (int method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE; method++) {
-        for (int zeros = 0; zeros < 2; zeros++) {
+    for (enum shear_interpolation method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE;
+         method++) {
+        for (enum shear_zeros zeros = SHEAR_ZEROS_SKIP; zeros <= SHEAR_ZEROS_FLOOR; zeros++) {
             refine_good(a, 8, 8, method, 8, zeros, 0.5, fine);
             for (int i = 0; i < 64 * 64; i++) {
                 assert_near(fine[i], -0.375, 1e-15, 1.0, "constant");
@@ -331,7 +340,8 @@ static void test_negative(void **state) {
     draw(a, 72, 8);
     a[5 * 9 + 2] = -0.125;
     a[6 * 9 + 1] = -0.0625;
-    for (int method = SHEAR_INTERP_LOG_BILINEAR; method <= SHEAR_INTERP_LOG_SPLINE; method++) {
+    for (enum shear_interpolation method = SHEAR_INTERP_LOG_BILINEAR;
+         method <= SHEAR_INTERP_LOG_SPLINE; method++) {
         int x = -1;
         int y = -1;
         assert_false(refine(a, 9, 8, method, 2, SHEAR_ZEROS_SKIP, 0.0, fine, &x, &y));
@@ -340,7 +350,8 @@ static void test_negative(void **state) {
         assert_true(refine(a, 9, 8, method, 2, SHEAR_ZEROS_FLOOR, 0.125, fine, &x, &y));
     }
     int none;
-    for (int method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_SPLINE; method++) {
+    for (enum shear_interpolation method = SHEAR_INTERP_BILINEAR; method <= SHEAR_INTERP_SPLINE;
+         method++) {
         assert_true(refine(a, 9, 8, method, 2, SHEAR_ZEROS_SKIP, 0.0, fine, &none, &none));
     }
 }

@@ -197,14 +197,15 @@ static void test_words(void **state) {
 static void test_names(void **state) {
     (void)state;
     assert_string_equal(shear_interpolation_name(SHEAR_INTERP_LOG_BICUBIC), "log-bicubic");
-    assert_string_equal(shear_interpolation_name(-1), "unknown");
+    assert_string_equal(shear_interpolation_name((enum shear_interpolation) - 1), "unknown");
     assert_string_equal(shear_interpolation_name(9), "unknown");
     assert_string_equal(shear_filter_name(SHEAR_FILTER_EDGE), "edge");
     assert_string_equal(shear_filter_name(4), "r-gal");
     assert_string_equal(shear_filter_name(5), "unknown");
     for (int i = -1; i < 10; i++) {
-        assert_int_equal(shear_interpolation_is_log(i),
-                         strncmp(shear_interpolation_name(i), "log-", 4) == 0);
+        assert_int_equal(
+            shear_interpolation_is_log((enum shear_interpolation)i),
+            strncmp(shear_interpolation_name((enum shear_interpolation)i), "log-", 4) == 0);
     }
 }
 

@@ -169,7 +169,7 @@ static void get_name(reading *r, char out[72]) {
 }
 
 /* A name that this version does not know, or none, counts as the mean. */
-static int get_estimator(reading *r) {
+static enum shear_estimator get_estimator(reading *r) {
     char *text = NULL;
     if (r->rc == SHEAR_OK) {
         r->rc = sf_key_string(r->cards, "ESTIMAT", &text, r->err);

@@ -9,7 +9,7 @@
 
 typedef struct sf_stamps {
     sf_image image;
-    int layout;      /* enum shear_layout */
+    enum shear_layout layout;
     int nx, ny;      /* of a stamp */
     int64_t columns; /* stamps in a row of the mosaic */
     int64_t n;

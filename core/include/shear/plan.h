@@ -35,23 +35,24 @@ enum shear_noise_band {
     SHEAR_NOISE_BAND_CORNERS   /* |k| >= Nyquist, the corners of the plane of modes */
 };
 
-const char *shear_noise_band_name(int band); /* "none", "high" or "corners"; never NULL */
+const char *
+shear_noise_band_name(enum shear_noise_band band); /* "none", "high" or "corners"; never NULL */
 
 /* What the plan decided; all lengths in galaxy pixels, k in radians per galaxy pixel. */
 typedef struct shear_plan_info {
     shear_geometry geometry;
-    int interpolation;     /* never AUTO */
-    int oversample;        /* s of the galaxy's fine grid; 1 for none */
-    int psf_oversample;    /* samples per galaxy pixel at which the PSF is transformed */
-    int fine_nx, fine_ny;  /* nx s, ny s */
-    double r_psf_px;       /* PSF scale radius */
-    double beta_px;        /* target scale radius */
-    int filter;            /* PAPER, EDGE or NONE; an explicit core counts as PAPER */
-    bool filter_per_stamp; /* PAPER, and the core follows each stamp's R_GAL */
-    double core_px;        /* NaN for none or per stamp */
-    bool core_found;       /* the core is the smallest that leaves the file's own galaxies whole */
-    double width_px;       /* NaN for none */
-    int noise_band;        /* where the noise level is read off: enum shear_noise_band */
+    enum shear_interpolation interpolation; /* never AUTO */
+    int oversample;                         /* s of the galaxy's fine grid; 1 for none */
+    int psf_oversample;       /* samples per galaxy pixel at which the PSF is transformed */
+    int fine_nx, fine_ny;     /* nx s, ny s */
+    double r_psf_px;          /* PSF scale radius */
+    double beta_px;           /* target scale radius */
+    enum shear_filter filter; /* PAPER, EDGE or NONE; an explicit core counts as PAPER */
+    bool filter_per_stamp;    /* PAPER, and the core follows each stamp's R_GAL */
+    double core_px;           /* NaN for none or per stamp */
+    bool core_found; /* the core is the smallest that leaves the file's own galaxies whole */
+    double width_px; /* NaN for none */
+    enum shear_noise_band noise_band; /* where the noise level is read off */
     double k_cut; /* modes at |k| >= k_cut are left out; for a plan without PSF, the grid's limit */
     shear_psf_summary psf; /* what the PSF looked like; of several: shear_plan_note_psfs */
 } shear_plan_info;

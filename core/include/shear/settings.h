@@ -78,34 +78,34 @@ enum shear_estimator {
 };
 
 typedef struct shear_settings {
-    int preset;             /* enum shear_preset: where the others began */
-    int interpolation;      /* enum shear_interpolation */
-    int oversample;         /* s, a power of two; 0 = smallest with 1/s < R_PSF/4 */
-    double beta_px;         /* scale radius of the target PSF; NaN = by the two below */
-    double beta_ratio;      /* beta / R_PSF where beta_px is NaN ... */
-    double beta_floor_px;   /* ... but at least this; 0 = no floor */
-    int filter;             /* enum shear_filter */
-    double core_px;         /* R_core; NaN = by the filter's rule */
-    double width_px;        /* R_width; NaN = by the filter's rule */
-    int background;         /* enum shear_background: what the filter does not see */
-    int zeros;              /* enum shear_zeros */
+    enum shear_preset preset; /* where the others began */
+    enum shear_interpolation interpolation;
+    int oversample;       /* s, a power of two; 0 = smallest with 1/s < R_PSF/4 */
+    double beta_px;       /* scale radius of the target PSF; NaN = by the two below */
+    double beta_ratio;    /* beta / R_PSF where beta_px is NaN ... */
+    double beta_floor_px; /* ... but at least this; 0 = no floor */
+    enum shear_filter filter;
+    double core_px;                   /* R_core; NaN = by the filter's rule */
+    double width_px;                  /* R_width; NaN = by the filter's rule */
+    enum shear_background background; /* what the filter does not see */
+    enum shear_zeros zeros;
     double pedestal;        /* added before the log and taken off after the exp; 0 = none */
     double psf_threshold;   /* modes with |W|^2 below this part of its peak hold no information */
     double power_tolerance; /* largest part of the target's power that may lie beyond the cut */
     bool noise_correction;  /* subtract the noise stamp's moments */
-    int noise_level;        /* enum shear_noise_level: of the galaxy stamps */
-    int shot_noise;         /* enum shear_shot_noise */
-    int estimator;          /* enum shear_estimator */
-    int artefacts;          /* enum shear_artefacts */
-    double bad_value;       /* pixels that are this count as not finite; NaN = none are */
+    enum shear_noise_level noise_level; /* of the galaxy stamps */
+    enum shear_shot_noise shot_noise;
+    enum shear_estimator estimator;
+    enum shear_artefacts artefacts;
+    double bad_value; /* pixels that are this count as not finite; NaN = none are */
 } shear_settings;
 
 enum shear_setting_type { SHEAR_T_CHOICE, SHEAR_T_INT, SHEAR_T_DOUBLE, SHEAR_T_BOOL };
 
 typedef struct shear_setting_def {
-    const char *name;           /* long name, as in --name and in JSON: "beta-ratio" */
-    const char *keyword;        /* FITS keyword, at most 8 characters: "BETARAT" */
-    int type;                   /* enum shear_setting_type */
+    const char *name;    /* long name, as in --name and in JSON: "beta-ratio" */
+    const char *keyword; /* FITS keyword, at most 8 characters: "BETARAT" */
+    enum shear_setting_type type;
     size_t offset;              /* of the member in shear_settings */
     const char *const *choices; /* SHEAR_T_CHOICE: NULL-terminated names, in the enum's order */
     double min, max;            /* inclusive range of numbers */
@@ -148,21 +148,21 @@ char *shear_settings_format(const shear_settings *s, const shear_setting_def *de
 int shear_settings_check(const shear_settings *s, shear_error *err);
 
 /* The name of an enum value, from the table's choices. Never NULL. */
-const char *shear_interpolation_name(int interpolation);
-const char *shear_filter_name(int filter);
-const char *shear_estimator_name(int estimator);
+const char *shear_interpolation_name(enum shear_interpolation interpolation);
+const char *shear_filter_name(enum shear_filter filter);
+const char *shear_estimator_name(enum shear_estimator estimator);
 
 /* Is the estimator one that needs the terms of every stamp (shear/symmetry.h)? */
-bool shear_estimator_is_symmetric(int estimator);
+bool shear_estimator_is_symmetric(enum shear_estimator estimator);
 
 /* Does the filter see a background that both stamps have? Only with background = keep, and not
  * with pdf-sym-cross, whose cross terms would not average out over one. */
 bool shear_settings_keep_background(const shear_settings *s);
 
 /* True for auto and paper, which choose one of the others by the PSF. */
-bool shear_interpolation_is_rule(int interpolation);
+bool shear_interpolation_is_rule(enum shear_interpolation interpolation);
 
 /* True for the three methods that interpolate ln(pixel). */
-bool shear_interpolation_is_log(int interpolation);
+bool shear_interpolation_is_log(enum shear_interpolation interpolation);
 
 #endif

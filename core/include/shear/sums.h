@@ -14,6 +14,7 @@
 #define SHEAR_SUMS_H
 
 #include "shear/error.h"
+#include "shear/settings.h"
 #include "shear/stamp.h"
 
 #include <stdbool.h>
@@ -139,8 +140,8 @@ enum shear_no_shear {
  * noise N_i) / sum w (D + (1 - alpha) noise D). 1 where it cannot be known. */
 typedef struct shear_result {
     bool valid;
-    int why;       /* enum shear_no_shear */
-    int estimator; /* enum shear_estimator (shear/settings.h) */
+    enum shear_no_shear why;
+    enum shear_estimator estimator;
     double g1, g2;
     double g1_err, g2_err; /* 1 sigma: delta method, or jackknife where it was asked for, or the
                               symmetry's own */

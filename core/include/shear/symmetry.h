@@ -78,7 +78,7 @@ int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, s
 
 /* A field's result by the estimator that is asked for (enum shear_estimator): shear_field_result
  * and, of `terms` (NULL for the mean), shear_symmetry_solve. On error *out is that of the sums. */
-int shear_estimate(int estimator, const shear_field_sums *sums, const shear_symmetry *terms,
-                   shear_result *out, shear_error *err);
+int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
+                   const shear_symmetry *terms, shear_result *out, shear_error *err);
 
 #endif

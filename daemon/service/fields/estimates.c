@@ -17,7 +17,7 @@ enum { KEPT = 1024 };
 /* What is known of a field. */
 typedef struct solution {
     char *name, *digest;
-    int estimator;
+    enum shear_estimator estimator;
     struct solution *older, *newer; /* by when somebody asked for it last */
     int64_t asked;                  /* ... in askings */
     struct solution *next;          /* in the queue */
@@ -46,7 +46,7 @@ typedef struct asked {
 typedef struct task {
     uv_work_t work; /* its data: the service */
     solution *what; /* NULL: none is */
-    int estimator;
+    enum shear_estimator estimator;
     shear_field_sums *sums;
     shear_symmetry *terms;
     int code;
@@ -267,7 +267,7 @@ static void solved(uv_work_t *work, int status) {
 
 /* ---- asking ---- */
 
-static int estimator_of(const store_field *f) {
+static enum shear_estimator estimator_of(const store_field *f) {
     shear_settings settings;
     return sheard_settings_read(&settings, f->settings, NULL) == SHEAR_OK ? settings.estimator
                                                                           : SHEAR_ESTIMATOR_MEAN;
@@ -278,7 +278,7 @@ static int estimator_of(const store_field *f) {
  * that. False: out of memory. */
 static bool want(service *s, const store_field *f, solution **out) {
     solutions *all = s->solutions;
-    const int estimator = estimator_of(f);
+    const enum shear_estimator estimator = estimator_of(f);
     *out = NULL;
     if (f->jobs == 0 || !shear_estimator_is_symmetric(estimator)) {
         return true;

@@ -82,8 +82,8 @@ typedef struct shear_mock_spec {
     double photon_snr;    /* surface brightness, galaxy over background, where photons > 0 */
     bool subtract_background; /* take the mean background off the counted photons */
     /* file */
-    char field[72];   /* FIELD; "" = the file's base name */
-    int layout;       /* enum shear_layout */
+    char field[72]; /* FIELD; "" = the file's base name */
+    enum shear_layout layout;
     int bitpix;       /* -32 or -64 */
     bool write_r_gal; /* CATALOG has R_GAL = R_G */
 } shear_mock_spec;
@@ -136,7 +136,7 @@ typedef struct shear_mock shear_mock;
 typedef struct shear_mock_info {
     shear_geometry geometry;
     int64_t n_stamps, n_galaxies, n_psf;
-    int psf_layout;         /* enum shear_psf_layout */
+    enum shear_psf_layout psf_layout;
     int max_points;         /* a galaxy has at most so many */
     double psf_peak;        /* W(0): 1 for W_A, 1.029 for W_B */
     double psf_flux;        /* integral of W over the plane, px^2 */

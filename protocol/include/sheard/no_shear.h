@@ -11,13 +11,13 @@
 
 /* "too_few_stamps", "no_weight", "same_stamps", "no_signal", "swapped", "too_narrow",
  * "no_symmetry", "not_finite": names that stay. NULL where there is a shear. */
-const char *sheard_no_shear_name(int why);
+const char *sheard_no_shear_name(enum shear_no_shear why);
 /* Back again; SHEAR_HAS_SHEAR for NULL and what is no such name. */
-int sheard_no_shear_of(const char *name);
+enum shear_no_shear sheard_no_shear_of(const char *name);
 
 /* In a few words, without numbers; static. NULL where there is a shear. Of the enum alone, and of
  * a result, which also tells whether one stamp spoils the others. */
-const char *sheard_no_shear_words(int why);
+const char *sheard_no_shear_words(enum shear_no_shear why);
 const char *sheard_no_shear_brief(const shear_result *r);
 /* The cause with its numbers, and what to do. Each writes into buf and returns it. */
 const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size);
