@@ -89,7 +89,7 @@ static int interpolate(const struct request *r, int method, const struct image *
         *fine = (struct image){steps.fine_nx, steps.fine_ny, steps.galaxy_fine};
         steps.galaxy_fine = NULL;
     }
-    shear_inspection_free(&steps);
+    shear_inspection_deinit(&steps);
     sampler_free(s);
     return code;
 }

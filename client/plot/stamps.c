@@ -106,7 +106,7 @@ int plot_stamp_read(plot_stamp *stamp, plot_bench *b, int64_t index, shear_error
 }
 
 void plot_stamp_deinit(plot_stamp *stamp) {
-    shear_inspection_free(&stamp->steps);
+    shear_inspection_deinit(&stamp->steps);
     *stamp = (plot_stamp){0};
 }
 

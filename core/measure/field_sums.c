@@ -100,7 +100,7 @@ void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g) {
     f->top = larger(f->top, g->top);
 }
 
-void shear_field_sums_leave(shear_field_sums *f, const shear_field_sums *g) {
+void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g) {
     f->n_stamps -= g->n_stamps;
     f->n_used -= g->n_used;
     for (int i = 0; i < SHEAR_N_FLAGS; i++) {

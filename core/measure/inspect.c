@@ -18,7 +18,7 @@ static bool allocate(shear_inspection *out) {
            out->power != NULL && out->target_power != NULL && out->transfer != NULL;
 }
 
-void shear_inspection_free(shear_inspection *out) {
+void shear_inspection_deinit(shear_inspection *out) {
     if (out != NULL) {
         free(out->galaxy_fine);
         free(out->noise_fine);
@@ -122,7 +122,7 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
         code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an inspection");
     }
     if (code != SHEAR_OK) {
-        shear_inspection_free(out);
+        shear_inspection_deinit(out);
         return code;
     }
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;

@@ -182,8 +182,8 @@ static int resolve_radii(const shear_settings *set, shear_plan_info *info,
     const shear_geometry *g = &request->geometry;
     shear_psf_quality quality = {.r_psf_px = request->r_psf_px};
     const int code = request->psf == NULL ? SHEAR_OK
-                                          : shear_psf_look(&quality, request->psf, g->psf_nx,
-                                                           g->psf_ny, g->psf_oversample, err);
+                                          : shear_psf_examine(&quality, request->psf, g->psf_nx,
+                                                              g->psf_ny, g->psf_oversample, err);
     info->r_psf_px = quality.r_psf_px;
     if (code != SHEAR_OK) {
         return code;

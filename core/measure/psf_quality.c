@@ -266,8 +266,8 @@ static double sum_of(const view *v, double *lowest) {
     return sum;
 }
 
-int shear_psf_look(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
-                   shear_error *err) {
+int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
+                      shear_error *err) {
     static const double sigmas = 6.0; /* of a negative sample that is more than noise */
     *q = (shear_psf_quality){.r_psf_px = NAN};
     if (shear_psf_usable(psf, nx, ny, err) != SHEAR_OK ||

@@ -245,7 +245,7 @@ static int keep_rows(void *self, int64_t first, int count, const shear_row *rows
 }
 
 static int measure_planned(shear_result *result, array_source *s, const shear_plan *plan,
-                           shear_turn_size size, const shear_arrays_options *options,
+                           shear_unit_size size, const shear_arrays_options *options,
                            shear_error *err) {
     const team_job job = {
         .info = &s->info,
@@ -296,7 +296,7 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
         return code;
     }
     const int threads = team_threads(o->threads);
-    const shear_turn_size size = shear_turn_size_for(&source.info, threads);
+    const shear_unit_size size = shear_unit_size_for(&source.info, threads);
     code = init_slots(&source, threads, size.stamps, err);
     if (code == SHEAR_OK) {
         code = make_plan(&plan, &source, settings, size.stamps, err);

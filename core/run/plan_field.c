@@ -24,8 +24,8 @@ static int look_at_some(shear_psf_source psfs, const shear_field_info *info, dou
         if (code != SHEAR_OK) {
             return code;
         }
-        const bool usable = shear_psf_look(&each[request->n_psfs], psf, g->psf_nx, g->psf_ny,
-                                           g->psf_oversample, &why) == SHEAR_OK;
+        const bool usable = shear_psf_examine(&each[request->n_psfs], psf, g->psf_nx, g->psf_ny,
+                                              g->psf_oversample, &why) == SHEAR_OK;
         request->n_psfs += usable;
         request->n_unusable += !usable;
     }
@@ -111,7 +111,7 @@ static int sample_file(shear_plan_request *request, shear_field *field, shear_er
     if (!shear_plan_wants_core(request)) {
         return SHEAR_OK;
     }
-    const shear_turn_size size = shear_turn_size_for(info, 1);
+    const shear_unit_size size = shear_unit_size_for(info, 1);
     const int capacity = size.stamps < SHEAR_BLOCK ? size.stamps : SHEAR_BLOCK;
     int code = shear_block_new(&slot.block, info, capacity, err);
     if (code == SHEAR_OK) {

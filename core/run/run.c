@@ -103,7 +103,7 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
                      bool jackknife, shear_run_report *report, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const int threads = team_threads(options->threads);
-    const shear_turn_size size = shear_turn_size_for(info, threads);
+    const shear_unit_size size = shear_unit_size_for(info, threads);
     int code = run_init(r, field, settings, options, threads, size.stamps, err);
     if (code != SHEAR_OK) {
         return code;

@@ -10,7 +10,7 @@ typedef struct team_job {
     const shear_plan *plan;
     shear_source source; /* has a slot for every thread */
     shear_sink sink;
-    shear_turn_size size;
+    shear_unit_size size;
     int threads;
     bool jackknife; /* keep the sums of all blocks */
     bool terms;     /* keep the stamps' terms, even where the estimator needs none */

@@ -35,7 +35,7 @@ struct shear_work {
 
 struct shear_worker {
     int slot;
-    shear_turn_size size;
+    shear_unit_size size;
     shear_workspace *ws;
     shear_row *rows;        /* [size.stamps] */
     shear_block_sums *sums; /* [size.blocks] of the turn under way */
@@ -49,14 +49,14 @@ typedef struct turn {
     int64_t first, end; /* its stamps */
 } turn;
 
-shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads) {
+shear_unit_size shear_unit_size_for(const shear_field_info *info, int threads) {
     const int stamps = 1 + (info->noise_planes > 1 ? info->noise_planes : 1);
     const double pair_pixels = (double)stamps * info->geometry.nx * info->geometry.ny;
     const double fit = fmax(1.0, floor(pixels_at_once / pair_pixels));
     const double blocks = fmax(1.0, floor(fit / SHEAR_BLOCK));
     const double share = fmax(1.0, ceil((double)info->n_stamps / SHEAR_BLOCK / (4.0 * threads)));
     const double taken = fmin(blocks, share);
-    return (shear_turn_size){.blocks = (int)taken, .stamps = (int)fmin(fit, taken * SHEAR_BLOCK)};
+    return (shear_unit_size){.blocks = (int)taken, .stamps = (int)fmin(fit, taken * SHEAR_BLOCK)};
 }
 
 static bool wants_terms(const shear_work_spec *spec) {
@@ -100,7 +100,7 @@ void shear_work_free(shear_work *work) {
     free(work);
 }
 
-int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size size, int slot,
+int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_unit_size size, int slot,
                      shear_error *err) {
     shear_worker *worker = calloc(1, sizeof *worker);
     *out = NULL;
@@ -120,7 +120,7 @@ int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_turn_size
     return SHEAR_OK;
 }
 
-int64_t shear_worker_bytes(const shear_plan *plan, shear_turn_size size) {
+int64_t shear_worker_bytes(const shear_plan *plan, shear_unit_size size) {
     return shear_workspace_bytes(plan) +
            (int64_t)((size_t)size.stamps * sizeof(shear_row) +
                      (size_t)size.blocks * sizeof(shear_block_sums) + sizeof(shear_worker));
@@ -289,7 +289,7 @@ shear_work_status shear_work_get_status(shear_work *work) {
     shear_work_status status = {.stamps_total = work->spec.info->n_stamps};
     pthread_mutex_lock(&work->turns);
     status.exhausted = work->stopped || work->next_turn >= work->n_blocks;
-    status.turns_under_way = work->under_way;
+    status.units_under_way = work->under_way;
     pthread_mutex_unlock(&work->turns);
     pthread_mutex_lock(&work->results);
     status.stamps_done = work->done;
@@ -332,15 +332,15 @@ int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
     return code;
 }
 
-int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err) {
+int shear_work_sync(shear_work *work, int64_t next_block, shear_error *err) {
     const shear_sink *sink = &work->spec.sink;
     const int64_t rows = next_block * SHEAR_BLOCK;
     const int64_t all = work->spec.info->n_stamps;
-    if (sink->keep == NULL) {
+    if (sink->sync == NULL) {
         return SHEAR_OK;
     }
     pthread_mutex_lock(&work->sink);
-    const int code = sink->keep(sink->self, rows < all ? rows : all, err);
+    const int code = sink->sync(sink->self, rows < all ? rows : all, err);
     pthread_mutex_unlock(&work->sink);
     return code;
 }

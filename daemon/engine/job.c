@@ -59,7 +59,7 @@ void job_free(job *j) {
     free(j->sums_before);
     shear_work_free(j->work);
     reader_stop(j->reader);
-    shear_catalog_leave(j->catalog); /* for the next attempt, if there is one */
+    shear_catalog_suspend(j->catalog); /* for the next attempt, if there is one */
     shear_field_sums_free(j->before);
     shear_symmetry_free(j->terms_before);
     pthread_mutex_destroy(&j->saving);

@@ -59,7 +59,7 @@ typedef struct job {
     pthread_mutex_t saving; /* held from making a checkpoint to queueing it; guards the next two */
     size_t terms_saved;     /* of the work's: those that a checkpoint has had */
     int64_t terms_block;    /* ... and the block that they end before */
-    shear_turn_size size;
+    shear_unit_size size;
     shear_work *work;
     char checksum[SHEAR_CHECKSUM_SIZE];
     shear_worker **team;      /* [workers], made by each thread when it first comes */

@@ -8,8 +8,8 @@ static int write_rows(void *self, int64_t first, int count, const shear_row *row
     return shear_catalog_write(self, first, count, rows, block, err);
 }
 
-static int keep_rows(void *self, int64_t rows, shear_error *err) {
-    return shear_catalog_keep(self, rows, err);
+static int sync_rows(void *self, int64_t rows, shear_error *err) {
+    return shear_catalog_sync(self, rows, err);
 }
 
 /* The rows before the checkpoint must be there: where they are not, *first_block becomes 0 and the
@@ -105,7 +105,7 @@ int job_begin(job *j, shear_error *err) {
                                   .first_block = first_block,
                                   .sink = {.self = j->catalog,
                                            .write = j->catalog != NULL ? write_rows : NULL,
-                                           .keep = j->catalog != NULL ? keep_rows : NULL}};
+                                           .sync = j->catalog != NULL ? sync_rows : NULL}};
     return shear_work_new(&j->work, &spec, err);
 }
 

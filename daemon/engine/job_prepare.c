@@ -134,7 +134,7 @@ static int prepare(job *j, engine_event *event, shear_error *err) {
     if (code != SHEAR_OK) {
         return code;
     }
-    j->size = shear_turn_size_for(&event->info, j->workers);
+    j->size = shear_unit_size_for(&event->info, j->workers);
     code = reader_map(j->reader, j->workers, j->size.stamps, err);
     if (code != SHEAR_OK) {
         return code;

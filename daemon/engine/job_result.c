@@ -65,7 +65,7 @@ static int make_checkpoint(job *j, engine_event *event, shear_error *err) {
         shear_work_fail(j->work, err);
         return code;
     }
-    code = shear_work_keep(j->work, f.next_block, err);
+    code = shear_work_sync(j->work, f.next_block, err);
     if (code != SHEAR_OK) {
         return code;
     }

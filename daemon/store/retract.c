@@ -60,7 +60,7 @@ static int subtract(store *s, const counted *c, char **packed, shear_error *err)
     if (code != SHEAR_OK) {
         return code;
     }
-    shear_field_sums_leave(field, one);
+    shear_field_sums_subtract(field, one);
     shear_field_sums_set_top(field, top);
     return sums_format_packed(field, packed, err);
 }

@@ -61,7 +61,7 @@ static shear_catalog *resume(const char *path, int64_t rows) {
 
 static void keep(shear_catalog *c, int64_t rows) {
     shear_error err = {0};
-    if (shear_catalog_keep(c, rows, &err) != SHEAR_OK) {
+    if (shear_catalog_sync(c, rows, &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
 }
@@ -146,13 +146,13 @@ static void goes_on_after_a_stop(void **state) {
         write_rows(c, rows, rows + 800, false);
         keep(c, rows + 800);
         keep(c, rows); /* an older word does not take the newer one back */
-        shear_catalog_leave(c);
+        shear_catalog_suspend(c);
         c = resume(path, rows + 800);
     }
     finish(c);
     same_files(path, whole);
     assert_int_equal(fixture_count_files(), before + 2);
-    shear_catalog_leave(NULL);
+    shear_catalog_suspend(NULL);
 }
 
 static void refused(const char *path, const shear_field_info *info, const char *checksum,
@@ -186,18 +186,18 @@ static void what_cannot_be_gone_on_with(void **state) {
     refused(path, &other, sum, 160, SHEAR_E_FORMAT);
     other = catalog_info(N, SHEAR_COL_ID);
     refused(path, &other, sum, 160, SHEAR_E_FORMAT);
-    shear_catalog_leave(resume(path, 160)); /* it was not harmed by all that */
+    shear_catalog_suspend(resume(path, 160)); /* it was not harmed by all that */
     assert_int_equal(truncate(temporary(path), 30000), 0);
     refused(path, &info, sum, 160, SHEAR_E_FORMAT);
     fixture_save(temporary(path), "x", 1);
     refused(path, &info, sum, 160, SHEAR_E_FORMAT);
-    shear_catalog_leave(begin(path)); /* begun anew: no row of before counts */
+    shear_catalog_suspend(begin(path)); /* begun anew: no row of before counts */
     refused(path, &info, sum, 160, SHEAR_E_FORMAT);
     shear_catalog *c = begin(path);
     keep(c, 0);
-    shear_catalog_leave(c);
+    shear_catalog_suspend(c);
     refused(path, &info, sum, 160, SHEAR_E_FORMAT);
-    shear_catalog_leave(resume(path, 0));
+    shear_catalog_suspend(resume(path, 0));
 }
 
 static void forgotten(void **state) {
@@ -207,10 +207,10 @@ static void forgotten(void **state) {
     snprintf(path, sizeof path, "%s", fixture_path("forgotten.fits"));
     write_and_die(path, 0, 160);
     assert_int_equal(access(temporary(path), F_OK), 0);
-    assert_int_equal(shear_catalog_forget(path, &err), SHEAR_OK);
+    assert_int_equal(shear_catalog_discard(path, &err), SHEAR_OK);
     assert_int_not_equal(access(temporary(path), F_OK), 0);
-    assert_int_equal(shear_catalog_forget(path, &err), SHEAR_OK);
-    assert_int_equal(shear_catalog_forget("/nowhere/a.fits", &err), SHEAR_E_IO);
+    assert_int_equal(shear_catalog_discard(path, &err), SHEAR_OK);
+    assert_int_equal(shear_catalog_discard("/nowhere/a.fits", &err), SHEAR_E_IO);
 }
 
 int main(void) {

@@ -314,7 +314,7 @@ static void test_influence(void **state) {
     shear_field_result(read, &r);
     assert_int_equal(r.top_stamp, 77);
     assert_near(r.top_share, 5000.0 * rows[77].weight / r.sum_d, 1e-12, 10.0, "share");
-    shear_field_sums_leave(read, first);
+    shear_field_sums_subtract(read, first);
     shear_field_result(read, &r);
     assert_true(isnan(r.top_share));
     shear_field_sums_set_top(read, (shear_influence){.size = 2.0, .stamp = 200});

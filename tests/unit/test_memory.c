@@ -75,7 +75,7 @@ static void expect_near(const shape *s, const char *what, int64_t said, int64_t 
 }
 
 static void check_worker(const shape *s, const shear_plan *plan) {
-    const shear_turn_size size = {.blocks = 3, .stamps = 48};
+    const shear_unit_size size = {.blocks = 3, .stamps = 48};
     shear_worker *worker = NULL;
     const int64_t before = in_use();
     assert_int_equal(shear_worker_new(&worker, plan, size, 0, NULL), SHEAR_OK);

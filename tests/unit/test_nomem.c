@@ -178,7 +178,7 @@ static int inspect(void *context) {
     int code = shear_workspace_new(&ws, s->plan, NULL);
     if (code == SHEAR_OK) {
         code = shear_inspect(s->plan, ws, &stamps, 0, &in, NULL);
-        shear_inspection_free(&in);
+        shear_inspection_deinit(&in);
     }
     shear_workspace_free(ws);
     return code;

@@ -57,7 +57,7 @@ static double *draw(profile f, int nx, int ny, double r, double dx, double dy) {
 static shear_psf_quality look(const double *psf, int nx, int ny, int oversample) {
     shear_psf_quality q;
     shear_error err = {0};
-    if (shear_psf_look(&q, psf, nx, ny, oversample, &err) != SHEAR_OK) {
+    if (shear_psf_examine(&q, psf, nx, ny, oversample, &err) != SHEAR_OK) {
         fail_msg("%s", err.message);
     }
     return q;
@@ -118,7 +118,7 @@ static void refused(const double *psf, int nx, int ny, const char *message, cons
     shear_error err = {0};
     shear_psf_quality q;
     assert_int_equal(shear_psf_usable(psf, nx, ny, NULL), SHEAR_E_PSF);
-    assert_int_equal(shear_psf_look(&q, psf, nx, ny, 1, &err), SHEAR_E_PSF);
+    assert_int_equal(shear_psf_examine(&q, psf, nx, ny, 1, &err), SHEAR_E_PSF);
     if (strstr(err.message, message) == NULL || strstr(err.advice, advice) == NULL) {
         fail_msg("%s; %s", err.message, err.advice);
     }

@@ -232,11 +232,11 @@ static void check_inspection(int method, bool correction) {
     const bool shown = correction || method < 4;
     assert_true(!shown || fabs(in.noise_fine[3 * s] - b.noise[3]) < 1e-14);
     assert_true(shown || isnan(in.noise_fine[0]));
-    shear_inspection_free(&in);
+    shear_inspection_deinit(&in);
     b.galaxy[0] = NAN;
     assert_int_equal(shear_inspect(plan, ws, &stamps, 0, &in, &err), SHEAR_E_FORMAT);
-    shear_inspection_free(&in);
-    shear_inspection_free(NULL);
+    shear_inspection_deinit(&in);
+    shear_inspection_deinit(NULL);
     shear_workspace_free(ws);
     shear_plan_free(plan);
     batch_deinit(&b);

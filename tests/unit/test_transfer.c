@@ -89,7 +89,7 @@ static void test_first_zero(void **state) {
                     inside(&v, k2) ? exp(-beta2 * k2) / (amplitude * amplitude) : 0.0;
                 assert_near(v.in.transfer[i], expected, 1e-9, expected, "T");
             }
-            shear_inspection_free(&v.in);
+            shear_inspection_deinit(&v.in);
             pair_deinit(&p);
         }
     }
@@ -161,7 +161,7 @@ static void test_cut_is_isotropic(void **state) {
             const double k2 = k2_at(&v, i % v.in.spec_nx, i / v.in.spec_nx, &kx, &ky);
             assert_true((v.in.transfer[i] > 0.0) == (inside(&v, k2) && k2 <= reach2));
         }
-        shear_inspection_free(&v.in);
+        shear_inspection_deinit(&v.in);
         pair_deinit(&p);
     }
 }
@@ -201,7 +201,7 @@ static void test_modes_of_the_same_k(void **state) {
         for (int i = 0; i <= N * N / 2; i++) {
             assert_true(least[i] == INFINITY || (least[i] > 0.0) == (most[i] > 0.0));
         }
-        shear_inspection_free(&v.in);
+        shear_inspection_deinit(&v.in);
         pair_deinit(&p);
     }
 }

@@ -106,7 +106,7 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
         rc = not_usable(c, "its table has another shape", err);
     }
     if (rc != SHEAR_OK) {
-        shear_catalog_leave(c);
+        shear_catalog_suspend(c);
         *catalog = NULL;
         return rc;
     }
@@ -116,7 +116,7 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
 
 /* First the rows, then the word that they are there: a file that was begun anew and never came so
  * far does not have it, whatever a checkpoint of before says. */
-int shear_catalog_keep(shear_catalog *c, int64_t rows, shear_error *err) {
+int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err) {
     const sf_place at = {c->out.name, SF_CATALOG_HDU};
     int status = 0;
     const int rc = sf_output_sync(&c->out, err);
@@ -131,13 +131,13 @@ int shear_catalog_keep(shear_catalog *c, int64_t rows, shear_error *err) {
     return sf_output_sync(&c->out, err);
 }
 
-void shear_catalog_leave(shear_catalog *c) {
+void shear_catalog_suspend(shear_catalog *c) {
     if (c != NULL) {
         sf_output_leave(&c->out);
         shear_catalog_abort(c);
     }
 }
 
-int shear_catalog_forget(const char *path, shear_error *err) {
+int shear_catalog_discard(const char *path, shear_error *err) {
     return sf_output_forget(path, err);
 }

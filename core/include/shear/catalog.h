@@ -31,7 +31,7 @@ void shear_catalog_abort(shear_catalog *c);
 /* ---- catalogs of work that outlives its process ----
  *
  * Their temporary file is called ".NAME.part", stays where the process ends, however it ends, and
- * can be gone on with: rows [0, rows) are there if shear_catalog_keep said so. `checksum` (of the
+ * can be gone on with: rows [0, rows) are there if shear_catalog_sync said so. `checksum` (of the
  * input) and n_stamps tie it to its input; settings and path are the caller's to keep the same. The
  * finished file has the same bytes, whether it was interrupted or not. */
 
@@ -43,11 +43,11 @@ int shear_catalog_begin(shear_catalog **c, const char *path, const shear_field_i
 int shear_catalog_resume(shear_catalog **c, const char *path, const shear_field_info *info,
                          const char *checksum, int64_t rows, shear_error *err);
 /* Bring rows [0, rows), all of which have been written, to disk. */
-int shear_catalog_keep(shear_catalog *c, int64_t rows, shear_error *err);
+int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err);
 /* Close, and let the temporary file stay. NULL is accepted. */
-void shear_catalog_leave(shear_catalog *c);
+void shear_catalog_suspend(shear_catalog *c);
 /* Remove the temporary file of `path`, where there is one. SHEAR_E_IO. */
-int shear_catalog_forget(const char *path, shear_error *err);
+int shear_catalog_discard(const char *path, shear_error *err);
 
 /* Reading one back (for plots and tests). */
 typedef struct shear_catalog_table {

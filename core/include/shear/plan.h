@@ -149,7 +149,8 @@ int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int 
 int shear_psf_radius(const double *psf, int nx, int ny, int oversample, double *r_psf_px,
                      shear_error *err);
 
-/* The steps of one measurement as images, for pictures and teaching. Call shear_inspection_free. */
+/* The steps of one measurement as images, for pictures and teaching. Call shear_inspection_deinit.
+ */
 typedef struct shear_inspection {
     int fine_nx, fine_ny;
     double *galaxy_fine, *noise_fine; /* [fine_ny][fine_nx] interpolated */
@@ -161,6 +162,6 @@ typedef struct shear_inspection {
 } shear_inspection;
 int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_inspection *out, shear_error *err);
-void shear_inspection_free(shear_inspection *out);
+void shear_inspection_deinit(shear_inspection *out);
 
 #endif

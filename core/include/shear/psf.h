@@ -58,8 +58,8 @@ const char *shear_psf_flaw_name(int flaw);
  * advice say which. */
 int shear_psf_usable(const double *psf, int nx, int ny, shear_error *err);
 /* What it tells of itself; SHEAR_E_PSF as above. */
-int shear_psf_look(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
-                   shear_error *err);
+int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, int oversample,
+                      shear_error *err);
 
 /* Of one image, or of several that were looked at. */
 typedef struct shear_psf_summary {

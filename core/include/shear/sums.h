@@ -111,7 +111,7 @@ void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g); /* f
 /* f -= g, exact, where g is among what was joined to f: f is then as if g had never been, but for
  * the stamp that counts most: where that was g's, it is no longer known (size NaN) until
  * shear_field_sums_set_top tells it. */
-void shear_field_sums_leave(shear_field_sums *f, const shear_field_sums *g);
+void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g);
 shear_influence shear_field_sums_top(const shear_field_sums *f);
 void shear_field_sums_set_top(shear_field_sums *f, shear_influence top);
 /* Exact text form (ASCII, versioned, 10 to 30 KiB); *text is malloc'd, the caller frees it. Reading

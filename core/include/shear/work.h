@@ -34,22 +34,22 @@ typedef struct shear_sink {
                  const shear_block *block, shear_error *err);
     /* May be NULL. Bring rows [0, rows) to where they outlive the process. Not while `write` runs.
      */
-    int (*keep)(void *self, int64_t rows, shear_error *err);
+    int (*sync)(void *self, int64_t rows, shear_error *err);
 } shear_sink;
 
 /* How much a thread takes at a time. */
-typedef struct shear_turn_size {
+typedef struct shear_unit_size {
     int blocks; /* whole blocks in a turn */
     int stamps; /* stamps in one read; less than a block for large stamps */
-} shear_turn_size;
+} shear_unit_size;
 /* About 1 MiB of pixels, and never so much that a thread of `threads` would be idle. */
-shear_turn_size shear_turn_size_for(const shear_field_info *info, int threads);
+shear_unit_size shear_unit_size_for(const shear_field_info *info, int threads);
 
 typedef struct shear_work_spec {
     const shear_field_info *info; /* kept by the caller while the work lives, as all below */
     const shear_plan *plan;
     shear_source source;
-    shear_turn_size size;
+    shear_unit_size size;
     int64_t first_block; /* 0, or where a checkpoint left off */
     shear_sink sink;
     shear_jackknife *jackknife; /* or NULL; fed in block order */
@@ -63,10 +63,10 @@ void shear_work_free(shear_work *work); /* no thread may be in it */
 /* One thread's scratch. A worker may serve one work after another that have the same plan and turn
  * size. */
 typedef struct shear_worker shear_worker;
-int shear_worker_new(shear_worker **worker, const shear_plan *plan, shear_turn_size size, int slot,
+int shear_worker_new(shear_worker **worker, const shear_plan *plan, shear_unit_size size, int slot,
                      shear_error *err);
 void shear_worker_free(shear_worker *worker);
-int64_t shear_worker_bytes(const shear_plan *plan, shear_turn_size size); /* what one takes */
+int64_t shear_worker_bytes(const shear_plan *plan, shear_unit_size size); /* what one takes */
 
 /* Take and finish one turn. Thread-safe. Returns false where nothing is left to take, or the work
  * has failed or was stopped; turns of other threads may still be under way. */
@@ -86,7 +86,7 @@ typedef struct shear_work_status {
     int64_t next_block; /* blocks before it are in the joined sums */
     bool complete;      /* all blocks are */
     bool exhausted;     /* nothing is left to take (all taken, stopped or failed) */
-    int turns_under_way;
+    int units_under_way;
     int code; /* of the failed turn that comes first in the file */
 } shear_work_status;
 shear_work_status shear_work_get_status(shear_work *work);
@@ -95,7 +95,7 @@ int shear_work_get_error(shear_work *work, shear_error *err);
 
 /* Have the sink keep the rows of blocks [0, next_block), which have been joined; nothing where it
  * cannot. Thread-safe; other threads wait with their rows meanwhile. */
-int shear_work_keep(shear_work *work, int64_t next_block, shear_error *err);
+int shear_work_sync(shear_work *work, int64_t next_block, shear_error *err);
 
 /* Add the joined sums to `sums` (exact) and return next_block; thread-safe. */
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums);

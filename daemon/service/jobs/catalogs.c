@@ -48,7 +48,7 @@ static int64_t job_of(const char *name, bool *part) {
 
 static void remove_part(const char *path, int64_t job) {
     shear_error err = {0};
-    if (shear_catalog_forget(path, &err) != SHEAR_OK) {
+    if (shear_catalog_discard(path, &err) != SHEAR_OK) {
         log_warning("job %" PRId64 ": %s", job, err.message);
     }
 }
