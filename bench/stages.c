@@ -36,14 +36,14 @@ static void do_psf(scene *s) {
     transfer_make(&ws->transfer, &s->plan->transfer_plan, &ws->psf_scratch, s->psf, NULL);
 }
 
-static void interpolate(const scene *s, image *im, const double *pixels) {
+static void interpolate(const scene *s, surface *im, const double *pixels) {
     const filter_map *filter = filter_of(s);
     int bad;
-    image_load(im, &s->plan->grid, pixels, &bad, &bad);
+    surface_load(im, &s->plan->grid, pixels, &bad, &bad);
     for (int i = 0; i < strips(s); i++) {
         const int y0 = filter != NULL ? filter->strip_y0[i] : 0;
         const int y1 = filter != NULL ? filter->strip_y1[i] : s->plan->info.fine_ny;
-        image_strip(im, &s->plan->grid, strip_start(s, i), y0, y1, s->ws->strip.re);
+        surface_strip(im, &s->plan->grid, strip_start(s, i), y0, y1, s->ws->strip.re);
     }
 }
 

@@ -169,7 +169,7 @@ fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size
     return plan->n_passes % 2 == 1 ? a : b;
 }
 
-SHEAR_SIMD void fft_turn(const double *restrict in, ptrdiff_t step, double *restrict out) {
+SHEAR_SIMD void fft_transpose(const double *restrict in, ptrdiff_t step, double *restrict out) {
     for (int c = 0; c < FFT_LANES; c++) {
         for (int r = 0; r < FFT_LANES; r++) {
             out[FFT_LANES * c + r] = in[r * step + c];

@@ -50,6 +50,6 @@ fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size
                   fft_lanes a, fft_lanes b);
 
 /* A square block, turned: out[FFT_LANES c + r] = in[r step + c] for r, c < FFT_LANES. */
-void fft_turn(const double *in, ptrdiff_t step, double *out);
+void fft_transpose(const double *in, ptrdiff_t step, double *out);
 
 #endif

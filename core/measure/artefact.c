@@ -5,6 +5,7 @@
 #include "measure/artefact.h"
 
 #include "base/simd.h"
+#include "base/sort.h"
 #include "shear/stamp.h"
 
 #include <math.h>
@@ -14,7 +15,7 @@ static const double bright_sigma = 6.5;   /* of p - r m: 3e-7 in 64 x 64 px of w
 static const double dark_sigma = 6.6;     /* 2e-7 */
 static const double part_of_pixel = 0.03; /* by which a PSF image may be wrong */
 static const double part_of_peak = 1e-3;  /* what rounding and periods leave in faint places */
-static const double dark_part = 0.01;     /* of the peak: negative wings, interpolated or folded */
+static const double dark_part = 0.01;     /* of the peak: negative wings, interpolated or aliased */
 static const double sky_electrons = 5.0;  /* the least that a pixel's noise is taken for */
 static const double sigma_of_mad = 1.4826;
 
@@ -43,14 +44,8 @@ static double inside_border(const double *pixels, int nx, int ny, int x, int y) 
     return row < column ? row : column;
 }
 
-static int by_value(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median(double *values, size_t n) {
-    qsort(values, n, sizeof *values, by_value);
+    sort_doubles(values, n);
     return values[n / 2];
 }
 

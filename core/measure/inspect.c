@@ -30,12 +30,12 @@ void shear_inspection_deinit(shear_inspection *out) {
     }
 }
 
-static void copy_image(const shear_plan *plan, shear_workspace *ws, image *im, double *out) {
-    const image_grid *g = &plan->grid;
+static void copy_image(const shear_plan *plan, shear_workspace *ws, surface *s, double *out) {
+    const surface_grid *g = &plan->grid;
     for (int x = 0; x < g->fine_nx; x++) {
         const int x0 = x / FFT_LANES * FFT_LANES;
         if (x == x0) {
-            image_strip(im, g, x0, 0, g->fine_ny, ws->strip.re);
+            surface_strip(s, g, x0, 0, g->fine_ny, ws->strip.re);
         }
         for (int y = 0; y < g->fine_ny; y++) {
             out[(size_t)y * (size_t)g->fine_nx + (size_t)x] =
@@ -136,7 +136,7 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
     const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
     int bad;
-    const bool has_noise = image_load(&ws->noise, &plan->grid, noise, &bad, &bad);
+    const bool has_noise = surface_load(&ws->noise, &plan->grid, noise, &bad, &bad);
     pack_pair(plan, ws, fine, galaxy, noise, false, t, &ph, &failure);
     copy_images(plan, ws, has_noise, fine, out);
     copy_spectra(plan, ws, t, out);

@@ -17,7 +17,7 @@
 struct shear_plan {
     shear_settings settings;
     shear_plan_info info;
-    image_grid grid;             /* stamps to the fine grid */
+    surface_grid grid;           /* stamps to the fine grid */
     fft_plan *along_x, *along_y; /* fine_nx, fine_ny */
     transfer_plan transfer_plan;
     bool has_psf; /* `transfer` serves all stamps */
@@ -38,7 +38,7 @@ int plan_resolve(shear_plan_info *info, const shear_settings *set,
                  const shear_plan_request *request, int *psf_factor, shear_error *err);
 
 struct shear_workspace {
-    image galaxy, noise;
+    surface galaxy, noise;
     fft_lanes strip;              /* [fine_ny + 1][FFT_LANES] galaxy + i noise, some columns */
     fft_lanes lanes[3];           /* [longer side + 1][FFT_LANES] for transforms */
     double level, noise_level;    /* taken off the pair before the filter; 0: nothing */

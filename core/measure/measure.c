@@ -97,7 +97,7 @@ static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
 }
 
 /* A stamp pair on its way. */
-typedef struct subject {
+typedef struct stamp_pair {
     const double *galaxy, *noise;
     const filter_map *fine, *coarse;
     const transfer *transfer; /* NULL where there is none, or the row is flagged already */
@@ -105,7 +105,7 @@ typedef struct subject {
     bool packed;
     bool noisy; /* one of its noise stamps varies by more than rounding makes */
     pack_failure failure;
-} subject;
+} stamp_pair;
 
 static uint32_t flags_of_pixels(const photometry *ph) {
     return (ph->galaxy_finite ? 0u : (uint32_t)SHEAR_FLAG_GALAXY_NOT_FINITE) |
@@ -113,7 +113,8 @@ static uint32_t flags_of_pixels(const photometry *ph) {
            (ph->galaxy_finite && ph->galaxy_flat ? (uint32_t)SHEAR_FLAG_EMPTY : 0u);
 }
 
-static uint32_t bad_values(const shear_plan *plan, const shear_stamps *stamps, const subject *s) {
+static uint32_t bad_values(const shear_plan *plan, const shear_stamps *stamps,
+                           const stamp_pair *s) {
     const size_t planes = (size_t)noise_planes(stamps);
     const double value = plan->settings.bad_value;
     const size_t n = (size_t)plan->info.geometry.nx * (size_t)plan->info.geometry.ny;
@@ -127,8 +128,8 @@ static uint32_t bad_values(const shear_plan *plan, const shear_stamps *stamps, c
 
 /* Everything up to the transform along y; the pixels' photometry comes with it. Bad pixels are
  * found on the way, and then what was packed is not used. */
-static void take_up(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                    subject *s, uint32_t *flags) {
+static void prepare(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
+                    stamp_pair *s, uint32_t *flags) {
     uint32_t psf_flag = 0;
     choose_filter(plan, ws, stamps, i, &s->fine, &s->coarse, flags);
     if (*flags == 0) {
@@ -161,7 +162,7 @@ static const sharpness *choose_sharpness(const shear_plan *plan, shear_workspace
 
 /* Of pixels that are finite. */
 static void find_artefact(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
-                          int i, const subject *s, shear_row *row) {
+                          int i, const stamp_pair *s, shear_row *row) {
     static const sharpness weakest = {.ratio = 1.0, .leak = 0.0};
     const artefact_pair pair = {.galaxy = s->galaxy,
                                 .noise = s->noise,
@@ -189,10 +190,10 @@ static void find_artefact(const shear_plan *plan, shear_workspace *ws, const she
 }
 
 /* Two further noise stamps, whose photometry is `ph`: the flags that they give the row. */
-static void judge_more_noise(const shear_plan *plan, shear_workspace *ws,
+static void check_more_noise(const shear_plan *plan, shear_workspace *ws,
                              const shear_stamps *stamps, int i, const double *one,
                              const double *two, const photometry *ph, shear_row *row) {
-    const subject s = {.galaxy = one, .noise = two, .ph = *ph};
+    const stamp_pair s = {.galaxy = one, .noise = two, .ph = *ph};
     shear_row seen = {.artefact_x = -1, .artefact_y = -1};
     if (!ph->galaxy_finite || !ph->noise_finite) {
         row->flags |= SHEAR_FLAG_NOISE_NOT_FINITE;
@@ -216,7 +217,7 @@ static bool holds_noise(const shear_stamps *stamps, const double *noise, double 
 /* Two further noise stamps, to the sum of all. False where they cannot be used: they give the row a
  * flag, or are negative under a log method (`s->packed` false). */
 static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
-                      int i, const double *one, const double *two, subject *s, spectra *all,
+                      int i, const double *one, const double *two, stamp_pair *s, spectra *all,
                       shear_row *row) {
     photometry ph;
     if (plan->settings.noise_correction) {
@@ -225,7 +226,7 @@ static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_s
     } else {
         ph = photometry_of(one, two, stamps->nx, stamps->ny, ws->strip_most);
     }
-    judge_more_noise(plan, ws, stamps, i, one, two, &ph, row);
+    check_more_noise(plan, ws, stamps, i, one, two, &ph, row);
     if (!s->packed || row->flags != 0) {
         return false;
     }
@@ -242,7 +243,7 @@ static bool add_noise(const shear_plan *plan, shear_workspace *ws, const shear_s
 /* The noise stamps after the first one, two a transform: the mean of all takes the place of the
  * first. False where one cannot be used, as above. */
 static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
-                       int i, subject *s, spectra *sp, shear_row *row) {
+                       int i, stamp_pair *s, spectra *sp, shear_row *row) {
     const int planes = noise_planes(stamps);
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
     spectra all = *sp;
@@ -259,10 +260,10 @@ static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_
     return true;
 }
 
-static subject subject_of(const shear_stamps *stamps, int i) {
+static stamp_pair stamp_pair_of(const shear_stamps *stamps, int i) {
     const size_t at = (size_t)i * (size_t)stamps->nx * (size_t)stamps->ny;
-    return (subject){.galaxy = stamps->galaxy + at,
-                     .noise = stamps->noise + (size_t)noise_planes(stamps) * at};
+    return (stamp_pair){.galaxy = stamps->galaxy + at,
+                        .noise = stamps->noise + (size_t)noise_planes(stamps) * at};
 }
 
 static void row_begin(shear_row *row, const shear_stamps *stamps, int i) {
@@ -272,9 +273,9 @@ static void row_begin(shear_row *row, const shear_stamps *stamps, int i) {
 
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
-    subject s = subject_of(stamps, i);
+    stamp_pair s = stamp_pair_of(stamps, i);
     row_begin(row, stamps, i);
-    take_up(plan, ws, stamps, i, &s, &row->flags);
+    prepare(plan, ws, stamps, i, &s, &row->flags);
     if (row->flags == 0) {
         find_artefact(plan, ws, stamps, i, &s, row);
     }
@@ -292,7 +293,7 @@ static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_
     row_fill_photometry(row, stamps, s.galaxy, s.noise, &s.ph);
     row->flux_removed =
         removed_flux(plan, ws, s.coarse, stamps, s.galaxy, s.noise, s.ph.flux - sp.flux);
-    spectra_take_plateau(&sp, plan, s.transfer);
+    spectra_subtract_plateau(&sp, plan, s.transfer);
     if (!s.noisy) {
         spectra_forget_noise(&sp);
     }
@@ -336,7 +337,7 @@ int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     if (code != SHEAR_OK) {
         return code;
     }
-    subject s = subject_of(stamps, i);
+    stamp_pair s = stamp_pair_of(stamps, i);
     row_begin(row, stamps, i);
     ws->sharpness_of = NULL;
     s.ph = photometry_of(s.galaxy, s.noise, stamps->nx, stamps->ny, ws->strip_most);
@@ -350,7 +351,7 @@ int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     for (int k = 1; k < noise_planes(stamps) && row->flags == 0; k++) {
         const double *noise = s.noise + (size_t)k * (size_t)stamps->nx * (size_t)stamps->ny;
         const photometry ph = photometry_of(noise, noise, stamps->nx, stamps->ny, ws->strip_most);
-        judge_more_noise(plan, ws, stamps, i, noise, noise, &ph, row);
+        check_more_noise(plan, ws, stamps, i, noise, noise, &ph, row);
     }
     return SHEAR_OK;
 }

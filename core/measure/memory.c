@@ -71,10 +71,10 @@ static int64_t transfer_scratch_bytes(const shear_plan_info *info) {
     const int64_t factor = psf_factor(info);
     const int64_t period_x = (int64_t)g->nx * info->psf_oversample;
     const int64_t period_y = (int64_t)g->ny * info->psf_oversample;
-    const int64_t folded = (period_x + 2 * FFT_LANES - 1) / (2 * FFT_LANES) * (2 * FFT_LANES);
+    const int64_t aliased = (period_x + 2 * FFT_LANES - 1) / (2 * FFT_LANES) * (2 * FFT_LANES);
     return (factor > 1 ? image_bytes(g->psf_nx, g->psf_ny) : 0) +
-           g->psf_ny * factor * FFT_LANES * D + period_y * folded * D +
-           2 * lanes(longer(period_x, period_y) + 1) + 2 * stride(info) * folded * D +
+           g->psf_ny * factor * FFT_LANES * D + period_y * aliased * D +
+           2 * lanes(longer(period_x, period_y) + 1) + 2 * stride(info) * aliased * D +
            table_bytes(info);
 }
 

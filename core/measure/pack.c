@@ -124,10 +124,10 @@ static void pack_strip(const shear_plan *plan, shear_workspace *ws, photometry_s
 /* From interpolated images. */
 static void interpolate_strip(const shear_plan *plan, shear_workspace *ws, const filter_map *filter,
                               const strip *st) {
-    const image_grid *g = &plan->grid;
-    image_strip(&ws->galaxy, g, st->x0, st->y0, st->y1, ws->strip.re);
+    const surface_grid *g = &plan->grid;
+    surface_strip(&ws->galaxy, g, st->x0, st->y0, st->y1, ws->strip.re);
     if (plan->settings.noise_correction) {
-        image_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
+        surface_strip(&ws->noise, g, st->x0, st->y0, st->y1, ws->strip.im);
     }
     if (filter != NULL) {
         filter_lanes(filter->value + st->x0, ws->level, ws->noise_level, (size_t)g->fine_nx, st->y0,
@@ -172,8 +172,8 @@ static void close_period(fft_lanes lanes, int n) {
 }
 
 /* A strip's modes from [jy][x] to [x][jy], the groups of rows that are wanted. */
-static void turn_strip(const shear_plan *plan, shear_workspace *ws, fft_lanes from, int x0,
-                       const transfer *t) {
+static void transpose_strip(const shear_plan *plan, shear_workspace *ws, fft_lanes from, int x0,
+                            const transfer *t) {
     const size_t to = (size_t)x0 * FFT_LANES;
     close_period(from, plan->info.fine_ny);
     for (int group = 0; group <= last_group(plan, t); group++) {
@@ -184,10 +184,10 @@ static void turn_strip(const shear_plan *plan, shear_workspace *ws, fft_lanes fr
         const size_t down = (size_t)plan->info.fine_ny * FFT_LANES - up;
         const fft_lanes rows = group_lanes(ws, group, UP);
         const fft_lanes mirrored = group_lanes(ws, group, DOWN);
-        fft_turn(from.re + up, FFT_LANES, rows.re + to);
-        fft_turn(from.im + up, FFT_LANES, rows.im + to);
-        fft_turn(from.re + down, -FFT_LANES, mirrored.re + to);
-        fft_turn(from.im + down, -FFT_LANES, mirrored.im + to);
+        fft_transpose(from.re + up, FFT_LANES, rows.re + to);
+        fft_transpose(from.im + up, FFT_LANES, rows.im + to);
+        fft_transpose(from.re + down, -FFT_LANES, mirrored.re + to);
+        fft_transpose(from.im + down, -FFT_LANES, mirrored.im + to);
     }
 }
 
@@ -201,17 +201,17 @@ static void clear_columns(shear_workspace *ws, int x0, int last) {
 static bool load_pair(const shear_plan *plan, shear_workspace *ws, const double *galaxy,
                       const double *noise, pack_failure *failure) {
     failure->in_noise = false;
-    if (!image_load(&ws->galaxy, &plan->grid, galaxy, &failure->x, &failure->y)) {
+    if (!surface_load(&ws->galaxy, &plan->grid, galaxy, &failure->x, &failure->y)) {
         return false;
     }
     failure->in_noise = true;
     return !plan->settings.noise_correction ||
-           image_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y);
+           surface_load(&ws->noise, &plan->grid, noise, &failure->x, &failure->y);
 }
 
 /* What both stamps lose before the filter: see photometry_level. */
-static void take_levels(shear_workspace *ws, const shear_geometry *g, const double *galaxy,
-                        const double *noise, bool wanted, bool own_levels) {
+static void set_levels(shear_workspace *ws, const shear_geometry *g, const double *galaxy,
+                       const double *noise, bool wanted, bool own_levels) {
     ws->level = ws->noise_level = 0.0;
     if (wanted) {
         const sky_level below = photometry_level(noise, g->nx, g->ny, galaxy);
@@ -231,7 +231,7 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     if (!as_pixels) {
         *ph = photometry_of(galaxy, noise, g->nx, g->ny, ws->strip_most);
     }
-    take_levels(ws, g, galaxy, noise, levels, own_levels);
+    set_levels(ws, g, galaxy, noise, levels, own_levels);
     if (levels) {
         sums.noise_origin = ws->noise_level;
         sums.galaxy_origin = ws->level;
@@ -246,7 +246,7 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
             photometry_add(&sums, st.x0, st.skip, st.y1, g->ny);
         }
         if (st.y0 < st.y1) {
-            turn_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, t);
+            transpose_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, t);
         } else {
             clear_columns(ws, st.x0, last_group(plan, t));
         }

@@ -26,10 +26,10 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
                           .power_tolerance = set->power_tolerance};
     const enum shear_interpolation psf_method =
         psf_factor > 1 ? info->interpolation : SHEAR_INTERP_NONE;
-    const bool grid_made = image_grid_init(&plan->grid, g->nx, g->ny, info->interpolation,
-                                           info->oversample, set->zeros, set->pedestal);
+    const bool grid_made = surface_grid_init(&plan->grid, g->nx, g->ny, info->interpolation,
+                                             info->oversample, set->zeros, set->pedestal);
     const bool psf_grid_made =
-        image_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
+        surface_grid_init(&tp->grid, g->psf_nx, g->psf_ny, psf_method, psf_factor, set->zeros, 0.0);
     tp->grid.rounding = psf_rounding;
     const bool transfer_made = transfer_plan_init(tp);
     plan->along_x = fft_plan_new(info->fine_nx);
@@ -172,7 +172,7 @@ void shear_plan_free(shear_plan *plan) {
     if (plan == NULL) {
         return;
     }
-    image_grid_deinit(&plan->grid);
+    surface_grid_deinit(&plan->grid);
     fft_plan_free(plan->along_x);
     fft_plan_free(plan->along_y);
     transfer_plan_deinit(&plan->transfer_plan);

@@ -3,6 +3,7 @@
  * sample; noise from fourth differences, in which whatever is smooth vanishes. */
 #include "shear/psf.h"
 
+#include "base/sort.h"
 #include "measure/psf.h"
 #include "shear/plan.h"
 
@@ -198,12 +199,6 @@ static double fourth_difference(const view *v, int x, int y, double near) {
     return s[0] + s[4] - 4.0 * (s[1] + s[3]) + 6.0 * s[2];
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* A sample's rms noise: the median absolute difference, as a Gaussian has it. NaN: too few. */
 static double noise_of(const view *v, double near) {
     double found[NOISE_SAMPLES];
@@ -221,7 +216,7 @@ static double noise_of(const view *v, double near) {
     if (n < NOISE_MIN) {
         return NAN;
     }
-    qsort(found, (size_t)n, sizeof *found, compare_doubles);
+    sort_doubles(found, (size_t)n);
     return found[n / 2] / 0.6745 / sqrt(70.0);
 }
 
@@ -328,8 +323,8 @@ double shear_psf_noise_bias(const shear_psf_quality *q, double beta_px) {
  * that falls a little slower than a Gaussian. All in samples. */
 double shear_psf_sampling_bias(const shear_psf_quality *q, double beta_px) {
     const double k = 1.5 * q->r_psf_px / (beta_px * q->sampling);
-    const double folded = 2.0 * M_PI * fmax(0.0, M_PI - k);
-    return 0.6 * exp(-0.75 * q->sampling * q->sampling * folded);
+    const double aliased = 2.0 * M_PI * fmax(0.0, M_PI - k);
+    return 0.6 * exp(-0.75 * q->sampling * q->sampling * aliased);
 }
 
 static bool border_stands_out(const shear_psf_quality *q, double beta_px) {

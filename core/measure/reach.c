@@ -2,6 +2,7 @@
 #include "measure/reach.h"
 
 #include "base/simd.h"
+#include "base/sort.h"
 #include "measure/radial.h"
 
 #include <math.h>
@@ -96,12 +97,6 @@ void reach_add(reach *r, const double *galaxy, const double *noise) {
 
 /* ---- the stack ---- */
 
-static int compare_doubles(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double flux_within(const reach *r, int stamp, double radius) {
     const double *mean = r->mean + (size_t)stamp * (size_t)r->n_rings;
     double flux = 0.0;
@@ -117,7 +112,7 @@ static int weigh(reach *r, double aperture) {
     for (int s = 0; s < r->count; s++) {
         r->sorted[s] = flux_within(r, s, aperture);
     }
-    qsort(r->sorted, (size_t)r->count, sizeof *r->sorted, compare_doubles);
+    sort_doubles(r->sorted, (size_t)r->count);
     const double brightest = r->sorted[r->count - 1 - r->count / TRIMMED];
     int left = 0;
     for (int s = 0; s < r->count; s++) {
@@ -144,7 +139,7 @@ static double ring_mean(reach *r, int i, double *error) {
     for (int s = 0; s < n; s++) {
         r->sorted[s] = r->mean[(size_t)s * (size_t)r->n_rings + (size_t)i];
     }
-    qsort(r->sorted, (size_t)n, sizeof *r->sorted, compare_doubles);
+    sort_doubles(r->sorted, (size_t)n);
     for (int s = cut; s < n - cut; s++) {
         sum += r->sorted[s];
     }

@@ -2,6 +2,7 @@
 #include "measure/saturation.h"
 
 #include "base/simd.h"
+#include "base/sort.h"
 #include "shear/stamp.h"
 
 #include <math.h>
@@ -43,18 +44,12 @@ bool saturation_suspected(const artefact_pair *pair, double sigma) {
     return n >= LEAST;
 }
 
-static int by_value(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The smallest difference between pixels of the border; INFINITY where all are equal. */
 static double step_of(const artefact_pair *pair) {
     double values[4 * SHEAR_MAX_SIDE];
     const size_t n = artefact_border(pair->galaxy, pair->nx, pair->ny, values);
     double step = INFINITY;
-    qsort(values, n, sizeof *values, by_value);
+    sort_doubles(values, n);
     for (size_t i = 1; i < n; i++) {
         const double difference = values[i] - values[i - 1];
         step = difference > 0.0 && difference < step ? difference : step;

@@ -15,10 +15,10 @@ int scores_terms(double stamps) {
 
 int scores_init(scores *s, int bins, shear_error *err) {
     const size_t nb = (size_t)bins;
-    const size_t all = (FOLD_GROUPS + 1) * nb;
+    const size_t all = (SIGN_GROUPS + 1) * nb;
     *s = (scores){.bins = bins};
     double *doubles = malloc((4 * all - 2 * nb) * sizeof *doubles);
-    int64_t *counts = malloc(4 * FOLD_GROUPS * nb * sizeof *counts);
+    int64_t *counts = malloc(4 * SIGN_GROUPS * nb * sizeof *counts);
     if (doubles == NULL || counts == NULL) {
         free(doubles);
         free(counts);
@@ -29,8 +29,8 @@ int scores_init(scores *s, int bins, shear_error *err) {
     s->fall = doubles + all;
     s->size = doubles + 2 * all;
     for (size_t k = 0; k < 2; k++) {
-        s->at[k] = (fold_counts){.difference = counts + 2 * k * FOLD_GROUPS * nb,
-                                 .square = counts + (2 * k + 1) * FOLD_GROUPS * nb};
+        s->at[k] = (sign_counts){.difference = counts + 2 * k * SIGN_GROUPS * nb,
+                                 .square = counts + (2 * k + 1) * SIGN_GROUPS * nb};
     }
     return SHEAR_OK;
 }
@@ -113,11 +113,11 @@ static void set_scores(const scores *s, const double *fall, const double *size, 
 }
 
 /* Each group's falls and sizes, and behind them those of all. */
-static void set_responses(scores *s, const fold *f, double g, double width) {
+static void set_responses(scores *s, const sign_histogram *h, double g, double width) {
     const size_t nb = (size_t)s->bins;
-    const size_t all = FOLD_GROUPS * nb;
-    fold_count_groups(f, g - width, &s->at[0]);
-    fold_count_groups(f, g + width, &s->at[1]);
+    const size_t all = SIGN_GROUPS * nb;
+    sign_histogram_count_groups(h, g - width, &s->at[0]);
+    sign_histogram_count_groups(h, g + width, &s->at[1]);
     memset(s->fall + all, 0, nb * sizeof *s->fall);
     memset(s->size + all, 0, nb * sizeof *s->size);
     for (size_t i = 0; i < all; i++) {
@@ -129,25 +129,25 @@ static void set_responses(scores *s, const fold *f, double g, double width) {
     }
 }
 
-void scores_fit(scores *s, const fold *f, double g, double width) {
+void scores_fit(scores *s, const sign_histogram *h, double g, double width) {
     const size_t nb = (size_t)s->bins;
-    const size_t all = FOLD_GROUPS * nb;
-    set_responses(s, f, g, width);
+    const size_t all = SIGN_GROUPS * nb;
+    set_responses(s, h, g, width);
     for (size_t i = 0; i < all; i++) { /* without the group */
         s->fall[i] = s->fall[all + i % nb] - s->fall[i];
         s->size[i] = s->size[all + i % nb] - s->size[i];
     }
-    for (size_t k = 0; k < FOLD_GROUPS; k++) {
+    for (size_t k = 0; k < SIGN_GROUPS; k++) {
         set_scores(s, s->fall + k * nb, s->size + k * nb, s->without + k * nb);
     }
     set_scores(s, s->fall + all, s->size + all, s->all);
 }
 
-double scores_slope(scores *s, const fold *f, double g, double half) {
-    const size_t all = FOLD_GROUPS * (size_t)s->bins;
+double scores_slope(scores *s, const sign_histogram *h, double g, double half) {
+    const size_t all = SIGN_GROUPS * (size_t)s->bins;
     double sum = 0.0;
-    fold_count_groups(f, g - half, &s->at[0]);
-    fold_count_groups(f, g + half, &s->at[1]);
+    sign_histogram_count_groups(h, g - half, &s->at[0]);
+    sign_histogram_count_groups(h, g + half, &s->at[1]);
     for (size_t i = 0; i < all; i++) {
         sum += s->without[i] * (double)(s->at[0].difference[i] - s->at[1].difference[i]);
     }

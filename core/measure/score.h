@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/score.h: what each bin of a fold tells of the shear: its response over its variance.
+/* measure/score.h: what each bin of a histogram of signs tells of the shear: its response over its
+ * variance.
  *
  * Notes
  *
@@ -25,9 +26,9 @@ typedef struct scores {
     int bins;
     int terms;           /* of note 1; 0 = each bin for itself */
     double *all;         /* [bins] of all stamps: those of S */
-    double *without;     /* [FOLD_GROUPS][bins] of all stamps but the group's */
-    double *fall, *size; /* [FOLD_GROUPS + 1][bins] scratch */
-    fold_counts at[2];   /* [FOLD_GROUPS][bins] scratch */
+    double *without;     /* [SIGN_GROUPS][bins] of all stamps but the group's */
+    double *fall, *size; /* [SIGN_GROUPS + 1][bins] scratch */
+    sign_counts at[2];   /* [SIGN_GROUPS][bins] scratch */
 } scores;
 
 /* The terms for so many stamps; with weights, (sum w)^2 / sum w^2 of them. */
@@ -37,11 +38,11 @@ int scores_terms(double stamps);
 int scores_init(scores *s, int bins, shear_error *err);
 void scores_deinit(scores *s);
 
-/* From the responses over g -+ width; `f` has its edges and groups. */
-void scores_fit(scores *s, const fold *f, double g, double width);
+/* From the responses over g -+ width; `h` has its edges and groups. */
+void scores_fit(scores *s, const sign_histogram *h, double g, double width);
 
 /* -dS/dg by a straight line from g - half to g + half, each group with the scores of the others. */
-double scores_slope(scores *s, const fold *f, double g, double half);
+double scores_slope(scores *s, const sign_histogram *h, double g, double half);
 
 /* The curve of note 1 in 1 to SCORE_TERMS terms: fall [bins] and size [bins], the variance of n_i -
  * n_-i. Terms that the bins do not tell apart are left out. */

@@ -12,39 +12,39 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { FOLD_GROUPS = 8 }; /* of stamps */
+enum { SIGN_GROUPS = 8 }; /* of stamps */
 
-typedef struct fold {
+typedef struct sign_histogram {
     size_t n;
     const double *x, *b;   /* [n] values, and their responses to g */
     const int32_t *weight; /* [n] whole weights, 0 .. SHEAR_SYMMETRY_WEIGHTS */
-    const uint8_t *group;  /* [n] 0 .. FOLD_GROUPS-1; for fold_count_groups only */
+    const uint8_t *group;  /* [n] 0 .. SIGN_GROUPS-1; for sign_histogram_count_groups only */
     int bins;
     const double *edge; /* [bins] where bin i of |value| begins; edge[0] = 0 */
-} fold;
+} sign_histogram;
 
 /* The counts at one g: [bins] each. A value of exactly 0 is on neither side. */
-typedef struct fold_counts {
+typedef struct sign_counts {
     int64_t *difference; /* sum of w on the positive side minus that on the negative */
     int64_t *square;     /* sum of w^2 on both: the variance of the difference */
-} fold_counts;
+} sign_counts;
 
-void fold_count(const fold *f, double g, fold_counts *counts);
-/* The same of each group: [FOLD_GROUPS][bins]. */
-void fold_count_groups(const fold *f, double g, fold_counts *counts);
+void sign_histogram_count(const sign_histogram *h, double g, sign_counts *counts);
+/* The same of each group: [SIGN_GROUPS][bins]. */
+void sign_histogram_count_groups(const sign_histogram *h, double g, sign_counts *counts);
 
 /* A stamp's group: a hash of two of its terms, so that it is the same wherever the stamp stands. */
-uint8_t fold_group(double first, double second);
+uint8_t sign_histogram_group(double first, double second);
 
 /* The bin of |value|. */
-int fold_bin(const fold *f, double size);
+int sign_histogram_bin(const sign_histogram *h, double size);
 
 /* sum of w sign(x - g b): falls through 0 at the weighted median of x/b. */
-int64_t fold_balance(const fold *f, double g);
+int64_t sign_histogram_balance(const sign_histogram *h, double g);
 
 /* Fill edge[bins] with quantiles of |x - g b| over the stamps of non-zero weight, of which there is
  * one at least. Bin i begins at the part 1 - (1 - i/bins)^2 of them: bins get finer towards the
  * tail, where a Gaussian's shear is. scratch [n]. */
-void fold_quantiles(const fold *f, double g, double *scratch, double *edge);
+void sign_histogram_quantiles(const sign_histogram *h, double g, double *scratch, double *edge);
 
 #endif

@@ -71,7 +71,7 @@ void spectra_forget_noise(spectra *s) {
     s->high.edge_noise = s->high.corner_noise = 0.0;
 }
 
-void spectra_take_plateau(spectra *s, const shear_plan *plan, const transfer *t) {
+void spectra_subtract_plateau(spectra *s, const shear_plan *plan, const transfer *t) {
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
         const moments flat = plan->has_psf ? plan->flat : moments_of_flat(&plan->transfer_plan, t);
         moments_join(&s->difference, -s->shot, &flat);

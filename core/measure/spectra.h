@@ -25,6 +25,6 @@ void spectra_set_noise(spectra *s, const spectra *all, int n);
 /* Of noise stamps without noise: what they have is their mean's, and what transforms round. */
 void spectra_forget_noise(spectra *s);
 /* Shot noise off the difference, where the plan asks for it. */
-void spectra_take_plateau(spectra *s, const shear_plan *plan, const transfer *t);
+void spectra_subtract_plateau(spectra *s, const shear_plan *plan, const transfer *t);
 
 #endif

@@ -75,7 +75,7 @@ void transfer_plan_deinit(transfer_plan *p) {
     fft_plan_free(p->along_y);
     fft_free(p->ky2);
     fft_free(p->target);
-    image_grid_deinit(&p->grid);
+    surface_grid_deinit(&p->grid);
     *p = (transfer_plan){0};
 }
 
@@ -86,23 +86,23 @@ static double *new_zeros(size_t n) {
 
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
     const int longest = period_x(p) > period_y(p) ? period_x(p) : period_y(p);
-    *t = (transfer_scratch){.folded_stride = ((size_t)period_x(p) + PAIR - 1) / PAIR * PAIR};
-    const bool image_made = image_init(&t->image, &p->grid);
+    *t = (transfer_scratch){.aliased_stride = ((size_t)period_x(p) + PAIR - 1) / PAIR * PAIR};
+    const bool image_made = surface_init(&t->image, &p->grid);
     t->strip = fft_alloc((size_t)p->grid.fine_ny * FFT_LANES * sizeof *t->strip);
-    t->folded = new_zeros((size_t)period_y(p) * t->folded_stride);
+    t->aliased = new_zeros((size_t)period_y(p) * t->aliased_stride);
     for (int i = 0; i < 2; i++) {
         t->lanes[i] = fft_lanes_new(longest + 1);
     }
-    t->modes = new_zeros(2 * p->stride * t->folded_stride);
+    t->modes = new_zeros(2 * p->stride * t->aliased_stride);
     t->power = fft_alloc(table_size(p) * sizeof *t->power);
-    return image_made && t->strip != NULL && t->folded != NULL && t->lanes[0].re != NULL &&
+    return image_made && t->strip != NULL && t->aliased != NULL && t->lanes[0].re != NULL &&
            t->lanes[1].re != NULL && t->modes != NULL && t->power != NULL;
 }
 
 void transfer_scratch_deinit(transfer_scratch *t) {
-    image_deinit(&t->image);
+    surface_deinit(&t->image);
     fft_free(t->strip);
-    fft_free(t->folded);
+    fft_free(t->aliased);
     for (int i = 0; i < 2; i++) {
         fft_lanes_free(t->lanes[i]);
     }
@@ -123,26 +123,26 @@ void transfer_deinit(transfer *t) {
     *t = (transfer){0};
 }
 
-/* The PSF folded onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that period).
+/* The PSF aliased onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that period).
  */
-static void fold_psf(const transfer_plan *p, transfer_scratch *t) {
+static void alias_psf(const transfer_plan *p, transfer_scratch *t) {
     if (p->grid.x.kind == AXIS_NONE && p->psf_nx <= period_x(p) && p->psf_ny <= period_y(p)) {
         const size_t nx = (size_t)p->psf_nx;
         for (size_t y = 0; y < (size_t)p->psf_ny; y++) {
-            memcpy(t->folded + y * t->folded_stride, t->image.pixels + y * nx,
-                   nx * sizeof *t->folded);
+            memcpy(t->aliased + y * t->aliased_stride, t->image.pixels + y * nx,
+                   nx * sizeof *t->aliased);
         }
         return;
     }
     const int width = period_x(p);
     const int fine_nx = psf_fine(&p->grid.x);
     const int fine_ny = psf_fine(&p->grid.y);
-    memset(t->folded, 0, (size_t)p->used_ny * t->folded_stride * sizeof *t->folded);
+    memset(t->aliased, 0, (size_t)p->used_ny * t->aliased_stride * sizeof *t->aliased);
     for (int x0 = 0; x0 < fine_nx; x0 += FFT_LANES) {
         const int n = fine_nx - x0 < FFT_LANES ? fine_nx - x0 : FFT_LANES;
-        image_strip(&t->image, &p->grid, x0, 0, fine_ny, t->strip);
+        surface_strip(&t->image, &p->grid, x0, 0, fine_ny, t->strip);
         for (int y = 0; y < fine_ny; y++) {
-            double *row = t->folded + (size_t)(y % period_y(p)) * t->folded_stride;
+            double *row = t->aliased + (size_t)(y % period_y(p)) * t->aliased_stride;
             const double *from = t->strip + (size_t)y * FFT_LANES;
             for (int l = 0; l < n; l++) {
                 row[(x0 + l) % width] += from[l];
@@ -170,16 +170,16 @@ SHEAR_SIMD static void part_strips(const double *zr, const double *zi, const dou
 }
 
 static double *group_modes(const transfer_scratch *t, size_t group, size_t part) {
-    return t->modes + (2 * group + part) * t->folded_stride * FFT_LANES;
+    return t->modes + (2 * group + part) * t->aliased_stride * FFT_LANES;
 }
 
-/* Two strips of the folded PSF, from column x0 on, along y. */
+/* Two strips of the aliased PSF, from column x0 on, along y. */
 static void transform_pair(const transfer_plan *p, const transfer_scratch *t, size_t x0) {
     const size_t ny = (size_t)period_y(p);
-    const double *from = t->folded + x0;
+    const double *from = t->aliased + x0;
     double parts[4][FFT_LANES * FFT_LANES];
     const fft_lanes z =
-        fft_run(p->along_y, from, from + FFT_LANES, t->folded_stride, t->lanes[0], t->lanes[1]);
+        fft_run(p->along_y, from, from + FFT_LANES, t->aliased_stride, t->lanes[0], t->lanes[1]);
     memcpy(z.re + ny * FFT_LANES, z.re, FFT_LANES * sizeof *z.re); /* row -0 */
     memcpy(z.im + ny * FFT_LANES, z.im, FFT_LANES * sizeof *z.im);
     for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
@@ -188,7 +188,7 @@ static void transform_pair(const transfer_plan *p, const transfer_scratch *t, si
         part_strips(z.re + up, z.im + up, z.re + down, z.im + down, parts);
         for (size_t i = 0; i < 4; i++) {
             const size_t strip = x0 + i / 2 * FFT_LANES;
-            fft_turn(parts[i], FFT_LANES, group_modes(t, group, i % 2) + strip * FFT_LANES);
+            fft_transpose(parts[i], FFT_LANES, group_modes(t, group, i % 2) + strip * FFT_LANES);
         }
     }
 }
@@ -212,7 +212,7 @@ SHEAR_SIMD static void square_rows(fft_lanes modes, int nx, int max_jx, size_t s
 /* |W|^2 on the modes, W(0) = 1. */
 static void power_of_psf(const transfer_plan *p, transfer_scratch *t) {
     double scale = 0.0;
-    fold_psf(p, t);
+    alias_psf(p, t);
     for (size_t x0 = 0; x0 < (size_t)p->used_nx; x0 += PAIR) {
         transform_pair(p, t, x0);
     }
@@ -387,7 +387,7 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
     if (checked != SHEAR_OK) {
         return checked;
     }
-    if (!image_load(&scratch->image, &p->grid, psf, &bad_x, &bad_y)) {
+    if (!surface_load(&scratch->image, &p->grid, psf, &bad_x, &bad_y)) {
         return shear_fail(
             err, SHEAR_E_NEGATIVE,
             "give a PSF without negative samples, or sampled finer (OVERSAMP), or an interpolation "

@@ -26,7 +26,7 @@ typedef struct transfer_plan {
     size_t stride;      /* of a column of T: whole groups of FFT_LANES rows */
     double k_limit;     /* pi min(s, q): the Nyquist circle */
     double beta_px, threshold, power_tolerance;
-    image_grid grid;      /* the PSF's own interpolation */
+    surface_grid grid;    /* the PSF's own interpolation */
     int used_nx, used_ny; /* of the stamp's period, nx q x ny q, as much as the PSF reaches */
     fft_plan *along_x, *along_y; /* nx q, ny q */
     double *ky2;                 /* [stride] ky^2; INFINITY beyond max_jy */
@@ -38,13 +38,13 @@ bool transfer_plan_init(transfer_plan *p);
 void transfer_plan_deinit(transfer_plan *p);
 
 typedef struct transfer_scratch {
-    image image;
-    double *strip;        /* [fine ny][FFT_LANES] fine columns of the PSF */
-    double *folded;       /* [ny q][folded_stride] the PSF, folded onto the stamp's period */
-    size_t folded_stride; /* whole pairs of strips of FFT_LANES columns */
-    fft_lanes lanes[2];   /* [longer period + 1][FFT_LANES] for transforms */
-    double *modes;        /* [group][re, im][folded_stride][FFT_LANES] transformed along y */
-    double *power;        /* [2 max_jx + 1][stride] |W|^2 */
+    surface image;
+    double *strip;         /* [fine ny][FFT_LANES] fine columns of the PSF */
+    double *aliased;       /* [ny q][aliased_stride] the PSF, aliased onto the stamp's period */
+    size_t aliased_stride; /* whole pairs of strips of FFT_LANES columns */
+    fft_lanes lanes[2];    /* [longer period + 1][FFT_LANES] for transforms */
+    double *modes;         /* [group][re, im][aliased_stride][FFT_LANES] transformed along y */
+    double *power;         /* [2 max_jx + 1][stride] |W|^2 */
 } transfer_scratch;
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p);
 void transfer_scratch_deinit(transfer_scratch *t);

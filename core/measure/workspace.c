@@ -16,8 +16,8 @@ static bool modes_init(shear_workspace *ws, const shear_plan *plan) {
 static bool allocate(shear_workspace *ws, const shear_plan *plan) {
     const shear_plan_info *info = &plan->info;
     const int longest = info->fine_nx > info->fine_ny ? info->fine_nx : info->fine_ny;
-    bool ok = image_init(&ws->galaxy, &plan->grid);
-    ok = image_init(&ws->noise, &plan->grid) && ok;
+    bool ok = surface_init(&ws->galaxy, &plan->grid);
+    ok = surface_init(&ws->noise, &plan->grid) && ok;
     ws->strip = fft_lanes_new(info->fine_ny + 1);
     ok = ok && ws->strip.re != NULL;
     for (int i = 0; i < 3; i++) {
@@ -51,8 +51,8 @@ void shear_workspace_free(shear_workspace *ws) {
     if (ws == NULL) {
         return;
     }
-    image_deinit(&ws->galaxy);
-    image_deinit(&ws->noise);
+    surface_deinit(&ws->galaxy);
+    surface_deinit(&ws->noise);
     fft_lanes_free(ws->strip);
     for (int i = 0; i < 3; i++) {
         fft_lanes_free(ws->lanes[i]);

@@ -2,16 +2,14 @@
 /* The plan for a field file: its PSF decides the automatic settings. */
 #include "shear/run.h"
 
+#include "base/cleanup.h"
+#include "base/sort.h"
+#include "run/file_source.h"
+
 #include <math.h>
 #include <stdlib.h>
 
 enum { MAX_PSFS_FOR_RADIUS = 256 };
-
-static int compare_doubles(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 /* Evenly spaced PSFs are looked at; `psf` is room for one. */
 static int look_at_some(shear_psf_source psfs, const shear_field_info *info, double *psf,
@@ -40,7 +38,7 @@ static double median_radius(const shear_plan_request *request) {
     for (int i = 0; i < request->n_psfs; i++) {
         radius[i] = request->psfs[i].r_psf_px;
     }
-    qsort(radius, (size_t)request->n_psfs, sizeof *radius, compare_doubles);
+    sort_doubles(radius, (size_t)request->n_psfs);
     return radius[request->n_psfs / 2];
 }
 
@@ -59,26 +57,24 @@ static int read_sample(shear_plan_request *request, const shear_field_info *info
 
 int shear_plan_request_read(shear_plan_request *request, const shear_settings *settings,
                             const shear_field_info *info, shear_psf_source psfs, shear_error *err) {
-    const bool one = info->psf_layout == SHEAR_PSF_ONE;
     const shear_geometry *g = &info->geometry;
     *request = (shear_plan_request){
         .settings = settings, .geometry = *g, .has_r_gal = (info->columns & SHEAR_COL_R_GAL) != 0};
+    CLEANUP(release_free)
     double *psf = malloc((size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *psf);
     if (psf == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a PSF of %d x %d samples",
                           g->psf_nx, g->psf_ny);
     }
+    const bool one = info->psf_layout == SHEAR_PSF_ONE;
     const int code =
         one ? psfs.read(psfs.self, 0, psf, err) : read_sample(request, info, psfs, psf, err);
-    if (one && code == SHEAR_OK) {
-        request->psf = psf;
-    } else {
-        free(psf);
-    }
     if (code != SHEAR_OK) {
         shear_plan_request_deinit(request);
+        return code;
     }
-    return code;
+    request->psf = one ? CLEANUP_TAKE(psf) : NULL;
+    return SHEAR_OK;
 }
 
 void shear_plan_request_deinit(shear_plan_request *request) {
@@ -91,51 +87,30 @@ static int read_from_file(void *self, int64_t index, double *out, shear_error *e
     return shear_field_read_psf(self, index, out, err);
 }
 
-/* The file as a source of one slot. */
-typedef struct one_slot {
-    shear_field *field;
-    shear_block *block;
-} one_slot;
-
-static int read_block(void *self, int slot, int64_t first, int count, const shear_block **block,
-                      shear_error *err) {
-    one_slot *source = self;
-    (void)slot;
-    *block = source->block;
-    return shear_field_read(source->field, first, count, source->block, err);
-}
-
 static int sample_file(shear_plan_request *request, shear_field *field, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
-    one_slot slot = {.field = field};
     if (!shear_plan_wants_core(request)) {
         return SHEAR_OK;
     }
     const shear_unit_size size = shear_unit_size_for(info, 1);
     const int capacity = size.stamps < SHEAR_BLOCK ? size.stamps : SHEAR_BLOCK;
-    int code = shear_block_new(&slot.block, info, capacity, err);
-    if (code == SHEAR_OK) {
-        const shear_source source = {.self = &slot, .read = read_block};
-        code = shear_plan_request_sample(request, info, source, capacity, err);
-    }
-    shear_block_free(slot.block);
-    return code;
+    CLEANUP(file_source_deinit) file_source source;
+    const int code = file_source_init(&source, field, 1, capacity, err);
+    return code != SHEAR_OK ? code
+                            : shear_plan_request_sample(
+                                  request, info, file_source_as_source(&source), capacity, err);
 }
 
 int shear_plan_for_field(shear_plan **plan, const shear_settings *settings, shear_field *field,
                          shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const shear_psf_source psfs = {.self = field, .read = read_from_file};
-    shear_plan_request request;
+    CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     *plan = NULL;
     int code = shear_plan_request_read(&request, settings, info, psfs, err);
     if (code != SHEAR_OK) {
         return code;
     }
     code = sample_file(&request, field, err);
-    if (code == SHEAR_OK) {
-        code = shear_plan_new(plan, &request, err);
-    }
-    shear_plan_request_deinit(&request);
-    return code;
+    return code != SHEAR_OK ? code : shear_plan_new(plan, &request, err);
 }

@@ -1,109 +1,97 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run/reorder_buffer.h"
 
-#include <stdlib.h>
-#include <string.h>
+#include "base/array.h"
+#include "base/cleanup.h"
 
-int joined_init(joined *j, int64_t first_block, bool terms, shear_jackknife *jackknife,
-                shear_error *err) {
-    *j = (joined){.next_block = first_block, .jackknife = jackknife};
-    int code = shear_field_sums_new(&j->sums, err);
-    if (code == SHEAR_OK && terms) {
-        code = shear_symmetry_new(&j->terms, err);
+#include <assert.h>
+
+int reorder_buffer_init(reorder_buffer *b, int64_t first_block, bool terms,
+                        shear_jackknife *jackknife, shear_error *err) {
+    *b = (reorder_buffer){.next_block = first_block, .jackknife = jackknife};
+    const int code = shear_field_sums_new(&b->sums, err);
+    if (code != SHEAR_OK || !terms) {
+        return code;
     }
-    if (code != SHEAR_OK) {
-        joined_deinit(j);
-    }
-    return code;
+    return shear_symmetry_new(&b->terms, err);
 }
 
-static void finished_deinit(finished *f) {
-    free(f->sums);
-    shear_symmetry_free(f->terms);
+static void block_result_deinit(block_result *r) {
+    free(r->sums);
+    shear_symmetry_free(r->terms);
 }
 
-void joined_deinit(joined *j) {
-    for (size_t i = 0; i < j->n_waiting; i++) {
-        finished_deinit(&j->waiting[i]);
+void reorder_buffer_deinit(reorder_buffer *b) {
+    for (size_t i = 0; i < b->n_early; i++) {
+        block_result_deinit(&b->early[i]);
     }
-    free(j->waiting);
-    shear_field_sums_free(j->sums);
-    shear_symmetry_free(j->terms);
+    free(b->early);
+    shear_field_sums_free(b->sums);
+    shear_symmetry_free(b->terms);
+    *b = (reorder_buffer){0};
 }
 
 /* Blocks that come next. */
-static int join(joined *j, const finished *f, shear_error *err) {
-    int code = f->terms != NULL ? shear_symmetry_join(j->terms, f->terms, 0, err) : SHEAR_OK;
-    for (int i = 0; i < f->n && code == SHEAR_OK; i++) {
-        if (j->jackknife != NULL) {
-            code = shear_jackknife_add(j->jackknife, &f->sums[i], err);
+static int sum_next(reorder_buffer *b, const block_result *r, shear_error *err) {
+    assert(r->block == b->next_block);
+    int code = r->terms != NULL ? shear_symmetry_join(b->terms, r->terms, 0, err) : SHEAR_OK;
+    for (int i = 0; i < r->n && code == SHEAR_OK; i++) {
+        if (b->jackknife != NULL) {
+            code = shear_jackknife_add(b->jackknife, &r->sums[i], err);
         }
-        shear_field_sums_add(j->sums, &f->sums[i]);
+        shear_field_sums_add(b->sums, &r->sums[i]);
     }
-    j->next_block += f->n;
+    b->next_block += r->n;
     return code;
 }
 
-static int make_room(joined *j, shear_error *err) {
-    if (j->n_waiting < j->room) {
+static int copy_terms(shear_symmetry **copy, const shear_symmetry *terms, shear_error *err) {
+    if (terms == NULL) {
         return SHEAR_OK;
     }
-    const size_t room = j->room > 0 ? 2 * j->room : 16;
-    finished *waiting = realloc(j->waiting, room * sizeof *waiting);
-    if (waiting == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %zu finished turns", room);
-    }
-    j->waiting = waiting;
-    j->room = room;
-    return SHEAR_OK;
+    const int code = shear_symmetry_new(copy, err);
+    return code != SHEAR_OK ? code : shear_symmetry_join(*copy, terms, 0, err);
 }
 
-static int put_aside(joined *j, const finished *f, shear_error *err) {
-    finished copy = {.block = f->block, .n = f->n};
-    int code = make_room(j, err);
+static int keep_early(reorder_buffer *b, const block_result *r, shear_error *err) {
+    const size_t bytes = (size_t)r->n * sizeof *r->sums;
+    CLEANUP(block_result_deinit)
+    block_result copy = {.block = r->block, .n = r->n, .sums = malloc(bytes)};
+    if (copy.sums == NULL || !ARRAY_RESERVE(b->early, b->capacity, b->n_early + 1)) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the results of blocks");
+    }
+    memcpy(copy.sums, r->sums, bytes);
+    const int code = copy_terms(&copy.terms, r->terms, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    copy.sums = malloc((size_t)f->n * sizeof *copy.sums);
-    if (copy.sums == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a finished turn");
-    }
-    memcpy(copy.sums, f->sums, (size_t)f->n * sizeof *copy.sums);
-    if (f->terms != NULL) {
-        code = shear_symmetry_new(&copy.terms, err);
-    }
-    if (code == SHEAR_OK && f->terms != NULL) {
-        code = shear_symmetry_join(copy.terms, f->terms, 0, err);
-    }
-    if (code != SHEAR_OK) {
-        finished_deinit(&copy);
-        return code;
-    }
-    j->waiting[j->n_waiting++] = copy;
+    b->early[b->n_early++] = copy;
+    copy = (block_result){0};
     return SHEAR_OK;
 }
 
-/* Whatever waits and comes next now. */
-static int join_waiting(joined *j, shear_error *err) {
+/* Whatever was kept and comes next now. */
+static int sum_early(reorder_buffer *b, shear_error *err) {
     int code = SHEAR_OK;
-    for (size_t i = 0; i < j->n_waiting && code == SHEAR_OK;) {
-        if (j->waiting[i].block != j->next_block) {
+    for (size_t i = 0; i < b->n_early && code == SHEAR_OK;) {
+        if (b->early[i].block != b->next_block) {
             i++;
             continue;
         }
-        finished next = j->waiting[i];
-        j->waiting[i] = j->waiting[--j->n_waiting];
-        code = join(j, &next, err);
-        finished_deinit(&next);
+        block_result next = b->early[i];
+        b->early[i] = b->early[--b->n_early];
+        code = sum_next(b, &next, err);
+        block_result_deinit(&next);
         i = 0;
     }
     return code;
 }
 
-int joined_take(joined *j, const finished *f, shear_error *err) {
-    if (f->block != j->next_block) {
-        return put_aside(j, f, err);
+int reorder_buffer_add(reorder_buffer *b, const block_result *r, shear_error *err) {
+    assert(r->block >= b->next_block);
+    if (r->block != b->next_block) {
+        return keep_early(b, r, err);
     }
-    const int code = join(j, f, err);
-    return code == SHEAR_OK ? join_waiting(j, err) : code;
+    const int code = sum_next(b, r, err);
+    return code != SHEAR_OK ? code : sum_early(b, err);
 }

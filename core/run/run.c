@@ -2,55 +2,17 @@
 /* One field file from disk, through a team of OpenMP threads. */
 #include "shear/run.h"
 
+#include "base/clock.h"
+#include "common/release.h"
+#include "run/file_source.h"
 #include "run/team.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-/* The file as a source: a block of stamps for every thread. */
-typedef struct file_source {
-    shear_field *field;
-    shear_block **blocks; /* [threads] */
-    int threads;
-} file_source;
-
-static int read_file(void *self, int slot, int64_t first, int count, const shear_block **block,
-                     shear_error *err) {
-    file_source *source = self;
-    *block = source->blocks[slot];
-    return shear_field_read(source->field, first, count, source->blocks[slot], err);
-}
 
 static int write_catalog(void *self, int64_t first, int count, const shear_row *rows,
                          const shear_block *block, shear_error *err) {
     return shear_catalog_write(self, first, count, rows, block, err);
-}
-
-static int file_source_init(file_source *source, shear_field *field, int threads, int capacity,
-                            shear_error *err) {
-    *source = (file_source){.field = field, .threads = threads};
-    source->blocks = calloc((size_t)threads, sizeof(shear_block *));
-    int code = source->blocks != NULL
-                   ? SHEAR_OK
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d threads", threads);
-    for (int i = 0; i < threads && code == SHEAR_OK; i++) {
-        code = shear_block_new(&source->blocks[i], shear_field_get_info(field), capacity, err);
-    }
-    return code;
-}
-
-static void file_source_deinit(file_source *source) {
-    for (int i = 0; source->blocks != NULL && i < source->threads; i++) {
-        shear_block_free(source->blocks[i]);
-    }
-    free(source->blocks);
-}
-
-static double now_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* Put the catalog in place; frees it. */
@@ -90,7 +52,10 @@ static int run_init(run *r, shear_field *field, const shear_settings *settings,
                     const shear_run_options *options, int threads, int capacity, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     int code = shear_plan_for_field(&r->plan, settings, field, err);
-    if (code == SHEAR_OK && options->catalog_path != NULL) {
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (options->catalog_path != NULL) {
         code =
             shear_catalog_create(&r->catalog, options->catalog_path, info, options->overwrite, err);
     }
@@ -111,7 +76,7 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
     const team_job job = {
         .info = info,
         .plan = r->plan,
-        .source = {.self = &r->source, .read = read_file},
+        .source = file_source_as_source(&r->source),
         .sink = {.self = r->catalog, .write = r->catalog != NULL ? write_catalog : NULL},
         .size = size,
         .threads = threads,
@@ -121,31 +86,31 @@ static int run_field(run *r, const shear_input *input, shear_field *field,
         .context = options->context};
     report->plan = *shear_plan_get_info(r->plan);
     code = team_measure(&job, &r->sums, &report->result, err);
-    if (code == SHEAR_OK && r->catalog != NULL) {
-        code = finish_catalog(r->catalog, r->plan, &report->result, input, info, options, err);
-        r->catalog = NULL;
-    }
-    return code;
+    return code != SHEAR_OK || r->catalog == NULL
+               ? code
+               : finish_catalog(CLEANUP_TAKE(r->catalog), r->plan, &report->result, input, info,
+                                options, err);
 }
 
-/* Terms and blocks, to the caller's: both or neither. */
-static int join_caller(const team_sums *own, shear_symmetry *terms, shear_jackknife *jack,
-                       shear_error *err) {
+/* Sums, and terms and blocks, to the caller's: all or none. */
+static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symmetry *terms,
+                       shear_jackknife *jack, shear_error *err) {
     const size_t before = terms != NULL ? shear_symmetry_count(terms) : 0;
-    int code = SHEAR_OK;
-    if (terms != NULL && own->terms != NULL) {
-        code = shear_symmetry_join(terms, own->terms, 0, err);
+    int code = terms != NULL && own->terms != NULL ? shear_symmetry_join(terms, own->terms, 0, err)
+                                                   : SHEAR_OK;
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && jack != NULL) {
-        code = shear_jackknife_join(jack, own->jackknife, err);
-    }
-    if (code != SHEAR_OK && terms != NULL) {
+    code = jack != NULL ? shear_jackknife_join(jack, own->jackknife, err) : SHEAR_OK;
+    if (code == SHEAR_OK) {
+        shear_field_sums_join(sums, own->sums);
+    } else if (terms != NULL) {
         shear_symmetry_truncate(terms, before);
     }
     return code;
 }
 
-/* What an error is about, where its message does not say. */
+/* What an error is about, if its message does not say. */
 static const char *name_of(const shear_input *input) {
     return input->path != NULL ? input->path : input->parts[SHEAR_PART_GALAXY].path;
 }
@@ -154,27 +119,23 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
                     const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
                     shear_run_report *report, shear_error *err) {
     static const shear_run_options defaults = {0};
-    const double start = now_s();
-    shear_field *field = NULL;
-    run r = {0};
+    const shear_run_options *o = options != NULL ? options : &defaults;
+    const double start = clock_s(CLOCK_MONOTONIC);
+    CLEANUP(shear_field_release) shear_field *field = NULL;
+    CLEANUP(run_deinit) run r = {0};
     int code = shear_field_open_input(&field, input, NULL, err);
     if (code != SHEAR_OK) {
         return code;
     }
     report->field = *shear_field_get_info(field);
-    code = run_field(&r, input, field, settings, options != NULL ? options : &defaults,
-                     jack != NULL, report, err);
+    code = run_field(&r, input, field, settings, o, jack != NULL, report, err);
     if (code == SHEAR_OK) {
-        code = join_caller(&r.sums, options != NULL ? options->terms : NULL, jack, err);
+        code = join_caller(&r.sums, sums, o->terms, jack, err);
     }
-    if (code == SHEAR_OK) {
-        shear_field_sums_join(sums, r.sums.sums);
-        report->seconds = now_s() - start;
-    } else if (err != NULL && strstr(err->message, name_of(input)) == NULL) {
+    report->seconds = clock_s(CLOCK_MONOTONIC) - start;
+    if (code != SHEAR_OK && err != NULL && strstr(err->message, name_of(input)) == NULL) {
         shear_prefix(err, code, "file '%s'", name_of(input));
     }
-    run_deinit(&r);
-    shear_field_close(field);
     return code;
 }
 

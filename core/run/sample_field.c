@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sample of a field's stamps that tells how far its galaxies reach. */
+#include "base/cleanup.h"
 #include "measure/reach.h"
 #include "shear/run.h"
 
@@ -26,16 +27,15 @@ static void add_stamps(reach *r, const shear_stamps *s) {
 static int read_sampled(reach *r, shear_source source, int64_t first, int64_t end, int capacity,
                         shear_error *err) {
     const shear_block *block = NULL;
-    int code = SHEAR_OK;
-    while (code == SHEAR_OK && first < end) {
+    for (; first < end; first += capacity) {
         const int count = end - first < capacity ? (int)(end - first) : capacity;
-        code = source.read(source.self, 0, first, count, &block, err);
-        if (code == SHEAR_OK) {
-            add_stamps(r, &block->stamps);
+        const int code = source.read(source.self, 0, first, count, &block, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
-        first += count;
+        add_stamps(r, &block->stamps);
     }
-    return code;
+    return SHEAR_OK;
 }
 
 static int read_sample(reach *r, const shear_field_info *info, shear_source source, int capacity,
@@ -52,6 +52,10 @@ static int read_sample(reach *r, const shear_field_info *info, shear_source sour
     return code;
 }
 
+static int out_of_memory(shear_error *err) {
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a sample");
+}
+
 int shear_plan_request_sample(shear_plan_request *request, const shear_field_info *info,
                               shear_source source, int capacity, shear_error *err) {
     const shear_geometry *g = &info->geometry;
@@ -63,14 +67,15 @@ int shear_plan_request_sample(shear_plan_request *request, const shear_field_inf
     if (code != SHEAR_OK) {
         return code;
     }
-    reach r;
-    bool enough = reach_init(&r, g->nx, g->ny, MAX_SAMPLED_BLOCKS * SHEAR_BLOCK);
-    if (enough) {
-        code = read_sample(&r, info, source, capacity, err);
+    CLEANUP(reach_deinit) reach r;
+    if (!reach_init(&r, g->nx, g->ny, MAX_SAMPLED_BLOCKS * SHEAR_BLOCK)) {
+        return out_of_memory(err);
     }
-    if (enough && code == SHEAR_OK) {
-        enough = reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &request->core_px);
+    code = read_sample(&r, info, source, capacity, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    reach_deinit(&r);
-    return enough ? code : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a sample");
+    return reach_core(&r, radii.r_psf_px, radii.beta_px, radii.width_px, &request->core_px)
+               ? SHEAR_OK
+               : out_of_memory(err);
 }

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Four locks, never held together. `reader` is held while stamps are read and `sink` while rows are
- * written: the disk may take its time. `turns` and `results` are held for moments only, so that
+ * written: the disk may take its time. `units` and `results` are held for moments only, so that
  * whoever asks how the work stands, or stops it, never waits for a disk. */
 #include "shear/work.h"
 
+#include "common/release.h"
 #include "run/reorder_buffer.h"
 
+#include <assert.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -20,15 +22,15 @@ struct shear_work {
     pthread_mutex_t reader; /* guards the source */
     pthread_mutex_t sink;   /* guards the sink */
 
-    pthread_mutex_t turns; /* guards all until the next lock */
-    int64_t next_turn;     /* the first block that nobody has taken */
+    pthread_mutex_t units; /* guards all until the next lock */
+    int64_t next_block;    /* the first block that nobody has taken */
     int under_way;
     bool stopped;
 
     pthread_mutex_t results; /* guards all below */
-    joined joined;
+    reorder_buffer summed;
     int64_t done;
-    int64_t failed_at; /* first block of the failed turn that comes first in the file */
+    int64_t failed_at; /* first block of the failed unit that comes first in the file */
     int code;
     shear_error error;
 };
@@ -38,16 +40,16 @@ struct shear_worker {
     shear_unit_size size;
     shear_workspace *ws;
     shear_row *rows;        /* [size.stamps] */
-    shear_block_sums *sums; /* [size.blocks] of the turn under way */
-    shear_symmetry *terms;  /* of the turn under way */
+    shear_block_sums *sums; /* [size.blocks] of the unit under way */
+    shear_symmetry *terms;  /* of the unit under way */
 };
 
 /* A run of blocks that one thread has taken. */
-typedef struct turn {
+typedef struct work_unit {
     int64_t block;
     int n;
     int64_t first, end; /* its stamps */
-} turn;
+} work_unit;
 
 shear_unit_size shear_unit_size_for(const shear_field_info *info, int threads) {
     const int stamps = 1 + (info->noise_planes > 1 ? info->noise_planes : 1);
@@ -65,26 +67,25 @@ static bool wants_terms(const shear_work_spec *spec) {
 }
 
 int shear_work_new(shear_work **out, const shear_work_spec *spec, shear_error *err) {
-    shear_work *work = calloc(1, sizeof *work);
     *out = NULL;
+    CLEANUP(shear_work_release) shear_work *work = calloc(1, sizeof *work);
     if (work == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's work");
     }
-    const int code =
-        joined_init(&work->joined, spec->first_block, wants_terms(spec), spec->jackknife, err);
-    if (code != SHEAR_OK) {
-        free(work);
-        return code;
-    }
-    work->spec = *spec;
-    work->n_blocks = (spec->info->n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
-    work->next_turn = spec->first_block;
-    work->done = spec->first_block * SHEAR_BLOCK;
     pthread_mutex_init(&work->reader, NULL);
     pthread_mutex_init(&work->sink, NULL);
-    pthread_mutex_init(&work->turns, NULL);
+    pthread_mutex_init(&work->units, NULL);
     pthread_mutex_init(&work->results, NULL);
-    *out = work;
+    work->spec = *spec;
+    work->n_blocks = (spec->info->n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
+    work->next_block = spec->first_block;
+    work->done = spec->first_block * SHEAR_BLOCK;
+    const int code = reorder_buffer_init(&work->summed, spec->first_block, wants_terms(spec),
+                                         spec->jackknife, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    *out = CLEANUP_TAKE(work);
     return SHEAR_OK;
 }
 
@@ -92,31 +93,29 @@ void shear_work_free(shear_work *work) {
     if (work == NULL) {
         return;
     }
-    joined_deinit(&work->joined);
+    reorder_buffer_deinit(&work->summed);
     pthread_mutex_destroy(&work->reader);
     pthread_mutex_destroy(&work->sink);
-    pthread_mutex_destroy(&work->turns);
+    pthread_mutex_destroy(&work->units);
     pthread_mutex_destroy(&work->results);
     free(work);
 }
 
 int shear_worker_new(shear_worker **out, const shear_plan *plan, shear_unit_size size, int slot,
                      shear_error *err) {
-    shear_worker *worker = calloc(1, sizeof *worker);
     *out = NULL;
-    int code = worker != NULL ? shear_workspace_new(&worker->ws, plan, err) : SHEAR_E_NOMEM;
-    if (code == SHEAR_OK) {
+    CLEANUP(shear_worker_release) shear_worker *worker = calloc(1, sizeof *worker);
+    if (worker != NULL) {
         worker->slot = slot;
         worker->size = size;
         worker->rows = malloc((size_t)size.stamps * sizeof *worker->rows);
         worker->sums = malloc((size_t)size.blocks * sizeof *worker->sums);
-        code = worker->rows != NULL && worker->sums != NULL ? SHEAR_OK : SHEAR_E_NOMEM;
     }
-    if (code != SHEAR_OK) {
-        shear_worker_free(worker);
-        return shear_fail(err, code, NULL, "out of memory for a worker");
+    if (worker == NULL || worker->rows == NULL || worker->sums == NULL ||
+        shear_workspace_new(&worker->ws, plan, NULL) != SHEAR_OK) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a worker");
     }
-    *out = worker;
+    *out = CLEANUP_TAKE(worker);
     return SHEAR_OK;
 }
 
@@ -136,28 +135,29 @@ void shear_worker_free(shear_worker *worker) {
     }
 }
 
-static bool take_turn(shear_work *work, turn *t) {
-    pthread_mutex_lock(&work->turns);
-    const int64_t left = work->stopped ? 0 : work->n_blocks - work->next_turn;
+static bool claim_unit(shear_work *work, work_unit *u) {
+    pthread_mutex_lock(&work->units);
+    const int64_t left = work->stopped ? 0 : work->n_blocks - work->next_block;
     const bool taken = left > 0;
     if (taken) {
-        t->block = work->next_turn;
-        t->n = left < work->spec.size.blocks ? (int)left : work->spec.size.blocks;
-        t->first = t->block * SHEAR_BLOCK;
-        t->end = (t->block + t->n) * SHEAR_BLOCK;
-        t->end = t->end < work->spec.info->n_stamps ? t->end : work->spec.info->n_stamps;
-        work->next_turn += t->n;
+        u->block = work->next_block;
+        u->n = left < work->spec.size.blocks ? (int)left : work->spec.size.blocks;
+        u->first = u->block * SHEAR_BLOCK;
+        u->end = (u->block + u->n) * SHEAR_BLOCK;
+        u->end = u->end < work->spec.info->n_stamps ? u->end : work->spec.info->n_stamps;
+        work->next_block += u->n;
         work->under_way++;
     }
-    pthread_mutex_unlock(&work->turns);
+    pthread_mutex_unlock(&work->units);
     return taken;
 }
 
-static void end_turn(shear_work *work, bool stop) {
-    pthread_mutex_lock(&work->turns);
+static void release_unit(shear_work *work, bool stop) {
+    pthread_mutex_lock(&work->units);
+    assert(work->under_way > 0);
     work->under_way--;
     work->stopped = work->stopped || stop;
-    pthread_mutex_unlock(&work->turns);
+    pthread_mutex_unlock(&work->units);
 }
 
 static int read_stamps(shear_work *work, const shear_worker *worker, int64_t first, int count,
@@ -184,12 +184,12 @@ static int write_rows(shear_work *work, const shear_worker *worker, const shear_
     return code;
 }
 
-static int sum_rows(shear_worker *worker, const turn *t, const shear_plan *plan, int64_t first,
+static int sum_rows(shear_worker *worker, const work_unit *u, const shear_plan *plan, int64_t first,
                     int count, shear_error *err) {
     const double beta = shear_plan_get_info(plan)->beta_px;
     int code = SHEAR_OK;
     for (int i = 0; i < count && code == SHEAR_OK; i++) {
-        shear_block_sums *b = &worker->sums[(first + i - t->first) / SHEAR_BLOCK];
+        shear_block_sums *b = &worker->sums[(first + i - u->first) / SHEAR_BLOCK];
         if ((first + i) % SHEAR_BLOCK == 0) {
             shear_block_sums_init(b);
         }
@@ -201,7 +201,7 @@ static int sum_rows(shear_worker *worker, const turn *t, const shear_plan *plan,
     return code;
 }
 
-/* Empty terms for the turn, or none where this work wants none. */
+/* Empty terms for the unit, or none if this work wants none. */
 static int begin_terms(const shear_work *work, shear_worker *worker, shear_error *err) {
     if (!wants_terms(&work->spec)) {
         shear_symmetry_free(worker->terms); /* of another work */
@@ -215,86 +215,97 @@ static int begin_terms(const shear_work *work, shear_worker *worker, shear_error
     return SHEAR_OK;
 }
 
-static int measure_turn(shear_work *work, shear_worker *worker, const turn *t, shear_error *err) {
+static int measure_stamps(shear_work *work, shear_worker *worker, const work_unit *u, int64_t first,
+                          int count, shear_error *err) {
+    const shear_block *block = NULL;
+    int code = read_stamps(work, worker, first, count, &block, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count, worker->rows,
+                               err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = write_rows(work, worker, block, first, count, err);
+    return code != SHEAR_OK ? code : sum_rows(worker, u, work->spec.plan, first, count, err);
+}
+
+static int measure_unit(shear_work *work, shear_worker *worker, const work_unit *u,
+                        shear_error *err) {
     int code = begin_terms(work, worker, err);
-    for (int64_t at = t->first; at < t->end && code == SHEAR_OK; at += worker->size.stamps) {
-        const int64_t left = t->end - at;
+    for (int64_t at = u->first; at < u->end && code == SHEAR_OK; at += worker->size.stamps) {
+        const int64_t left = u->end - at;
         const int count = left < worker->size.stamps ? (int)left : worker->size.stamps;
-        const shear_block *block = NULL;
-        code = read_stamps(work, worker, at, count, &block, err);
-        if (code == SHEAR_OK) {
-            code = shear_measure_range(work->spec.plan, worker->ws, &block->stamps, 0, count,
-                                       worker->rows, err);
-        }
-        if (code == SHEAR_OK) {
-            code = write_rows(work, worker, block, at, count, err);
-        }
-        if (code == SHEAR_OK) {
-            code = sum_rows(worker, t, work->spec.plan, at, count, err);
-        }
+        code = measure_stamps(work, worker, u, at, count, err);
     }
     return code;
 }
 
-static int hand_over(shear_work *work, const shear_worker *worker, const turn *t,
+static int hand_over(shear_work *work, const shear_worker *worker, const work_unit *u,
                      shear_error *err) {
-    const finished f = {.block = t->block, .n = t->n, .sums = worker->sums, .terms = worker->terms};
+    const block_result r = {
+        .block = u->block, .n = u->n, .sums = worker->sums, .terms = worker->terms};
     pthread_mutex_lock(&work->results);
-    const int code = joined_take(&work->joined, &f, err);
-    work->done += t->end - t->first;
+    const int code = reorder_buffer_add(&work->summed, &r, err);
+    work->done += u->end - u->first;
     pthread_mutex_unlock(&work->results);
     return code;
 }
 
-static void record_failure(shear_work *work, const turn *t, int code, const shear_error *error) {
+static void record_failure(shear_work *work, const work_unit *u, int code,
+                           const shear_error *error) {
     pthread_mutex_lock(&work->results);
-    if (work->code == SHEAR_OK || t->block < work->failed_at) {
+    if (work->code == SHEAR_OK || u->block < work->failed_at) {
         work->code = code;
-        work->failed_at = t->block;
+        work->failed_at = u->block;
         work->error = *error;
     }
     pthread_mutex_unlock(&work->results);
 }
 
+static int finish_unit(shear_work *work, shear_worker *worker, const work_unit *u,
+                       shear_error *err) {
+    const int code = measure_unit(work, worker, u, err);
+    return code != SHEAR_OK ? code : hand_over(work, worker, u, err);
+}
+
 bool shear_work_step(shear_work *work, shear_worker *worker) {
-    turn t;
-    if (!take_turn(work, &t)) {
+    work_unit u;
+    shear_error error = {0};
+    if (!claim_unit(work, &u)) {
         return false;
     }
-    shear_error error = {0};
-    int code = measure_turn(work, worker, &t, &error);
-    if (code == SHEAR_OK) {
-        code = hand_over(work, worker, &t, &error);
-    }
+    const int code = finish_unit(work, worker, &u, &error);
     if (code != SHEAR_OK) {
-        record_failure(work, &t, code, &error);
+        record_failure(work, &u, code, &error);
     }
-    end_turn(work, code != SHEAR_OK);
+    release_unit(work, code != SHEAR_OK);
     return code == SHEAR_OK;
 }
 
 void shear_work_stop(shear_work *work) {
-    pthread_mutex_lock(&work->turns);
+    pthread_mutex_lock(&work->units);
     work->stopped = true;
-    pthread_mutex_unlock(&work->turns);
+    pthread_mutex_unlock(&work->units);
 }
 
 void shear_work_fail(shear_work *work, const shear_error *err) {
-    const turn nowhere = {.block = work->n_blocks};
+    const work_unit nowhere = {.block = work->n_blocks};
     record_failure(work, &nowhere, err->code, err);
     shear_work_stop(work);
 }
 
 shear_work_status shear_work_get_status(shear_work *work) {
     shear_work_status status = {.stamps_total = work->spec.info->n_stamps};
-    pthread_mutex_lock(&work->turns);
-    status.exhausted = work->stopped || work->next_turn >= work->n_blocks;
+    pthread_mutex_lock(&work->units);
+    status.exhausted = work->stopped || work->next_block >= work->n_blocks;
     status.units_under_way = work->under_way;
-    pthread_mutex_unlock(&work->turns);
+    pthread_mutex_unlock(&work->units);
     pthread_mutex_lock(&work->results);
     status.stamps_done = work->done;
-    status.next_block = work->joined.next_block;
-    status.complete = work->joined.next_block >= work->n_blocks;
+    status.next_block = work->summed.next_block;
+    status.complete = work->summed.next_block >= work->n_blocks;
     status.code = work->code;
     pthread_mutex_unlock(&work->results);
     return status;
@@ -312,8 +323,8 @@ int shear_work_get_error(shear_work *work, shear_error *err) {
 
 int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
     pthread_mutex_lock(&work->results);
-    shear_field_sums_join(sums, work->joined.sums);
-    const int64_t next = work->joined.next_block;
+    shear_field_sums_join(sums, work->summed.sums);
+    const int64_t next = work->summed.next_block;
     pthread_mutex_unlock(&work->results);
     return next;
 }
@@ -321,12 +332,12 @@ int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
 int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
                           shear_symmetry *terms, int64_t *next_block, shear_error *err) {
     pthread_mutex_lock(&work->results);
-    const int code = work->joined.terms != NULL
-                         ? shear_symmetry_join(terms, work->joined.terms, from, err)
+    const int code = work->summed.terms != NULL
+                         ? shear_symmetry_join(terms, work->summed.terms, from, err)
                          : SHEAR_OK;
     if (code == SHEAR_OK) {
-        shear_field_sums_join(sums, work->joined.sums);
-        *next_block = work->joined.next_block;
+        shear_field_sums_join(sums, work->summed.sums);
+        *next_block = work->summed.next_block;
     }
     pthread_mutex_unlock(&work->results);
     return code;

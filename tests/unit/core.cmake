@@ -15,7 +15,7 @@ core_test(laws)
 core_test(scale)
 core_test(fft)
 core_test(axis PkgConfig::GSL)
-core_test(image)
+core_test(surface)
 core_test(plan)
 if(NOT SHEAR_SANITIZE) # whose malloc keeps no statistics
   core_test(memory)

@@ -152,11 +152,11 @@ static void test_turn(void **state) {
     for (int i = 0; i < FFT_LANES * STEP; i++) {
         in[i] = uniform(&seed);
     }
-    fft_turn(in, STEP, out);
+    fft_transpose(in, STEP, out);
     for (int i = 0; i < FFT_LANES * FFT_LANES; i++) {
         assert_true(out[i] == in[i % FFT_LANES * STEP + i / FFT_LANES]);
     }
-    fft_turn(in + (FFT_LANES - 1) * STEP, -STEP, out); /* backwards */
+    fft_transpose(in + (FFT_LANES - 1) * STEP, -STEP, out); /* backwards */
     for (int i = 0; i < FFT_LANES * FFT_LANES; i++) {
         assert_true(out[i] == in[(FFT_LANES - 1 - i % FFT_LANES) * STEP + i / FFT_LANES]);
     }

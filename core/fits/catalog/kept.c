@@ -59,17 +59,17 @@ static int check_keys(const expected *e, const sf_cards *cards, shear_error *err
 /* What CFITSIO is given must be one table and nothing else. */
 static int check_table(const expected *e, const sf_file *file, shear_error *err) {
     const sf_hdu *hdu = NULL;
-    int rc = sf_survey_find(&file->survey, SF_CATALOG_HDU, true, &hdu, err);
+    int rc = sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
-    if (file->survey.count != 2 || file->survey.hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
+    if (file->index.count != 2 || file->index.hdus[0].naxis != 0 || hdu->zimage || hdu->ztable ||
         hdu->axes[1] != e->catalog->n) {
         return not_usable(e->catalog, "its table has another shape", err);
     }
-    CLEANUP(sf_cards_free) sf_cards cards = {0};
+    CLEANUP(sf_cards_deinit) sf_cards cards = {0};
     CLEANUP(sf_table_deinit) sf_table table = {0};
-    rc = sf_cards_read(&cards, file, hdu, SF_CATALOG_HDU, err);
+    rc = sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err);
     if (rc != SHEAR_OK) {
         return rc;
     }

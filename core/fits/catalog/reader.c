@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/cleanup.h"
 #include "fits/catalog/header.h"
 #include "fits/catalog/schema.h"
 #include "fits/header/table.h"
@@ -7,16 +8,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One column of doubles into a member of all rows; NaN where the table has no such column. */
+/* Column `name` as doubles into values[n]; *there is false if the table has none. */
+static int read_column(const sf_table *table, const char *name, int64_t n, double *values,
+                       bool *there, shear_error *err) {
+    const sf_column *column = NULL;
+    const int rc = sf_table_find_number(table, name, &column, err);
+    *there = column != NULL;
+    return rc != SHEAR_OK || column == NULL ? rc
+                                            : sf_table_doubles(table, column, 0, n, values, err);
+}
+
+/* Into a member of all rows; NaN if the table has no such column. */
 static int read_member(const sf_table *table, const sf_member *m, double *values,
                        shear_catalog_table *t, shear_error *err) {
-    const sf_column *column = NULL;
-    int rc = sf_table_find_number(table, m->name, &column, err);
-    if (rc == SHEAR_OK && column != NULL) {
-        rc = sf_table_doubles(table, column, 0, t->n, values, err);
-    }
+    bool there = false;
+    const int rc = read_column(table, m->name, t->n, values, &there, err);
     for (int64_t i = 0; rc == SHEAR_OK && i < t->n; i++) {
-        const double value = column != NULL ? values[i] : NAN;
+        const double value = there ? values[i] : NAN;
         memcpy((char *)&t->rows[i] + m->offset, &value, sizeof value);
     }
     return rc;
@@ -24,62 +32,54 @@ static int read_member(const sf_table *table, const sf_member *m, double *values
 
 static int read_flags(const sf_table *table, double *values, shear_catalog_table *t,
                       shear_error *err) {
-    const sf_column *column = NULL;
-    int rc = sf_table_find_number(table, "FLAGS", &column, err);
-    if (rc != SHEAR_OK || column == NULL) {
-        return rc;
-    }
-    rc = sf_table_doubles(table, column, 0, t->n, values, err);
-    for (int64_t i = 0; rc == SHEAR_OK && i < t->n; i++) {
+    bool there = false;
+    const int rc = read_column(table, "FLAGS", t->n, values, &there, err);
+    for (int64_t i = 0; rc == SHEAR_OK && there && i < t->n; i++) {
         t->rows[i].flags = values[i] >= 0.0 && values[i] <= UINT32_MAX ? (uint32_t)values[i] : 0u;
     }
     return rc;
 }
 
-/* A column of places into a member of all rows; none where the table has no such column. */
+/* A column of places into a member of all rows; -1 if the table has no such column. */
 static int read_place(const sf_table *table, const sf_place_member *m, double *values,
                       shear_catalog_table *t, shear_error *err) {
-    const sf_column *column = NULL;
-    int rc = sf_table_find_number(table, m->name, &column, err);
-    if (rc == SHEAR_OK && column != NULL) {
-        rc = sf_table_doubles(table, column, 0, t->n, values, err);
-    }
+    bool there = false;
+    const int rc = read_column(table, m->name, t->n, values, &there, err);
     for (int64_t i = 0; rc == SHEAR_OK && i < t->n; i++) {
-        const bool is_one = column != NULL && values[i] >= 1.0 && values[i] <= SHEAR_MAX_SIDE;
+        const bool is_one = there && values[i] >= 1.0 && values[i] <= SHEAR_MAX_SIDE;
         const int place = is_one ? (int)values[i] - 1 : -1;
         memcpy((char *)&t->rows[i] + m->offset, &place, sizeof place);
     }
     return rc;
 }
 
+/* Members without a column. */
+static void forget_members(shear_row *row) {
+    row->flux_removed = NAN;
+    row->border_mean = NAN;
+    row->border_var = NAN;
+    row->border_var_noise = NAN;
+    row->border_step_x = NAN;
+    row->border_step_y = NAN;
+    row->border_step2 = NAN;
+}
+
 static int read_rows(const sf_table *table, shear_catalog_table *t, shear_error *err) {
-    int rc = SHEAR_OK;
-    double *values = calloc((size_t)t->n + 1, sizeof *values);
+    CLEANUP(release_free) double *values = calloc((size_t)t->n + 1, sizeof *values);
     t->rows = calloc((size_t)t->n + 1, sizeof *t->rows);
     if (values == NULL || t->rows == NULL) {
-        rc = sf_fail_memory(err, table->cards->at);
-        goto done;
+        return sf_fail_memory(err, table->cards->at);
     }
-    for (int64_t i = 0; i < t->n; i++) { /* members without a column */
-        t->rows[i].flux_removed = NAN;
-        t->rows[i].border_mean = NAN;
-        t->rows[i].border_var = NAN;
-        t->rows[i].border_var_noise = NAN;
-        t->rows[i].border_step_x = NAN;
-        t->rows[i].border_step_y = NAN;
-        t->rows[i].border_step2 = NAN;
+    for (int64_t i = 0; i < t->n; i++) {
+        forget_members(&t->rows[i]);
     }
+    int rc = read_flags(table, values, t, err);
     for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_MEMBERS; i++) {
         rc = read_member(table, &sf_catalog_members[i], values, t, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = read_flags(table, values, t, err);
     }
     for (int i = 0; rc == SHEAR_OK && i < SF_CATALOG_PLACES; i++) {
         rc = read_place(table, &sf_catalog_places[i], values, t, err);
     }
-done:
-    free(values);
     return rc;
 }
 
@@ -104,51 +104,51 @@ static int check_columns(const sf_table *table, shear_error *err) {
 
 static int read_table(const sf_file *file, shear_catalog_table *t, shear_error *err) {
     const sf_hdu *hdu = NULL;
-    sf_cards cards = {0};
-    sf_table table = {0};
-    int rc = sf_survey_find(&file->survey, SF_CATALOG_HDU, true, &hdu, err);
-    if (rc == SHEAR_OK && (hdu->kind != SF_TABLE || hdu->zimage || hdu->ztable)) {
-        rc = sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, SF_CATALOG_HDU}, NULL,
-                     "must be a plain binary table (BINTABLE)");
+    CLEANUP(sf_cards_deinit) sf_cards cards = {0};
+    CLEANUP(sf_table_deinit) sf_table table = {0};
+    int rc = sf_hdu_index_find(&file->index, SF_CATALOG_HDU, true, &hdu, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_cards_read(&cards, file, hdu, SF_CATALOG_HDU, err);
+    if (hdu->kind != SF_TABLE || hdu->zimage || hdu->ztable) {
+        return sf_fail(err, SHEAR_E_FORMAT, (sf_place){file->source.name, SF_CATALOG_HDU}, NULL,
+                       "must be a plain binary table (BINTABLE)");
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_table_init(&table, file, hdu, &cards, err);
+    rc = sf_cards_init(&cards, file, hdu, SF_CATALOG_HDU, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = check_columns(&table, err);
+    rc = sf_table_init(&table, file, hdu, &cards, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        t->n = hdu->axes[1];
-        rc = sf_catalog_read_header(&cards, t, err);
+    rc = check_columns(&table, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = read_rows(&table, t, err);
-    }
-    sf_table_deinit(&table);
-    sf_cards_free(&cards);
-    return rc;
+    t->n = hdu->axes[1];
+    rc = sf_catalog_read_header(&cards, t, err);
+    return rc != SHEAR_OK ? rc : read_rows(&table, t, err);
 }
+
+CLEANUP_DEFINE(shear_catalog_table, shear_catalog_table_free)
 
 int shear_catalog_read(shear_catalog_table **table, const char *path, shear_error *err) {
     *table = NULL;
-    shear_catalog_table *t = calloc(1, sizeof *t);
+    CLEANUP(shear_catalog_table_release) shear_catalog_table *t = calloc(1, sizeof *t);
     if (t == NULL) {
         return sf_fail_memory(err, (sf_place){path, NULL});
     }
-    sf_file file;
+    CLEANUP(sf_file_close) sf_file file;
     int rc = sf_file_open(&file, path, err);
-    if (rc == SHEAR_OK) {
-        rc = read_table(&file, t, err);
-        sf_file_close(&file);
-    }
     if (rc != SHEAR_OK) {
-        shear_catalog_table_free(t);
         return rc;
     }
-    *table = t;
+    rc = read_table(&file, t, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    *table = CLEANUP_TAKE(t);
     return SHEAR_OK;
 }
 

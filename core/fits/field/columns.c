@@ -39,7 +39,7 @@ int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_erro
     const sf_place at = {part->file->source.name, part->label};
     int rc = check_table(part->hdu, at, rows, err);
     if (rc == SHEAR_OK) {
-        rc = sf_cards_read(&c->cards, part->file, part->hdu, part->label, err);
+        rc = sf_cards_init(&c->cards, part->file, part->hdu, part->label, err);
     }
     if (rc == SHEAR_OK) {
         rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
@@ -53,7 +53,7 @@ int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_erro
 
 void sf_columns_deinit(sf_columns *c) {
     sf_table_deinit(&c->table);
-    sf_cards_free(&c->cards);
+    sf_cards_deinit(&c->cards);
     free(c->scratch);
     c->scratch = NULL;
 }

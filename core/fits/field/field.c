@@ -44,7 +44,7 @@ static void fill_info(shear_field *f) {
 
 static int open_hdus(shear_field *f, shear_error *err) {
     const sf_file *file = f->parts.of[SHEAR_PART_GALAXY].file;
-    int rc = sf_cards_read(&f->primary, file, &file->survey.hdus[0], "primary", err);
+    int rc = sf_cards_init(&f->primary, file, &file->index.hdus[0], "primary", err);
     if (rc == SHEAR_OK) {
         rc = sf_field_read_keys(f, err);
     }
@@ -64,7 +64,7 @@ static int open_hdus(shear_field *f, shear_error *err) {
         fill_info(f);
         rc = sf_field_open_psf(f, err);
     }
-    sf_cards_free(&f->primary);
+    sf_cards_deinit(&f->primary);
     return rc;
 }
 

@@ -31,12 +31,9 @@ static int open_file(sf_parts *p, const char *path, int fd, const sf_file **file
         return SHEAR_OK;
     }
     sf_file *f = &p->files[p->n_files];
-    const int rc = fd >= 0 ? sf_file_open_fd(f, fd, path, err) : sf_file_open(f, path, err);
-    if (rc == SHEAR_OK) {
-        p->n_files++;
-        *file = f;
-    }
-    return rc;
+    p->n_files++; /* to be closed, also after an error */
+    *file = f;
+    return fd >= 0 ? sf_file_open_fd(f, fd, path, err) : sf_file_open(f, path, err);
 }
 
 /* ---- HDUs ---- */
@@ -48,7 +45,8 @@ static bool holds(const sf_hdu *hdu, int part) {
     return hdu->kind == SF_TABLE ? hdu->zimage : hdu->kind == SF_IMAGE && hdu->naxis > 0;
 }
 
-static int find_number(const sf_survey *s, int64_t number, const sf_hdu **hdu, shear_error *err) {
+static int find_number(const sf_hdu_index *s, int64_t number, const sf_hdu **hdu,
+                       shear_error *err) {
     if (number >= s->count) {
         return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL},
                        "HDUs are counted from 0, the primary; or give the EXTNAME",
@@ -58,8 +56,8 @@ static int find_number(const sf_survey *s, int64_t number, const sf_hdu **hdu, s
     return SHEAR_OK;
 }
 
-static int find_default(const sf_survey *s, int part, const sf_hdu **hdu, shear_error *err) {
-    const int rc = sf_survey_find(s, extnames[part], false, hdu, err);
+static int find_default(const sf_hdu_index *s, int part, const sf_hdu **hdu, shear_error *err) {
+    const int rc = sf_hdu_index_find(s, extnames[part], false, hdu, err);
     for (int i = 0; rc == SHEAR_OK && *hdu == NULL && i < s->count; i++) {
         if (holds(&s->hdus[i], part)) {
             *hdu = &s->hdus[i];
@@ -83,10 +81,10 @@ static void label(sf_part *part) {
 }
 
 static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_error *err) {
-    const sf_survey *s = &p->of[i].file->survey;
+    const sf_hdu_index *s = &p->of[i].file->index;
     int rc;
     if (wanted->extname != NULL) {
-        rc = sf_survey_find(s, wanted->extname, true, &p->of[i].hdu, err);
+        rc = sf_hdu_index_find(s, wanted->extname, true, &p->of[i].hdu, err);
     } else if (wanted->hdu >= 0) {
         rc = find_number(s, wanted->hdu, &p->of[i].hdu, err);
     } else {
@@ -102,13 +100,13 @@ static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_erro
 static int choose_by_name(sf_parts *p, int i, const sf_file *file, shear_error *err) {
     p->of[i].file = file;
     snprintf(p->of[i].label, sizeof p->of[i].label, "%s", extnames[i]);
-    return sf_survey_find(&file->survey, extnames[i], false, &p->of[i].hdu, err);
+    return sf_hdu_index_find(&file->index, extnames[i], false, &p->of[i].hdu, err);
 }
 
 int sf_part_require(const sf_part *part, shear_error *err) {
     const sf_hdu *hdu = part->hdu;
     return hdu != NULL ? SHEAR_OK
-                       : sf_survey_find(&part->file->survey, part->label, true, &hdu, err);
+                       : sf_hdu_index_find(&part->file->index, part->label, true, &hdu, err);
 }
 
 /* One image cannot be two parts: the galaxies minus themselves have no power. */
@@ -172,7 +170,7 @@ bool sf_parts_are_whole(const sf_parts *p) {
     bool whole = p->n_files == 1;
     for (int i = 0; i < SHEAR_N_PARTS && whole; i++) {
         const sf_hdu *hdu = NULL;
-        whole = sf_survey_find(&p->files[0].survey, extnames[i], false, &hdu, NULL) == SHEAR_OK &&
+        whole = sf_hdu_index_find(&p->files[0].index, extnames[i], false, &hdu, NULL) == SHEAR_OK &&
                 hdu == p->of[i].hdu;
     }
     return whole;

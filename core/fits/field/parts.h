@@ -10,7 +10,7 @@
 
 typedef struct sf_part {
     const sf_file *file; /* one of the files below */
-    const sf_hdu *hdu;   /* in that file's survey; NULL: there is no such part */
+    const sf_hdu *hdu;   /* in that file's index; NULL: there is no such part */
     char label[SF_NAME]; /* of the HDU, for messages */
 } sf_part;
 

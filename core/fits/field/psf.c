@@ -19,11 +19,11 @@ static int check_sides(const shear_field *f, shear_error *err) {
 static int read_primary(const sf_file *file, int64_t *oversample, shear_error *err) {
     sf_cards primary;
     bool found = false;
-    int rc = sf_cards_read(&primary, file, &file->survey.hdus[0], "primary", err);
+    int rc = sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err);
     if (rc == SHEAR_OK) {
         rc = sf_key_int(&primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
     }
-    sf_cards_free(&primary);
+    sf_cards_deinit(&primary);
     return rc;
 }
 

@@ -43,7 +43,7 @@ static int read_text(char *text, const sf_file *file, const sf_hdu *hdu, sf_plac
                          "its header has changed since the file was opened");
 }
 
-int sf_cards_read(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const char *label,
+int sf_cards_init(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err) {
     *c = (sf_cards){.at = {file->source.name, label}};
     c->text = calloc(1, (size_t)hdu->header_bytes);
@@ -55,7 +55,7 @@ int sf_cards_read(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const cha
     return rc;
 }
 
-void sf_cards_free(sf_cards *c) {
+void sf_cards_deinit(sf_cards *c) {
     free(c->text);
     c->text = NULL;
     c->count = 0;

@@ -18,11 +18,11 @@ typedef struct sf_cards {
     int64_t count;
 } sf_cards;
 
-/* Read the header of `hdu`, which must be what the survey saw. Free it, also after an error.
- * SHEAR_E_IO, SHEAR_E_FORMAT, SHEAR_E_NOMEM. */
-int sf_cards_read(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const char *label,
+/* Read the header of `hdu`, which must be as it was when the file was opened. Deinit it, also after
+ * an error. SHEAR_E_IO, SHEAR_E_FORMAT, SHEAR_E_NOMEM. */
+int sf_cards_init(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err);
-void sf_cards_free(sf_cards *c);
+void sf_cards_deinit(sf_cards *c);
 
 /* The card of a keyword; NULL where there is none. SHEAR_E_FORMAT: there are two. */
 int sf_cards_find(const sf_cards *c, const char *key, const char **card, shear_error *err);

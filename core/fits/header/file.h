@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/header/file.h: a surveyed file. */
+/* fits/header/file.h: an open FITS file whose HDUs are known. */
 #ifndef SHEAR_FITS_HEADER_FILE_H
 #define SHEAR_FITS_HEADER_FILE_H
 
@@ -8,12 +8,12 @@
 
 typedef struct sf_file {
     sf_source source;
-    sf_survey survey;
+    sf_hdu_index index;
 } sf_file;
 
+/* Close it, also after an error. */
 int sf_file_open(sf_file *f, const char *path, shear_error *err);
 int sf_file_open_fd(sf_file *f, int fd, const char *name, shear_error *err);
-/* Also after a failed open. */
 void sf_file_close(sf_file *f);
 
 #endif

@@ -125,7 +125,7 @@ static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shea
     return *next <= r->size ? SHEAR_OK : truncated(r, h, "data", *next, err);
 }
 
-static int append(sf_survey *s, const sf_hdu *hdu, shear_error *err) {
+static int append(sf_hdu_index *s, const sf_hdu *hdu, shear_error *err) {
     if (s->count == MAX_HDUS) {
         return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
                        "has more than %d HDUs", MAX_HDUS);
@@ -171,8 +171,8 @@ static int is_extension(reader *r, int64_t offset, bool *yes, shear_error *err) 
                    (long long)offset);
 }
 
-int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_error *err) {
-    *s = (sf_survey){.file = file};
+int sf_hdu_index_init(sf_hdu_index *s, int fd, int64_t size, const char *file, shear_error *err) {
+    *s = (sf_hdu_index){.file = file};
     reader *r = calloc(1, sizeof *r);
     if (r == NULL) {
         return sf_fail_memory(err, (sf_place){file, NULL});
@@ -198,18 +198,18 @@ int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_er
     XXH3_freeState(r->hash);
     free(r);
     if (rc != SHEAR_OK) {
-        sf_survey_free(s);
+        sf_hdu_index_deinit(s);
     }
     return rc;
 }
 
-void sf_survey_free(sf_survey *s) {
+void sf_hdu_index_deinit(sf_hdu_index *s) {
     free(s->hdus);
     s->hdus = NULL;
     s->count = 0;
 }
 
-static int missing(const sf_survey *s, const char *name, shear_error *err) {
+static int missing(const sf_hdu_index *s, const char *name, shear_error *err) {
     char found[200] = "";
     for (int i = 1; i < s->count; i++) {
         const size_t used = strlen(found);
@@ -221,8 +221,8 @@ static int missing(const sf_survey *s, const char *name, shear_error *err) {
                    "has no HDU %s (its extensions: %s)", name, s->count > 1 ? found : "none");
 }
 
-int sf_survey_find(const sf_survey *s, const char *name, bool required, const sf_hdu **hdu,
-                   shear_error *err) {
+int sf_hdu_index_find(const sf_hdu_index *s, const char *name, bool required, const sf_hdu **hdu,
+                      shear_error *err) {
     *hdu = NULL;
     for (int i = 1; i < s->count; i++) {
         if (strcasecmp(s->hdus[i].name, name) != 0) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fits/header/hdu_index.h: where the HDUs of a file are and how large.
  *
- * The survey reads all headers of a file itself, in fixed memory, and refuses what does not fit
- * into the file. Keywords that say where an HDU ends must be there, in range, and only once.
+ * All headers of a file are read here, in fixed memory, and what does not fit into the file is
+ * refused. Keywords that say where an HDU ends must be there, in range, and only once.
  * CFITSIO does not see the file at all: of the HDUs that are read it sees what is made for it
  * (view.h), and never the others.
  */
@@ -33,19 +33,19 @@ typedef struct sf_hdu {
     bool zimage, ztable;             /* tile-compressed image, table */
 } sf_hdu;
 
-typedef struct sf_survey {
+typedef struct sf_hdu_index {
     sf_hdu *hdus; /* [count] */
     int count;
     const char *file; /* for messages; the source's */
-} sf_survey;
+} sf_hdu_index;
 
-/* Survey the FITS file `fd` of `size` bytes. SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. */
-int sf_survey_new(sf_survey *s, int fd, int64_t size, const char *file, shear_error *err);
-void sf_survey_free(sf_survey *s);
+/* Index the FITS file `fd` of `size` bytes. SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. */
+int sf_hdu_index_init(sf_hdu_index *s, int fd, int64_t size, const char *file, shear_error *err);
+void sf_hdu_index_deinit(sf_hdu_index *s);
 
 /* The extension of that name, in any case. *hdu is NULL where there is none and it is optional.
  * SHEAR_E_FORMAT: none although required (the message lists what there is), or two of them. */
-int sf_survey_find(const sf_survey *s, const char *name, bool required, const sf_hdu **hdu,
-                   shear_error *err);
+int sf_hdu_index_find(const sf_hdu_index *s, const char *name, bool required, const sf_hdu **hdu,
+                      shear_error *err);
 
 #endif

@@ -6,7 +6,7 @@ bool sf_bits_skip(sf_bits *b, int64_t n) {
     return b->position <= b->count;
 }
 
-bool sf_bits_take(sf_bits *b, int n, int *out) {
+bool sf_bits_read(sf_bits *b, int n, int *out) {
     *out = 0;
     for (int i = 0; i < n; i++, b->position++) {
         if (b->position >= b->count) {

@@ -14,7 +14,7 @@ typedef struct sf_bits {
 
 /* All return false where the stream has not as many bits. */
 bool sf_bits_skip(sf_bits *b, int64_t n);
-bool sf_bits_take(sf_bits *b, int n, int *out);
+bool sf_bits_read(sf_bits *b, int n, int *out);
 /* Skip zeros and the one behind them. */
 bool sf_bits_skip_unary(sf_bits *b);
 

@@ -212,7 +212,7 @@ static int unpack(unpacking *u, shear_error *err) {
     return more < 0 ? -more : flush(u, err);
 }
 
-int sf_spool_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err) {
+int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err) {
     unpacking u = {.in = in, .out = -1, .limit = unpack_limit(), .at = at};
     int rc = SHEAR_OK;
     if (inflateInit2(&u.z, 15 + 16) != Z_OK) { /* 16: expect gzip's header and check its CRC */

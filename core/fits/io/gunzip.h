@@ -16,6 +16,6 @@ bool sf_is_gzip(const unsigned char *bytes, int64_t count);
  * success *out is a descriptor that the caller closes, and *out_size the number of bytes behind it.
  * The offset of `in` is not used. SHEAR_E_FORMAT: damaged, truncated, not FITS, too large;
  * SHEAR_E_IO: no room. */
-int sf_spool_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err);
+int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err);
 
 #endif

@@ -87,7 +87,7 @@ static int look_inside(sf_source *s, shear_error *err) {
     }
     if (sf_is_gzip(head, n)) {
         int unpacked = -1;
-        const int rc = sf_spool_gunzip(s->fd, at, &unpacked, &s->size, err);
+        const int rc = sf_gunzip(s->fd, at, &unpacked, &s->size, err);
         if (rc != SHEAR_OK) {
             return rc;
         }

@@ -29,14 +29,14 @@ static bool take_node(sf_bits *b, unsigned char *node) {
     static const unsigned char five[] = {6, 7, 9, 11, 13};
     int code = 0;
     int bit = 0;
-    if (!sf_bits_take(b, 3, &code)) {
+    if (!sf_bits_read(b, 3, &code)) {
         return false;
     }
     if (code < 4) {
         *node = (unsigned char)(1 << code);
         return true;
     }
-    if (!sf_bits_take(b, 1, &bit)) {
+    if (!sf_bits_read(b, 1, &bit)) {
         return false;
     }
     code = 2 * code + bit;
@@ -44,7 +44,7 @@ static bool take_node(sf_bits *b, unsigned char *node) {
         *node = four[code - 8];
         return true;
     }
-    if (!sf_bits_take(b, 1, &bit)) {
+    if (!sf_bits_read(b, 1, &bit)) {
         return false;
     }
     code = 2 * code + bit;
@@ -53,7 +53,7 @@ static bool take_node(sf_bits *b, unsigned char *node) {
         return true;
     }
     *node = 14;
-    if (!sf_bits_take(b, 1, &bit)) {
+    if (!sf_bits_read(b, 1, &bit)) {
         return false;
     }
     if (bit == 0) {
@@ -108,7 +108,7 @@ static bool take_tree(walk *w, int64_t nx, int64_t ny, int levels) {
 static bool take_plain(walk *w, int64_t nodes) {
     for (int64_t i = 0; i < nodes; i++) {
         int node = 0;
-        if (!sf_bits_take(&w->bits, 4, &node)) {
+        if (!sf_bits_read(&w->bits, 4, &node)) {
             return false;
         }
         w->nodes[0][i] = (unsigned char)node;
@@ -118,7 +118,7 @@ static bool take_plain(walk *w, int64_t nodes) {
 
 static bool take_plane(walk *w, unsigned char *corner, int64_t nx, int64_t ny, int levels) {
     int form = 0;
-    if (!sf_bits_take(&w->bits, 4, &form)) {
+    if (!sf_bits_read(&w->bits, 4, &form)) {
         return false;
     }
     const bool taken = form == 0    ? take_plain(w, half(nx) * half(ny))
@@ -184,5 +184,5 @@ bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, const int64_t
            take_quadrant(&w, 0, half(ny), half(nx), ny / 2, planes[1]) &&
            take_quadrant(&w, half(nx), 0, nx / 2, half(ny), planes[1]) &&
            take_quadrant(&w, half(nx), half(ny), nx / 2, ny / 2, planes[2]) &&
-           sf_bits_take(&w.bits, 4, &end) && end == 0 && take_signs(&w, pixels);
+           sf_bits_read(&w.bits, 4, &end) && end == 0 && take_signs(&w, pixels);
 }

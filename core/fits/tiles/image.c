@@ -101,7 +101,7 @@ int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const
     *image = (sf_image){.cards.at = {file->source.name, label}};
     int rc = check_header(hdu, image->cards.at, err);
     if (rc == SHEAR_OK) {
-        rc = sf_cards_read(&image->cards, file, hdu, label, err);
+        rc = sf_cards_init(&image->cards, file, hdu, label, err);
     }
     if (rc == SHEAR_OK) {
         rc = hdu->zimage ? take_tiled(image, file, hdu, err) : take_plain(image, hdu);
@@ -122,7 +122,7 @@ void sf_image_deinit(sf_image *image) {
     sf_view_close(image->fits);
     image->fits = NULL;
     sf_view_deinit(&image->view);
-    sf_cards_free(&image->cards);
+    sf_cards_deinit(&image->cards);
 }
 
 /* Plain pixels that follow each other in the file are read in one piece. */

@@ -9,7 +9,7 @@
  * the largest: they are stored whole; else the low code-1 bits follow a unary count. */
 static bool skip_block(sf_bits *b, int64_t pixels, int code_bits, int whole_code, int pixel_bits) {
     int code = 0;
-    if (!sf_bits_take(b, code_bits, &code)) {
+    if (!sf_bits_read(b, code_bits, &code)) {
         return false;
     }
     if (code == 0) {
@@ -43,7 +43,7 @@ bool sf_rice_sound(const unsigned char *bytes, int64_t count, int64_t pixels, in
     }
     int rest = 0; /* zeros that fill the last byte; else it was packed in other blocks */
     const int64_t left = b.count - b.position;
-    return left < 8 && sf_bits_take(&b, (int)left, &rest) && rest == 0;
+    return left < 8 && sf_bits_read(&b, (int)left, &rest) && rest == 0;
 }
 
 int64_t sf_gzip_size(const unsigned char *bytes, int64_t count, int64_t limit) {

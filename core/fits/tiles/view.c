@@ -14,15 +14,15 @@ void sf_view_init(sf_view *v, const sf_file *file, const sf_hdu *hdu) {
 
 /* Room for `bytes` more. */
 static bool grow(sf_view *v, int64_t bytes) {
-    if (v->header_bytes + bytes > v->header_room) {
-        const int64_t room = 2 * v->header_room + SF_BLOCK_BYTES;
+    if (v->header_bytes + bytes > v->header_capacity) {
+        const int64_t room = 2 * v->header_capacity + SF_BLOCK_BYTES;
         char *grown = realloc(v->header, (size_t)room);
         if (grown == NULL) {
             v->lost = true;
             return false;
         }
         v->header = grown;
-        v->header_room = room;
+        v->header_capacity = room;
     }
     return true;
 }
@@ -105,5 +105,5 @@ void sf_view_deinit(sf_view *v) {
     sf_view_driver_release(v);
     free(v->header);
     v->header = NULL;
-    v->header_bytes = v->header_room = 0;
+    v->header_bytes = v->header_capacity = 0;
 }

@@ -18,7 +18,7 @@ typedef struct sf_view {
     const sf_file *file;
     int64_t data_offset, data_bytes; /* in the file; zeros behind them up to a whole block */
     char *header;                    /* [header_bytes], whole blocks once it is open */
-    int64_t header_bytes, header_room;
+    int64_t header_bytes, header_capacity;
     bool lost; /* memory ran out for a card */
     int slot;  /* the driver's, from 1; 0 = none */
 } sf_view;

@@ -17,15 +17,15 @@ enum { MAX_POINTS = 128 * 128 };
 /* The fine image of pixels [ny][nx]; false where a log method meets a negative one. */
 static bool refine(const double *pixels, int nx, int ny, enum shear_interpolation method, int s,
                    enum shear_zeros zeros, double pedestal, double *fine, int *bad_x, int *bad_y) {
-    image_grid grid;
-    image im;
+    surface_grid grid;
+    surface im;
     static double strip[MAX_POINTS];
-    assert_true(image_grid_init(&grid, nx, ny, method, s, zeros, pedestal));
-    assert_true(image_init(&im, &grid));
+    assert_true(surface_grid_init(&grid, nx, ny, method, s, zeros, pedestal));
+    assert_true(surface_init(&im, &grid));
     assert_true((size_t)grid.fine_nx * (size_t)grid.fine_ny <= MAX_POINTS);
-    const bool good = image_load(&im, &grid, pixels, bad_x, bad_y);
+    const bool good = surface_load(&im, &grid, pixels, bad_x, bad_y);
     for (int x0 = 0; good && x0 < grid.fine_nx; x0 += FFT_LANES) {
-        image_strip(&im, &grid, x0, 0, grid.fine_ny, strip);
+        surface_strip(&im, &grid, x0, 0, grid.fine_ny, strip);
         for (int i = 0; i < grid.fine_ny * FFT_LANES; i++) {
             const int x = x0 + i % FFT_LANES;
             if (x < grid.fine_nx) {
@@ -33,8 +33,8 @@ static bool refine(const double *pixels, int nx, int ny, enum shear_interpolatio
             }
         }
     }
-    image_deinit(&im);
-    image_grid_deinit(&grid);
+    surface_deinit(&im);
+    surface_grid_deinit(&grid);
     return good;
 }
 
@@ -173,14 +173,14 @@ static void test_strips_and_parts(void **state) {
         for (int holes = 0; holes < 2; holes++) {
             a[20] = holes != 0 ? 0.0 : 0.5;
             double *expected = oracle_interpolate(a, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0);
-            image_grid grid;
-            image im;
+            surface_grid grid;
+            surface im;
             int bad;
             refine_good(a, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0, fine);
-            assert_true(image_grid_init(&grid, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0) &&
-                        image_init(&im, &grid));
-            assert_true(image_load(&im, &grid, a, &bad, &bad));
-            image_strip(&im, &grid, X0, Y0, Y1, part);
+            assert_true(surface_grid_init(&grid, NX, NY, method, S, SHEAR_ZEROS_SKIP, 0.0) &&
+                        surface_init(&im, &grid));
+            assert_true(surface_load(&im, &grid, a, &bad, &bad));
+            surface_strip(&im, &grid, X0, Y0, Y1, part);
             for (int i = 0; i < NX * S * NY * S; i++) {
                 const int x = i % (NX * S) - X0;
                 const int y = i / (NX * S);
@@ -190,8 +190,8 @@ static void test_strips_and_parts(void **state) {
                     assert_near(part[y * FFT_LANES + x], fine[i], 1e-14, 1.0, "part");
                 }
             }
-            image_deinit(&im);
-            image_grid_deinit(&grid);
+            surface_deinit(&im);
+            surface_grid_deinit(&grid);
             free(expected);
         }
     }

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/monotone.h"
+
+#include <math.h>
+
+enum { MAX_STEPS = 60 };
+
+double monotone_find_root(const monotone *f, double low, double high, double tolerance) {
+    double at_low = f->at(f->context, low);
+    double at_high = f->at(f->context, high);
+    double x = low;
+    for (int i = 0, side = 0; i < MAX_STEPS && high - low > tolerance; i++) {
+        const double before = x;
+        const double margin = 1e-3 * (high - low);
+        x = (low * at_high - high * at_low) / (at_high - at_low);
+        x = fmax(low + margin, fmin(high - margin, x));
+        if (fabs(x - before) < tolerance) {
+            break;
+        }
+        const double at = f->at(f->context, x);
+        if (at > 0.0) {
+            low = x;
+            at_low = at;
+            at_high *= side > 0 ? 0.5 : 1.0;
+            side = 1;
+        } else {
+            high = x;
+            at_high = at;
+            at_low *= side < 0 ? 0.5 : 1.0;
+            side = -1;
+        }
+    }
+    return x;
+}
