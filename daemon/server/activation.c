@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sockets that systemd has opened for us: descriptors from 3 on, as sd_listen_fds(3) says. */
-#include "server/server.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#include "server/server.h"
 
 enum { FIRST_FD = 3 };
 
@@ -43,15 +43,16 @@ static int check_socket(int fd, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int take(int *fds, size_t room, size_t *n, shear_error *err) {
+static int acquire(int *fds, size_t capacity, size_t *n, shear_error *err) {
     const char *count_text = getenv("LISTEN_FDS");
     if (count_text == NULL || read_number(getenv("LISTEN_PID"), INT32_MAX) != (long)getpid()) {
         return SHEAR_OK; /* not for us: the variables were inherited */
     }
     const long count = read_number(count_text, 4096);
-    if (count < 0 || (size_t)count > room) {
+    if (count < 0 || (size_t)count > capacity) {
         return shear_fail(err, SHEAR_E_SETTING, advice,
-                          "LISTEN_FDS is '%.20s'; expected a number up to %zu", count_text, room);
+                          "LISTEN_FDS is '%.20s'; expected a number up to %zu", count_text,
+                          capacity);
     }
     for (int i = 0; i < (int)count; i++) {
         const int code = check_socket(FIRST_FD + i, err);
@@ -64,9 +65,9 @@ static int take(int *fds, size_t room, size_t *n, shear_error *err) {
     return SHEAR_OK;
 }
 
-int server_activation(int *fds, size_t room, size_t *n, shear_error *err) {
+int server_activation(int *fds, size_t capacity, size_t *n, shear_error *err) {
     *n = 0;
-    const int code = take(fds, room, n, err);
+    const int code = acquire(fds, capacity, n, err);
     unsetenv("LISTEN_PID");
     unsetenv("LISTEN_FDS");
     unsetenv("LISTEN_FDNAMES");

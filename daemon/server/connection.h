@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One client: bytes in, bytes out, and when it ends. intake.c makes requests of its lines. */
-#ifndef SERVER_CONNECTION_H
-#define SERVER_CONNECTION_H
+/* server/connection.h: one client: what is sent to it, and how it ends. connection_loop.h has the
+ * rest. */
+#ifndef SHEARD_SERVER_CONNECTION_H
+#define SHEARD_SERVER_CONNECTION_H
+
+#include <sys/queue.h>
 
 #include "server/open_requests.h"
 #include "server/out_queue.h"
 #include "server/server.h"
 #include "server/subscriptions.h"
 #include "sheard/frame.h"
-
-#include <sys/queue.h>
 
 typedef struct connection connection;
 struct server_user;
@@ -25,7 +26,7 @@ struct connection {
     bool is_admin;
     uint64_t used_ns; /* see users.h */
     size_t place;     /* in its user's heap of those that are ready; 0: none */
-    bool in_heavy;    /* in the user's list of those whose work waits */
+    bool in_deferred; /* in the user's list of those whose work waits */
 
     sheard_frame frame;
     const char *input; /* [n_input] of `kept`: read and not yet taken */
@@ -33,7 +34,7 @@ struct connection {
     char *kept;
 
     open_requests open;
-    watched watched;
+    subscriptions subscriptions;
     out_queue out;
     size_t writing;   /* bytes of `out` that libuv has, for the socket's buffer is full */
     uint64_t lost;    /* notifications left out */
@@ -47,36 +48,31 @@ struct connection {
     bool held_up;   /* nothing is taken of it for now */
     bool ended;     /* the client sends no more */
     bool finishing; /* nothing is taken any more; closed when all is written */
-    bool doomed;    /* to be closed in the next turn, whatever is queued */
+    bool aborted;   /* to be closed in the next slice, whatever is queued */
     bool closed;
     bool unflushed, subscribed; /* in the server's lists */
-    TAILQ_ENTRY(connection) unflushed_link, subscriber_link, heavy_link;
+    TAILQ_ENTRY(connection) unflushed_link, subscriber_link, deferred_link;
 };
 
-/* Accept a client that waits. False: out of memory, the client still waits. */
-bool connection_accept(server *s, uv_stream_t *listener);
-/* The one thing that is next: a request, or a step of the work of one. May close it. */
-void connection_turn(connection *c);
-/* Write what is queued, as much as the socket takes. May close it. */
-void connection_flush(connection *c);
-/* Is it silent, stalled or gone? May close it. */
-void connection_tick(connection *c, uint64_t now);
+/* Both may come again. The memory goes when libuv has closed the handle. */
 void connection_close(connection *c);
-/* Take no more, and close when everything is written. */
+/* The handle's close callback. */
+void connection_on_closed(uv_handle_t *handle);
+/* Process nothing more of it, and close it when everything is written. */
 void connection_finish(connection *c);
-/* Close it in its next turn. */
-void connection_doom(connection *c);
+/* Close it in the next slice. */
+void connection_abort(connection *c);
 
 /* Queue a line (NULL: there was no memory for it; the connection is given up). Takes the caller's
  * reference over. */
-void connection_send(connection *c, out_text *text);
+void connection_send(connection *c, out_line *line);
 /* Queue a notification, or count it as lost. The reference stays the caller's. */
-void connection_notify(connection *c, out_text *text);
+void connection_notify(connection *c, out_line *line);
+/* Tell how many notifications were lost, once there is room for that. */
+void connection_tell_lost(connection *c);
+/* `id` is NULL where the request's is not known. */
 void connection_send_error(connection *c, const sheard_rpc_id *id, const sheard_rpc_error *error);
-
-/* Take a line of the input. */
-void connection_take_line(connection *c);
-/* Do the limits allow it? */
-bool connection_may_take(const connection *c);
+/* Write what is queued, as much as the socket takes. */
+void connection_write(connection *c);
 
 #endif

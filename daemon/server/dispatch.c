@@ -1,23 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From lines to requests. */
-#include "server/internal.h"
+#include "server/dispatch.h"
 
-#include <string.h>
+#include "server/internal.h"
 
 /* Not while anything lies unread, nor while a request's work is not done, nor while many requests
  * are unanswered. */
-bool connection_may_take(const connection *c) {
+bool dispatch_is_allowed(const connection *c) {
     const server *s = c->server;
-    const size_t in_flight = turns_is_crowded(s, c->user) ? 1 : s->limits.in_flight;
-    return !c->finishing && !c->doomed && !c->closed && c->writing == 0 &&
+    const size_t in_flight = scheduler_is_crowded(s, c->user) ? 1 : s->limits.in_flight;
+    return !c->finishing && !c->aborted && !c->closed && c->writing == 0 &&
            TAILQ_EMPTY(&c->open.awake) && c->open.n - c->open.n_long < in_flight;
 }
 
 static void send_line_error(connection *c, int code, const char *message) {
-    const sheard_rpc_id none = {.type = SHEARD_ID_NULL};
     sheard_rpc_error error;
     sheard_rpc_fail(&error, code, NULL, "%s", message);
-    connection_send_error(c, &none, &error);
+    connection_send_error(c, NULL, &error);
 }
 
 static int admit(connection *c, const sheard_request *request, uint64_t *number,
@@ -34,7 +32,7 @@ static int admit(connection *c, const sheard_request *request, uint64_t *number,
                                      "out of memory for a request");
 }
 
-static void take_request(connection *c, const char *line, size_t n) {
+static void dispatch_request(connection *c, const char *line, size_t n) {
     server *s = c->server;
     sheard_request request;
     sheard_rpc_error error;
@@ -54,10 +52,10 @@ static void take_request(connection *c, const char *line, size_t n) {
     sheard_request_deinit(&request);
 }
 
-static void take_event(connection *c, int event, const char *line, size_t n) {
+static void handle_event(connection *c, enum sheard_frame_event event, const char *line, size_t n) {
     switch (event) {
     case SHEARD_FRAME_LINE:
-        take_request(c, line, n);
+        dispatch_request(c, line, n);
         break;
     case SHEARD_FRAME_NUL:
         send_line_error(c, SHEARD_RPC_NUL_BYTE, "there is a NUL byte in the line");
@@ -81,16 +79,17 @@ static void note_partial_line(connection *c, uint64_t now) {
     }
 }
 
-void connection_take_line(connection *c) {
+void dispatch_line(connection *c) {
     server *s = c->server;
     const char *line;
     size_t n;
-    const int event = sheard_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
+    const enum sheard_frame_event event =
+        sheard_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
     if (event != SHEARD_FRAME_MORE) {
         s->statistics.lines++;
         c->active_ms = uv_now(s->loop);
         c->partial_ms = 0;
-        take_event(c, event, line, n);
+        handle_event(c, event, line, n);
     }
     note_partial_line(c, uv_now(s->loop));
 }

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/array.h"
+
 static void request_free(open_request *r) {
     if (r->work.drop != NULL) {
         r->work.drop(r->work.context);
@@ -29,22 +31,8 @@ bool open_request_is_long(const sheard_request *request) {
            (request->method == SHEARD_METHOD_SUBMIT && request->params.submit.wait);
 }
 
-static bool make_room(open_requests *o) {
-    if (o->n < o->size) {
-        return true;
-    }
-    const size_t size = o->size != 0 ? 2 * o->size : 4;
-    open_request **larger = realloc(o->items, size * sizeof(open_request *));
-    if (larger == NULL) {
-        return false;
-    }
-    o->items = larger;
-    o->size = size;
-    return true;
-}
-
 uint64_t open_requests_add(open_requests *o, const sheard_request *request) {
-    open_request *r = make_room(o) ? malloc(sizeof *r) : NULL;
+    open_request *r = ARRAY_RESERVE(o->items, o->capacity, o->n + 1) ? malloc(sizeof *r) : NULL;
     if (r == NULL) {
         return 0;
     }

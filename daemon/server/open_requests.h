@@ -3,9 +3,9 @@
 #ifndef SERVER_OPEN_REQUESTS_H
 #define SERVER_OPEN_REQUESTS_H
 
-#include "server/server.h"
-
 #include <sys/queue.h>
+
+#include "server/server.h"
 
 typedef struct open_request {
     uint64_t number;
@@ -14,13 +14,13 @@ typedef struct open_request {
     bool answered;
     bool awake; /* its work wants to go on: in the list of these */
     sheard_rpc_id id;
-    server_work work; /* no step: none */
+    server_work work; /* without a step: there is none */
     TAILQ_ENTRY(open_request) link;
 } open_request;
 
 typedef struct open_requests {
-    open_request **items; /* [n] of [size], by number */
-    size_t n, size;
+    open_request **items; /* [n] of [capacity], by number */
+    size_t n, capacity;
     size_t n_long;
     uint64_t last; /* number given out */
     TAILQ_HEAD(, open_request) awake;

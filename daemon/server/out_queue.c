@@ -1,49 +1,51 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/out_queue.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 /* A queue that is empty keeps no more than this. */
 enum { SMALL = 16 };
 
-out_text *out_text_new(char *bytes, size_t n) {
-    out_text *text = bytes != NULL ? malloc(sizeof *text) : NULL;
-    if (text == NULL) {
+out_line *out_line_new(char *bytes, size_t n) {
+    out_line *line = bytes != NULL ? malloc(sizeof *line) : NULL;
+    if (line == NULL) {
         free(bytes);
         return NULL;
     }
-    *text = (out_text){.references = 1, .n = n, .bytes = bytes};
-    return text;
+    *line = (out_line){.references = 1, .n = n, .bytes = bytes};
+    return line;
 }
 
-void out_text_count(out_text *text, size_t *memory) {
-    text->memory = memory;
-    *memory += text->n;
+void out_line_count(out_line *line, size_t *memory) {
+    line->memory = memory;
+    *memory += line->n;
 }
 
-void out_text_drop(out_text *text) {
-    if (text != NULL && --text->references == 0) {
-        if (text->memory != NULL) {
-            *text->memory -= text->n;
+void out_line_unref(out_line *line) {
+    if (line != NULL && --line->references == 0) {
+        if (line->memory != NULL) {
+            *line->memory -= line->n;
         }
-        free(text->bytes);
-        free(text);
+        free(line->bytes);
+        free(line);
     }
 }
 
 void out_queue_deinit(out_queue *q) {
-    out_queue_take(q, q->bytes);
+    out_queue_consume(q, q->bytes);
     free(q->items);
     *q = (out_queue){0};
 }
 
-out_text *out_queue_at(const out_queue *q, size_t i) {
-    return q->items[(q->first + i) % q->size];
+out_line *out_queue_at(const out_queue *q, size_t i) {
+    assert(i < q->n);
+    return q->items[(q->first + i) % q->capacity];
 }
 
 static bool grow(out_queue *q) {
-    const size_t size = q->size != 0 ? 2 * q->size : SMALL;
-    out_text **items = malloc(size * sizeof(out_text *));
+    const size_t capacity = q->capacity != 0 ? 2 * q->capacity : SMALL;
+    out_line **items = malloc(capacity * sizeof(out_line *));
     if (items == NULL) {
         return false;
     }
@@ -52,40 +54,41 @@ static bool grow(out_queue *q) {
     }
     free(q->items);
     q->items = items;
-    q->size = size;
+    q->capacity = capacity;
     q->first = 0;
     return true;
 }
 
-bool out_queue_push(out_queue *q, out_text *text) {
-    if (q->n == q->size && !grow(q)) {
+bool out_queue_push(out_queue *q, out_line *line) {
+    if (q->n == q->capacity && !grow(q)) {
         return false;
     }
-    text->references++;
-    q->items[(q->first + q->n++) % q->size] = text;
-    q->bytes += text->n;
-    q->held += text->memory != NULL ? 0 : text->n;
+    line->references++;
+    q->items[(q->first + q->n++) % q->capacity] = line;
+    q->bytes += line->n;
+    q->held += line->memory != NULL ? 0 : line->n;
     return true;
 }
 
 static void pop(out_queue *q) {
-    out_text *text = q->items[q->first];
-    q->first = (q->first + 1) % q->size;
+    out_line *line = q->items[q->first];
+    q->first = (q->first + 1) % q->capacity;
     q->n--;
-    q->written -= text->n;
-    q->held -= text->memory != NULL ? 0 : text->n;
-    out_text_drop(text);
+    q->written -= line->n;
+    q->held -= line->memory != NULL ? 0 : line->n;
+    out_line_unref(line);
 }
 
-void out_queue_take(out_queue *q, size_t bytes) {
+void out_queue_consume(out_queue *q, size_t bytes) {
+    assert(bytes <= q->bytes);
     q->bytes -= bytes;
     q->written += bytes;
     while (q->n > 0 && q->written >= out_queue_at(q, 0)->n) {
         pop(q);
     }
-    if (q->n == 0 && q->size > SMALL) {
+    if (q->n == 0 && q->capacity > SMALL) {
         free(q->items);
         q->items = NULL;
-        q->size = q->first = 0;
+        q->capacity = q->first = 0;
     }
 }

@@ -1,188 +1,191 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Whose turn it is, and for how long. */
+#include "server/scheduler.h"
+
+#include <assert.h>
+
+#include "base/clock.h"
 #include "server/internal.h"
 
-#include <time.h>
+enum { ACCEPTS = 32 /* in a slice */ };
 
-enum { ACCEPTS = 32 /* in a turn */ };
+static void run_slice(uv_idle_t *idle);
 
-static void on_turn(uv_idle_t *idle);
-
-static void keep_turning(server *s) {
-    uv_idle_start(&s->turn, on_turn);
+static void keep_running(server *s) {
+    uv_idle_start(&s->scheduler.idle, run_slice);
 }
 
-void server_schedule(server *s, connection *c) {
+void scheduler_add(server *s, connection *c) {
     if (c->closed) {
         return;
     }
-    if (c == s->current) {
-        s->again = true;
+    if (c == s->scheduler.current) {
+        s->scheduler.again = true;
     } else if (c->place == 0) {
-        users_add_ready(c->user, c, s->clock_ns);
+        users_add_ready(c->user, c, s->scheduler.clock_ns);
     }
-    keep_turning(s);
+    keep_running(s);
 }
 
-void turns_flush_later(server *s, connection *c) {
+void scheduler_flush_later(server *s, connection *c) {
     if (!c->unflushed && !c->closed) {
         c->unflushed = true;
-        TAILQ_INSERT_TAIL(&s->unflushed, c, unflushed_link);
-        keep_turning(s);
+        TAILQ_INSERT_TAIL(&s->scheduler.unflushed, c, unflushed_link);
+        keep_running(s);
     }
 }
 
-static void no_flush(server *s, connection *c) {
+static void leave_unflushed(server *s, connection *c) {
     if (c->unflushed) {
         c->unflushed = false;
-        TAILQ_REMOVE(&s->unflushed, c, unflushed_link);
+        TAILQ_REMOVE(&s->scheduler.unflushed, c, unflushed_link);
     }
 }
 
-void turns_leave(server *s, connection *c) {
-    no_flush(s, c);
+void scheduler_remove(server *s, connection *c) {
+    leave_unflushed(s, c);
     if (c->place != 0) {
         users_remove_ready(c->user, c);
     }
-    turns_end_work(s, c);
+    scheduler_end_work(s, c);
 }
 
-/* ---- work, and room for its results ---- */
+/* ---- deferred work, and memory for its results ---- */
 
-bool turns_is_crowded(const server *s, const server_user *u) {
+bool scheduler_is_crowded(const server *s, const server_user *u) {
     return s->statistics.unsent_bytes > s->limits.unsent_bytes ||
            u->held > s->limits.unsent_bytes / 2;
 }
 
-static void no_heavy(connection *c) {
-    if (c->in_heavy) {
-        c->in_heavy = false;
-        TAILQ_REMOVE(&c->user->heavy, c, heavy_link);
+static void leave_deferred(connection *c) {
+    if (c->in_deferred) {
+        c->in_deferred = false;
+        TAILQ_REMOVE(&c->user->deferred, c, deferred_link);
     }
 }
 
 static void offer_work(server *s, const server_user *u) {
-    if (u->at_work == NULL && !TAILQ_EMPTY(&u->heavy)) {
-        server_schedule(s, TAILQ_FIRST(&u->heavy));
+    if (u->at_work == NULL && !TAILQ_EMPTY(&u->deferred)) {
+        scheduler_add(s, TAILQ_FIRST(&u->deferred));
     }
 }
 
-bool turns_may_work(server *s, connection *c) {
+bool scheduler_may_work(server *s, connection *c) {
     server_user *u = c->user;
     if (u->at_work == c) {
         return true;
     }
-    if (!c->in_heavy) {
-        c->in_heavy = true;
-        TAILQ_INSERT_TAIL(&u->heavy, c, heavy_link);
+    if (!c->in_deferred) {
+        c->in_deferred = true;
+        TAILQ_INSERT_TAIL(&u->deferred, c, deferred_link);
     }
-    if (u->at_work != NULL || TAILQ_FIRST(&u->heavy) != c) {
+    if (u->at_work != NULL || TAILQ_FIRST(&u->deferred) != c) {
         return false;
     }
-    if (turns_is_crowded(s, u)) {
-        s->room_wanted = true;
+    if (scheduler_is_crowded(s, u)) {
+        s->scheduler.work_waits = true;
         return false;
     }
-    no_heavy(c);
+    leave_deferred(c);
     u->at_work = c;
     return true;
 }
 
-void turns_end_work(server *s, connection *c) {
+void scheduler_end_work(server *s, connection *c) {
     server_user *u = c->user;
-    no_heavy(c);
+    leave_deferred(c);
     u->at_work = u->at_work == c ? NULL : u->at_work;
     offer_work(s, u);
 }
 
-void turns_made_room(server *s) {
-    if (s->room_wanted && s->statistics.unsent_bytes <= s->limits.unsent_bytes) {
+void scheduler_note_freed(server *s) {
+    if (s->scheduler.work_waits && s->statistics.unsent_bytes <= s->limits.unsent_bytes) {
         const server_user *u;
-        s->room_wanted = false;
-        TAILQ_FOREACH(u, &s->users, link) {
+        s->scheduler.work_waits = false;
+        TAILQ_FOREACH(u, &s->scheduler.users, link) {
             offer_work(s, u);
         }
     }
 }
 
-/* ---- turns ---- */
+/* ---- slices ---- */
 
 static void flush_some(server *s, uint64_t end) {
-    while (!TAILQ_EMPTY(&s->unflushed) && uv_hrtime() < end) {
-        connection *c = TAILQ_FIRST(&s->unflushed);
-        no_flush(s, c);
-        connection_flush(c);
+    while (!TAILQ_EMPTY(&s->scheduler.unflushed) && uv_hrtime() < end) {
+        connection *c = TAILQ_FIRST(&s->scheduler.unflushed);
+        leave_unflushed(s, c);
+        s->scheduler.call.flush(c);
     }
-}
-
-/* What the thread has worked: nobody is charged for the machine's other work. */
-static uint64_t worked_ns(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (uint64_t)t.tv_sec * 1000000000 + (uint64_t)t.tv_nsec;
 }
 
 /* One thing for each, in the order that users_next says, until the time is over. */
 static void serve(server *s, uint64_t end) {
-    uint64_t now = worked_ns();
+    /* The thread's own time: nobody is charged for the machine's other work. */
+    int64_t now = clock_ns(CLOCK_THREAD_CPUTIME_ID);
     do {
-        connection *c = users_next(&s->users, &s->clock_ns);
+        connection *c = users_next(&s->scheduler.users, &s->scheduler.clock_ns);
         if (c == NULL) {
             return;
         }
-        const uint64_t begin = now;
-        s->current = c;
-        s->again = false;
-        connection_turn(c);
-        if (!s->again && c->unflushed) { /* whoever asked for one thing has it at once */
-            no_flush(s, c);
-            connection_flush(c);
+        const int64_t begin = now;
+        assert(!c->closed);
+        s->scheduler.current = c;
+        s->scheduler.again = false;
+        s->scheduler.call.process(c);
+        if (!s->scheduler.again && c->unflushed) { /* whoever asked for one thing has it at once */
+            leave_unflushed(s, c);
+            s->scheduler.call.flush(c);
         }
-        s->current = NULL;
-        now = worked_ns();
-        users_charge(c, now - begin);
-        if (s->again) {
-            server_schedule(s, c);
+        s->scheduler.current = NULL;
+        now = clock_ns(CLOCK_THREAD_CPUTIME_ID);
+        users_charge(c, (uint64_t)(now - begin));
+        if (s->scheduler.again) {
+            scheduler_add(s, c);
         }
     } while (uv_hrtime() < end);
 }
 
 static bool anybody_is_ready(const server *s) {
-    const server_user *u = TAILQ_FIRST(&s->users);
+    const server_user *u = TAILQ_FIRST(&s->scheduler.users);
     while (u != NULL && u->n == 0) {
         u = TAILQ_NEXT(u, link);
     }
     return u != NULL;
 }
 
-static void on_turn(uv_idle_t *idle) {
+static void run_slice(uv_idle_t *idle) {
     server *s = idle->data;
-    const uint64_t turn_ns = (uint64_t)s->limits.slice_us * 1000;
-    serve(s, uv_hrtime() + turn_ns);
-    flush_some(s, uv_hrtime() + turn_ns);
-    s->accepts = ACCEPTS;
-    if (s->more_wait) {
-        s->more_wait = false;
-        server_accept(s);
+    const uint64_t slice_ns = (uint64_t)s->limits.slice_us * 1000;
+    serve(s, uv_hrtime() + slice_ns);
+    flush_some(s, uv_hrtime() + slice_ns);
+    s->scheduler.accepts = ACCEPTS;
+    if (s->scheduler.more_clients) {
+        s->scheduler.more_clients = false;
+        s->scheduler.call.accept(s);
     }
-    if (!anybody_is_ready(s) && TAILQ_EMPTY(&s->unflushed) && !s->more_wait) {
-        uv_idle_stop(&s->turn);
+    if (!anybody_is_ready(s) && TAILQ_EMPTY(&s->scheduler.unflushed) &&
+        !s->scheduler.more_clients) {
+        uv_idle_stop(&s->scheduler.idle);
     }
 }
 
-/* The listener's callback: accept it now, or in a later turn. */
-bool turns_may_accept(server *s) {
-    if (s->accepts == 0) {
-        s->more_wait = true;
-        keep_turning(s);
+/* The listener's callback: accept it now, or in a later slice. */
+bool scheduler_may_accept(server *s) {
+    if (s->scheduler.accepts == 0) {
+        s->scheduler.more_clients = true;
+        keep_running(s);
         return false;
     }
-    s->accepts--;
+    s->scheduler.accepts--;
     return true;
 }
 
-void turns_init(server *s) {
-    TAILQ_INIT(&s->users);
-    TAILQ_INIT(&s->unflushed);
-    s->accepts = ACCEPTS;
+void scheduler_init(server *s, scheduler_calls call) {
+    scheduler *d = &s->scheduler;
+    d->call = call;
+    TAILQ_INIT(&d->users);
+    TAILQ_INIT(&d->unflushed);
+    d->accepts = ACCEPTS;
+    uv_idle_init(s->loop, &d->idle);
+    d->idle.data = s;
+    s->handles++;
 }

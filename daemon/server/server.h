@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/server.h: the Unix stream socket that clients talk to. Bytes to requests and replies to
- * bytes (docs/protocol.md); what a request means is the owner's business. Knows no SQL, no engine.
+/* clang-format off */
+/* server/server.h: the Unix stream socket that clients talk to. It turns bytes into requests and
+ * replies into bytes (docs/protocol.md); what a request means is the owner's business. It knows no
+ * SQL and no engine.
  *
- * One thread, the loop's: every function here, and every callback. All work on a connection that a
- * call causes (writing, reading on, closing) happens in a later turn of the loop, so any function
- * may be called from any callback.
+ * Threads: every function here and every callback is called by one thread, the loop's. Work on a
+ * connection that a call causes (writing, reading on, closing) is done in a later iteration of the
+ * loop, so any function may be called from any callback.
  *
- * Time is given in turns of `slice_us`, after which the loop looks at its other events. In a turn,
- * the user (uid) who has had the least of it lately is first, then that user's connection that has
- * had the least: each takes one request, or one step of the work of one (server_defer), at a time.
- * So whoever asks for little is answered at once, whatever the others ask for.
+ * Time is given in slices of `slice_us`, after which the loop looks at its other events. In a
+ * slice, the user (uid) who has had the least time lately comes first, then that user's connection
+ * that has had the least: each has one request, or one step of the work of one (server_defer), done
+ * at a time. So whoever asks for little is answered at once, whatever the others ask for.
  *
  * What a client may do to the others is bounded:
  *   unread replies  a connection is not read from, and what it asked is not begun, before all that
@@ -18,28 +20,26 @@
  *                   deferred work waits, a connection has one request at a time, and one that has
  *                   taken nothing for `crowded_ms` is dropped
  *   work            one connection of a user has its deferred work done at a time, in the order in
- *                   which they came; what a client asked that has gone is dropped
- *   requests        `in_flight` short requests unanswered: it is not read from until one is
- *                   answered. Long ones (wait, submit with wait) have the same limit of their own,
- *                   beyond which they are refused with too_many_requests: they may last for hours,
- *                   and a client must be able to cancel what it waits for
- *   notifications   more than SERVER_NOTICE_BYTES or SERVER_NOTICES that a client has not read, or
- * a quarter of `unsent_bytes` that none of them has: they are left out, and `lost` tells how many
- * when it reads again connections     `connections` in all, `user_connections` of a user; the last
+ *                   which they came; the work of a client that has gone is dropped
+ *   requests        a connection with `in_flight` short requests unanswered is not read from until
+ *                   one is answered. Long ones (wait, submit with wait) have the same limit of
+ *                   their own, beyond which they are refused with too_many_requests: they may last
+ *                   for hours, and a client must be able to cancel what it waits for
+ *   notifications   beyond SERVER_NOTICE_BYTES or SERVER_NOTICES that a client has not read, or a
+ *                   quarter of `unsent_bytes` that nobody has read, they are left out, and `lost`
+ *                   tells how many when the client reads again
+ *   connections     `connections` in all, `user_connections` of a user; the last
  *                   `reserved_connections` are for administrators, who have no limit of their own
  *   silence         neither requests, subscriptions nor unread replies, or in the middle of a line,
  *                   for `idle_timeout_ms`: error idle_timeout, and the end
  *   not reading     nothing taken of what is queued for `stall_timeout_ms`, or more than
- *                   `queue_bytes` of it: it is dropped
+ *                   `queue_bytes` of it: the client is dropped
  *   a long line     error line_too_long, and the end: what follows it cannot be trusted
  * Any other malformed line is answered with its error, and the connection goes on. A client that
- * shuts down its writing side still gets its replies and notifications.
- */
+ * shuts down its writing side still gets its replies and notifications. */
+/* clang-format on */
 #ifndef SHEARD_SERVER_H
 #define SHEARD_SERVER_H
-
-#include "access/access.h"
-#include "sheard/rpc.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -47,12 +47,15 @@
 #include <sys/types.h>
 #include <uv.h>
 
+#include "access/access.h"
+#include "sheard/rpc.h"
+
 typedef struct server server;
 
 /* Bounds of the notifications that one client has not read. */
 enum { SERVER_NOTICES = 4096, SERVER_NOTICE_BYTES = 2 << 20 };
 
-/* A connection's number is never used again; 0 is none. */
+/* A connection's number is never used again, and never 0. */
 typedef struct server_handle {
     uint64_t connection;
     uint64_t request; /* of that connection, from 1 */
@@ -60,8 +63,8 @@ typedef struct server_handle {
 
 typedef struct server_request {
     server_handle handle; /* to reply with, at any time */
-    const access_peer
-        *peer; /* as of its connect; valid until `closed` was called for the connection */
+    /* As of its connect; valid until `closed` was called for the connection. */
+    const access_peer *peer;
     /* Freed when the handler returns, unless the handler has copied the struct and zeroed it: then
      * the copy is the owner's to deinit. */
     sheard_request *request;
@@ -72,7 +75,7 @@ typedef struct server_handlers {
     void (*request)(void *context, const server_request *request);
     /* The connection is gone, with all its requests and subscriptions. May be NULL. */
     void (*closed)(void *context, uint64_t connection);
-    /* Is it an administrator? NULL: nobody is. */
+    /* Is the peer an administrator? NULL: nobody is. */
     bool (*is_admin)(void *context, const access_peer *peer);
     void *context;
 } server_handlers;
@@ -84,7 +87,7 @@ typedef struct server_limits {
     size_t user_connections;     /* of a user that is no administrator */
     size_t reserved_connections; /* of `connections`, for administrators; at most a quarter */
     size_t in_flight;            /* requests of a connection, short and long ones each */
-    size_t subscriptions;        /* jobs and fields watched by a connection */
+    size_t subscriptions;        /* jobs and fields subscriptions by a connection */
     size_t queue_bytes;          /* of a connection; one more reply may lie above it */
     size_t unsent_bytes;         /* of all */
     size_t slice_us;             /* the last thing that is begun may take longer */
@@ -92,8 +95,8 @@ typedef struct server_limits {
     int64_t stall_timeout_ms;    /* 0: never */
     int64_t crowded_ms;          /* 0: never */
 } server_limits;
-/* 64 KiB, 2048, a quarter of `connections`, 16, 64, 1024, 32 MiB, 64 MiB, 3 ms, 10 min, 1 min, 5 s
- */
+/* 64 KiB, 2048, a quarter of `connections`, 16, 64, 1024, 32 MiB, 64 MiB, 3 ms, 10 min, 1 min,
+ * 5 s. */
 void server_limits_init(server_limits *limits);
 
 typedef struct server_options {
@@ -104,8 +107,7 @@ typedef struct server_options {
                         * not used. They are the server's from the call on, also when it fails */
     size_t n_fds;
     server_limits limits;
-    const shear_settings
-        *defaults; /* a submit's settings are checked upon these; copied; or NULL */
+    const shear_settings *defaults; /* of a submit's settings; copied; or NULL */
     server_handlers handlers;
 } server_options;
 
@@ -116,9 +118,9 @@ typedef struct server_options {
  * failure by the loop, which must run once more. */
 int server_open(server **out, uv_loop_t *loop, const server_options *options, shear_error *err);
 
-/* Listening sockets that systemd passes (LISTEN_PID, LISTEN_FDS), into fds[room]; *n becomes 0
- * where there are none. The variables are removed from the environment. */
-int server_activation(int *fds, size_t room, size_t *n, shear_error *err);
+/* Listening sockets that systemd passes (LISTEN_PID, LISTEN_FDS), into fds[capacity]; *n is their
+ * number. The variables are removed from the environment. */
+int server_activation(int *fds, size_t capacity, size_t *n, shear_error *err);
 
 /* The paths of the sockets that it listens on, joined by ", ", into out[size]. */
 void server_sockets(const server *s, char *out, size_t size);
@@ -141,7 +143,7 @@ bool server_is_open(const server *s, server_handle handle);
 
 /* ---- work that takes longer than a request may ---- */
 
-enum { SERVER_MORE, SERVER_PAUSE };
+enum server_step { SERVER_MORE, SERVER_PAUSE };
 
 typedef struct server_work {
     /* A step: a millisecond or so, at most a few. The request is answered in one of them: what is
@@ -153,10 +155,10 @@ typedef struct server_work {
     void *context;
 } server_work;
 
-/* Have the request's work done in its user's turns. False (the request has been answered, or the
- * connection is gone): `drop` was called. */
+/* Have the request's work done in its user's share of the time. False (the request has been
+ * answered, or the connection is gone): `drop` was called. */
 bool server_defer(server *s, server_handle to, const server_work *work);
-/* It may go on now. Nothing happens where it is gone. */
+/* The work may go on now. Nothing happens where it is gone. */
 void server_wake(server *s, server_handle to);
 
 /* ---- subscriptions ---- */

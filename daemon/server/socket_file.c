@@ -27,6 +27,13 @@
 
 enum { BACKLOG = 4096 };
 
+/* What is asked for. */
+typedef struct request {
+    const char *path, *group;
+    unsigned mode;
+    gid_t gid; /* -1: the process's own */
+} request;
+
 static int failed(const char *what, const char *path, shear_error *err) {
     const int number = errno;
     return shear_fail(err, SHEAR_E_IO,
@@ -64,7 +71,7 @@ static bool is_current(int fd, const char *path) {
            held.st_dev == named.st_dev;
 }
 
-static int take_lock(socket_file *file, shear_error *err) {
+static int acquire_lock(socket_file *file, shear_error *err) {
     for (;;) {
         file->lock =
             open(file->lock_path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
@@ -86,7 +93,7 @@ static int take_lock(socket_file *file, shear_error *err) {
     }
 }
 
-static void drop_lock(socket_file *file) {
+static void release_lock(socket_file *file) {
     if (file->lock >= 0 && file->lock_path != NULL) {
         unlink(file->lock_path); /* while it is held: see is_current */
         close(file->lock);
@@ -164,35 +171,35 @@ static int cannot_give(const char *path, const char *group, shear_error *err) {
 }
 
 /* The file is there, for nobody. */
-static int give(const char *path, unsigned mode, const char *group, gid_t gid, socket_file *file,
-                shear_error *err) {
+static int give(const request *r, socket_file *file, shear_error *err) {
     struct stat st;
-    if (lstat(path, &st) != 0 || !S_ISSOCK(st.st_mode)) {
-        return failed("it has vanished", path, err);
+    if (lstat(r->path, &st) != 0 || !S_ISSOCK(st.st_mode)) {
+        return failed("it has vanished", r->path, err);
     }
     file->device = st.st_dev;
     file->inode = st.st_ino;
     if ((st.st_mode & 07777) != 0) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL,
-                          "socket '%s': the system made it with mode %04o instead of none", path,
+                          "socket '%s': the system made it with mode %04o instead of none", r->path,
                           (unsigned)st.st_mode & 07777);
     }
-    if (gid != (gid_t)-1 && st.st_gid != gid && lchown(path, (uid_t)-1, gid) != 0) {
-        return cannot_give(path, group, err);
+    if (r->gid != (gid_t)-1 && st.st_gid != r->gid && lchown(r->path, (uid_t)-1, r->gid) != 0) {
+        return cannot_give(r->path, r->group, err);
     }
-    return chmod(path, mode & 0777) == 0 ? SHEAR_OK : failed("cannot set its mode", path, err);
+    return chmod(r->path, r->mode & 0777) == 0 ? SHEAR_OK
+                                               : failed("cannot set its mode", r->path, err);
 }
 
-static int bind_quietly(int fd, const struct sockaddr_un *address, unsigned mode, const char *group,
-                        gid_t gid, socket_file *file, shear_error *err) {
+static int bind_and_listen(int fd, const struct sockaddr_un *address, const request *r,
+                           socket_file *file, shear_error *err) {
     if (fchmod(fd, 0) != 0 || bind(fd, (const struct sockaddr *)address, sizeof *address) != 0) {
-        return failed("cannot make it", address->sun_path, err);
+        return failed("cannot make it", r->path, err);
     }
-    int code = give(address->sun_path, mode, group, gid, file, err);
-    if (code == SHEAR_OK && listen(fd, BACKLOG) != 0) {
-        code = failed("cannot listen", address->sun_path, err);
+    const int code = give(r, file, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    return listen(fd, BACKLOG) == 0 ? SHEAR_OK : failed("cannot listen", r->path, err);
 }
 
 static int name_files(socket_file *file, const char *path, shear_error *err) {
@@ -205,16 +212,26 @@ static int name_files(socket_file *file, const char *path, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int make(socket_file *file, int fd, const char *path, unsigned mode, const char *group,
-                shear_error *err) {
+static int make(socket_file *file, int fd, request *r, shear_error *err) {
     struct sockaddr_un address;
-    gid_t gid;
-    int code = make_address(&address, path, err);
-    code = code != SHEAR_OK ? code : find_group(&gid, group, path, err);
-    code = code != SHEAR_OK ? code : name_files(file, path, err);
-    code = code != SHEAR_OK ? code : take_lock(file, err);
-    code = code != SHEAR_OK ? code : remove_stale(&address, err);
-    return code != SHEAR_OK ? code : bind_quietly(fd, &address, mode, group, gid, file, err);
+    int code = make_address(&address, r->path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = find_group(&r->gid, r->group, r->path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = name_files(file, r->path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = acquire_lock(file, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = remove_stale(&address, err);
+    return code != SHEAR_OK ? code : bind_and_listen(fd, &address, r, file, err);
 }
 
 int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode, const char *group,
@@ -224,7 +241,8 @@ int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode
     if (*fd < 0) {
         return failed("cannot open a socket", path, err);
     }
-    const int code = make(file, *fd, path, mode, group, err);
+    request r = {.path = path, .mode = mode, .group = group};
+    const int code = make(file, *fd, &r, err);
     if (code != SHEAR_OK) {
         socket_file_remove(file);
         close(*fd);
@@ -239,7 +257,7 @@ void socket_file_remove(socket_file *file) {
         st.st_ino == file->inode && st.st_dev == file->device) {
         unlink(file->path);
     }
-    drop_lock(file);
+    release_lock(file);
     free(file->path);
     free(file->lock_path);
     *file = (socket_file){.lock = -1};

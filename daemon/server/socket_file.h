@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The socket file: made without ever being open to more than it should, and removed only by whom it
- * belongs to. */
-#ifndef SERVER_SOCKET_H
-#define SERVER_SOCKET_H
-
-#include "shear/error.h"
+/* server/socket_file.h: the socket file: made without ever being open to more than it should, and
+ * removed only by whom it belongs to. */
+#ifndef SHEARD_SERVER_SOCKET_FILE_H
+#define SHEARD_SERVER_SOCKET_FILE_H
 
 #include <sys/types.h>
+
+#include "shear/error.h"
 
 typedef struct socket_file {
     char *path, *lock_path; /* NULL: there is no file */

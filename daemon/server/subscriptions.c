@@ -4,33 +4,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Place of the job, or where it would be. */
-static size_t find_job(const watched *w, int64_t job, bool *found) {
-    size_t low = 0;
-    size_t high = w->n_jobs;
-    while (low < high) {
-        const size_t middle = (low + high) / 2;
-        if (w->jobs[middle] < job) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    *found = low < w->n_jobs && w->jobs[low] == job;
-    return low;
+#include "base/array.h"
+
+static int compare_jobs(const void *a, const void *b) {
+    const int64_t x = *(const int64_t *)a;
+    const int64_t y = *(const int64_t *)b;
+    return (x > y) - (x < y);
 }
 
-static size_t find_field(const watched *w, const char *field, bool *found) {
+static int compare_fields(const void *a, const void *b) {
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Place of the key in items[n] of `size` bytes each, or where it would be. */
+static size_t find(const void *items, size_t n, size_t size, const void *key,
+                   int (*compare)(const void *, const void *), bool *found) {
     size_t low = 0;
-    size_t high = w->n_fields;
+    size_t high = n;
     *found = false;
     while (low < high) {
         const size_t middle = (low + high) / 2;
-        const int order = strcmp(w->fields[middle], field);
-        if (order == 0) {
-            *found = true;
-            return middle;
-        }
+        const int order = compare((const char *)items + middle * size, key);
+        *found = *found || order == 0;
         if (order < 0) {
             low = middle + 1;
         } else {
@@ -40,7 +35,15 @@ static size_t find_field(const watched *w, const char *field, bool *found) {
     return low;
 }
 
-static void insert_job(watched *w, int64_t job) {
+static size_t find_job(const subscriptions *w, int64_t job, bool *found) {
+    return find(w->jobs, w->n_jobs, sizeof *w->jobs, &job, compare_jobs, found);
+}
+
+static size_t find_field(const subscriptions *w, const char *field, bool *found) {
+    return find(w->fields, w->n_fields, sizeof *w->fields, &field, compare_fields, found);
+}
+
+static void insert_job(subscriptions *w, int64_t job) {
     bool found;
     const size_t i = find_job(w, job, &found);
     if (!found) {
@@ -51,20 +54,20 @@ static void insert_job(watched *w, int64_t job) {
 }
 
 /* Takes `field` over. */
-static void insert_field(watched *w, char *field) {
+static void insert_field(subscriptions *w, char *field) {
     bool found;
     const size_t i = find_field(w, field, &found);
     if (found) {
         free(field);
         return;
     }
-    memmove(&w->fields[i + 1], &w->fields[i], (w->n_fields - i) * sizeof(*w->fields));
+    memmove(&w->fields[i + 1], &w->fields[i], (w->n_fields - i) * sizeof *w->fields);
     w->fields[i] = field;
     w->n_fields++;
 }
 
 /* How many there would be, a name given twice counted twice. */
-static size_t count_new(const watched *w, const sheard_msg_subscribe *what) {
+static size_t count_new(const subscriptions *w, const sheard_msg_subscribe *what) {
     size_t n = 0;
     bool found;
     for (size_t i = 0; i < what->n_jobs; i++) {
@@ -78,16 +81,13 @@ static size_t count_new(const watched *w, const sheard_msg_subscribe *what) {
     return n;
 }
 
-static bool make_room(watched *w, const sheard_msg_subscribe *what) {
-    int64_t *jobs = realloc(w->jobs, (w->n_jobs + what->n_jobs + 1) * sizeof *jobs);
-    w->jobs = jobs != NULL ? jobs : w->jobs;
-    char **fields = realloc(w->fields, (w->n_fields + what->n_fields + 1) * sizeof(*fields));
-    w->fields = fields != NULL ? fields : w->fields;
-    return jobs != NULL && fields != NULL;
+static bool reserve(subscriptions *w, const sheard_msg_subscribe *what) {
+    return ARRAY_RESERVE(w->jobs, w->job_capacity, w->n_jobs + what->n_jobs) &&
+           ARRAY_RESERVE(w->fields, w->field_capacity, w->n_fields + what->n_fields);
 }
 
 static char **copy_names(const sheard_msg_subscribe *what) {
-    char **names = calloc(what->n_fields + 1, sizeof(*names));
+    char **names = calloc(what->n_fields + 1, sizeof *names);
     for (size_t i = 0; names != NULL && i < what->n_fields; i++) {
         names[i] = strdup(what->fields[i]);
         if (names[i] == NULL) {
@@ -101,13 +101,13 @@ static char **copy_names(const sheard_msg_subscribe *what) {
     return names;
 }
 
-int watched_add(watched *w, const sheard_msg_subscribe *what, size_t limit,
-                sheard_rpc_error *error) {
+int subscriptions_add(subscriptions *w, const sheard_msg_subscribe *what, size_t limit,
+                      sheard_rpc_error *error) {
     if (w->n_jobs + w->n_fields + count_new(w, what) > limit) {
         return sheard_rpc_fail(error, SHEARD_RPC_TOO_MANY_SUBSCRIPTIONS, NULL,
                                "a connection may watch %zu jobs and fields", limit);
     }
-    char **names = make_room(w, what) ? copy_names(what) : NULL;
+    char **names = reserve(w, what) ? copy_names(what) : NULL;
     if (names == NULL) {
         return sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
                                "out of memory for a subscription");
@@ -124,7 +124,7 @@ int watched_add(watched *w, const sheard_msg_subscribe *what, size_t limit,
     return SHEARD_RPC_OK;
 }
 
-bool watched_end_job(watched *w, int64_t job) {
+bool subscriptions_end_job(subscriptions *w, int64_t job) {
     bool found;
     const size_t i = find_job(w, job, &found);
     if (found) {
@@ -134,49 +134,49 @@ bool watched_end_job(watched *w, int64_t job) {
     return found;
 }
 
-static void remove_field(watched *w, const char *field) {
+static void remove_field(subscriptions *w, const char *field) {
     bool found;
     const size_t i = find_field(w, field, &found);
     if (found) {
         free(w->fields[i]);
         w->n_fields--;
-        memmove(&w->fields[i], &w->fields[i + 1], (w->n_fields - i) * sizeof(*w->fields));
+        memmove(&w->fields[i], &w->fields[i + 1], (w->n_fields - i) * sizeof *w->fields);
     }
 }
 
-void watched_remove(watched *w, const sheard_msg_subscribe *what) {
+void subscriptions_remove(subscriptions *w, const sheard_msg_subscribe *what) {
     for (size_t i = 0; i < what->n_jobs; i++) {
-        watched_end_job(w, what->jobs[i]);
+        subscriptions_end_job(w, what->jobs[i]);
     }
     for (size_t i = 0; i < what->n_fields; i++) {
         remove_field(w, what->fields[i]);
     }
     w->all = w->all && !what->all;
-    if (!watched_anything(w) || (what->n_jobs == 0 && what->n_fields == 0 && !what->all)) {
-        watched_deinit(w);
+    if (!subscriptions_any(w) || (what->n_jobs == 0 && what->n_fields == 0 && !what->all)) {
+        subscriptions_deinit(w);
     }
 }
 
-void watched_deinit(watched *w) {
+void subscriptions_deinit(subscriptions *w) {
     for (size_t i = 0; i < w->n_fields; i++) {
         free(w->fields[i]);
     }
     free(w->fields);
     free(w->jobs);
-    *w = (watched){0};
+    *w = (subscriptions){0};
 }
 
-bool watched_anything(const watched *w) {
+bool subscriptions_any(const subscriptions *w) {
     return w->all || w->n_jobs > 0 || w->n_fields > 0;
 }
 
-bool watched_matches(const watched *w, int notice, int64_t job, const char *field) {
+bool subscriptions_match(const subscriptions *w, int notice, int64_t job, const char *field) {
     bool found = false;
     if (notice == SHEARD_NOTICE_JOB_PROGRESS && !w->progress) {
         return false;
     }
     if (w->all || notice == SHEARD_NOTICE_SERVER_STATE) {
-        return watched_anything(w);
+        return subscriptions_any(w);
     }
     if (job != 0) {
         find_job(w, job, &found);

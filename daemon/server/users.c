@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/users.h"
 
+#include <assert.h>
 #include <stdlib.h>
+
+#include "base/array.h"
 
 /* ---- who is there ---- */
 
@@ -11,20 +14,6 @@ static server_user *find(server_user_list *all, uid_t uid) {
         u = TAILQ_NEXT(u, link);
     }
     return u;
-}
-
-static bool make_room(server_user *u) {
-    if (u->references < u->size) {
-        return true;
-    }
-    const size_t size = u->size != 0 ? 2 * u->size : 4;
-    connection **larger = realloc(u->ready, size * sizeof(connection *));
-    if (larger == NULL) {
-        return false;
-    }
-    u->ready = larger;
-    u->size = size;
-    return true;
 }
 
 static void drop_unused(server_user_list *all, server_user *u) {
@@ -43,11 +32,11 @@ server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns) {
             return NULL;
         }
         u->uid = uid;
-        u->used_ns = clock_ns; /* whoever comes anew has saved up nothing */
-        TAILQ_INIT(&u->heavy);
+        u->used_ns = clock_ns; /* whoever is new has saved up nothing */
+        TAILQ_INIT(&u->deferred);
         TAILQ_INSERT_TAIL(all, u, link);
     }
-    if (!make_room(u)) {
+    if (!ARRAY_RESERVE(u->ready, u->capacity, u->references + 1)) {
         drop_unused(all, u);
         return NULL;
     }
@@ -56,6 +45,7 @@ server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns) {
 }
 
 void users_part(server_user_list *all, server_user *u) {
+    assert(u->references > 0);
     u->references--;
     drop_unused(all, u);
 }
@@ -91,6 +81,7 @@ static void move_down(server_user *u, size_t place, connection *c) {
 
 void users_remove_ready(server_user *u, connection *c) {
     const size_t place = c->place;
+    assert(place > 0 && place <= u->n && u->ready[place - 1] == c);
     connection *last = u->ready[--u->n];
     c->place = 0;
     if (last != c) {
@@ -107,6 +98,7 @@ static uint64_t not_before(uint64_t used_ns, uint64_t clock_ns) {
 }
 
 void users_add_ready(server_user *u, connection *c, uint64_t clock_ns) {
+    assert(c->place == 0 && u->n < u->capacity);
     if (u->n == 0) {
         u->used_ns = not_before(u->used_ns, clock_ns);
     }
@@ -133,6 +125,7 @@ connection *users_next(server_user_list *all, uint64_t *clock_ns) {
 }
 
 void users_charge(connection *c, uint64_t ns) {
+    assert(c->place == 0);
     c->used_ns += ns;
     c->user->used_ns += ns;
 }

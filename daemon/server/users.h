@@ -18,16 +18,17 @@ struct server_user {
     size_t connections; /* that are open */
     uint64_t used_ns;   /* time that it has had */
     uint64_t clock_ns;  /* ... and, the least of its connections' that are ready */
-    connection **ready; /* [n] of [size] a heap: the one with the least time on top */
-    size_t n, size;
-    connection_list heavy; /* whose deferred work waits for its turn, in the order of coming */
-    connection *at_work;   /* the one whose work is being done */
-    size_t held;           /* memory of replies that are not sent */
+    connection **ready; /* [n] of [capacity], a heap: the one with the least time on top */
+    size_t n, capacity;
+    connection_list deferred; /* whose deferred work waits for its turn, in the order of coming */
+    connection *at_work;      /* the one whose work is being done */
+    size_t held;              /* memory of replies that are not sent */
 };
 typedef TAILQ_HEAD(server_user_list, server_user) server_user_list;
 
-/* The record of a uid, with a reference for a connection more; NULL: out of memory. There is room
- * for all of the user's connections to be ready. `clock_ns`: the server's, see users_next. */
+/* The record of a uid, with a reference for a connection more; NULL: out of memory. It has
+ * capacity for all of the user's connections to be ready. `clock_ns`: the server's, see users_next.
+ */
 server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns);
 void users_part(server_user_list *all, server_user *u);
 
