@@ -9,14 +9,14 @@
 #include <stdbool.h>
 #include <string.h>
 
-static const struct command *const table[] = {
+static const command *const table[] = {
     &cmd_measure, &cmd_mock,   &cmd_validate, &cmd_plot,   &cmd_submit,  &cmd_jobs,
     &cmd_show,    &cmd_wait,   &cmd_cancel,   &cmd_retry,  &cmd_retract, &cmd_field,
     &cmd_fields,  &cmd_forget, &cmd_watch,    &cmd_status, &cmd_metrics, &cmd_doctor,
     &cmd_drain,   &cmd_reload, &cmd_shutdown, &cmd_help,   &cmd_version, NULL,
 };
 
-const struct command *const *command_table(void) {
+const command *const *command_table(void) {
     return table;
 }
 
@@ -38,15 +38,15 @@ static int run(int argc, char **argv) {
     if (strcmp(name, "--version") == 0) {
         name = cmd_version.name;
     }
-    const struct command *command = command_find(name);
-    if (command == NULL) {
+    const command *self = command_find(name);
+    if (self == NULL) {
         return EXIT_CODE_USAGE;
     }
     if (asks_for_help(argc - 1, argv + 1)) {
-        command_print_usage(command, settings_options_help, stdout);
+        command_print_usage(self, settings_options_help, stdout);
         return EXIT_CODE_DONE;
     }
-    return command->run(argc - 1, argv + 1);
+    return self->run(argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv) {

@@ -8,10 +8,10 @@
 
 enum { MAX_COMMANDS = 32 };
 
-const struct command *command_find(const char *name) {
+const command *command_find(const char *name) {
     const char *names[MAX_COMMANDS + 1] = {NULL};
     size_t n = 0;
-    for (const struct command *const *c = command_table(); *c != NULL && n < MAX_COMMANDS; c++) {
+    for (const command *const *c = command_table(); *c != NULL && n < MAX_COMMANDS; c++) {
         if (strcmp((*c)->name, name) == 0) {
             return *c;
         }
@@ -26,9 +26,9 @@ const struct command *command_find(const char *name) {
     return NULL;
 }
 
-void command_print_usage(const struct command *command, void (*settings)(FILE *out), FILE *out) {
+void command_print_usage(const command *self, void (*settings)(FILE *out), FILE *out) {
     static const char mark[] = COMMAND_SETTINGS_MARK "\n";
-    const char *text = command->usage;
+    const char *text = self->usage;
     for (const char *at; (at = strstr(text, mark)); text = at + strlen(mark)) {
         fwrite(text, 1, (size_t)(at - text), out);
         settings(out);
@@ -44,7 +44,7 @@ void command_print_list(FILE *out) {
     fputs("usage: shearctl SUBCOMMAND [OPTION...] [FILE...]\n\n"
           "Weak-lensing shear from galaxy stamps (Zhang 2010).\n\n",
           out);
-    for (const struct command *const *c = command_table(); *c; c++) {
+    for (const command *const *c = command_table(); *c; c++) {
         fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
     }
     fputs("\n\"shearctl help SUBCOMMAND\" explains one; shearctl(1) is the manual.\n", out);

@@ -23,7 +23,7 @@ enum {
     "exit status: 0 done, 2 usage, 3 no such file, job or field, 4 some of several failed,\n"      \
     "7 the service cannot be reached, 1 anything else"
 
-struct command {
+typedef struct command {
     const char *name;
     const char *summary; /* one line, no full stop */
     /* The whole help text. It begins with "usage: shearctl NAME ...". A line that is
@@ -32,41 +32,41 @@ struct command {
     /* argv[0] is the subcommand's name; returns an exit code. --help and -h are handled by main.c.
      */
     int (*run)(int argc, char **argv);
-};
+} command;
 
-#define COMMAND_SETTINGS_MARK "@SETTINGS@"
+#define COMMAND_SETTINGS_MARK "structETTINGS@"
 
-extern const struct command cmd_measure;
-extern const struct command cmd_mock;
-extern const struct command cmd_validate;
-extern const struct command cmd_plot;
-extern const struct command cmd_submit;
-extern const struct command cmd_jobs;
-extern const struct command cmd_show;
-extern const struct command cmd_wait;
-extern const struct command cmd_cancel;
-extern const struct command cmd_retry;
-extern const struct command cmd_retract;
-extern const struct command cmd_forget;
-extern const struct command cmd_field;
-extern const struct command cmd_fields;
-extern const struct command cmd_watch;
-extern const struct command cmd_status;
-extern const struct command cmd_metrics;
-extern const struct command cmd_drain;
-extern const struct command cmd_reload;
-extern const struct command cmd_shutdown;
-extern const struct command cmd_doctor;
-extern const struct command cmd_help;
-extern const struct command cmd_version;
+extern const command cmd_measure;
+extern const command cmd_mock;
+extern const command cmd_validate;
+extern const command cmd_plot;
+extern const command cmd_submit;
+extern const command cmd_jobs;
+extern const command cmd_show;
+extern const command cmd_wait;
+extern const command cmd_cancel;
+extern const command cmd_retry;
+extern const command cmd_retract;
+extern const command cmd_forget;
+extern const command cmd_field;
+extern const command cmd_fields;
+extern const command cmd_watch;
+extern const command cmd_status;
+extern const command cmd_metrics;
+extern const command cmd_drain;
+extern const command cmd_reload;
+extern const command cmd_shutdown;
+extern const command cmd_doctor;
+extern const command cmd_help;
+extern const command cmd_version;
 
 /* The table, ended by NULL, in the order of the help text. */
-const struct command *const *command_table(void);
+const command *const *command_table(void);
 /* The entry called `name`, or NULL; then an error with the nearest name has been printed. */
-const struct command *command_find(const char *name);
+const command *command_find(const char *name);
 /* Print the help text of one subcommand; `settings` prints the options of the settings
  * (settings_options_help). */
-void command_print_usage(const struct command *command, void (*settings)(FILE *out), FILE *out);
+void command_print_usage(const command *self, void (*settings)(FILE *out), FILE *out);
 /* Print the short list of all subcommands. */
 void command_print_list(FILE *out);
 

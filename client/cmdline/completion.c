@@ -41,14 +41,14 @@ static void choices(FILE *out, const char *option, const char *metavar, size_t l
 }
 
 /* One "--NAME METAVAR" of a help line. */
-static void print_option(const char *command, const char *flag, size_t length, const char *help,
+static void print_option(const char *self, const char *flag, size_t length, const char *help,
                          FILE *out) {
     char name[TEXT_MAX];
     const size_t word = strcspn(flag, " ,\n") < length ? strcspn(flag, " ,\n") : length;
     const char *metavar = flag + word + (word < length);
     const size_t rest = length - (size_t)(metavar - flag);
     snprintf(name, sizeof name, "%.*s", (int)word, flag);
-    fprintf(out, "option|%s|%s|", command, name);
+    fprintf(out, "option|%s|%s|", self, name);
     field(out, metavar, rest);
     fputc('|', out);
     choices(out, name + 2, metavar, rest);
@@ -59,7 +59,7 @@ static void print_option(const char *command, const char *flag, size_t length, c
 
 /* "  -o, --output PNG   help", "  --a, --no-a", "  --name METAVAR" with its help on the next line.
  */
-static void print_line(const char *command, const char *line, FILE *out) {
+static void print_line(const char *self, const char *line, FILE *out) {
     const size_t n = strcspn(line, "\n");
     const char *gap = strstr(line + 2, "  ");
     const bool has_help = gap != NULL && gap < line + n;
@@ -71,7 +71,7 @@ static void print_line(const char *command, const char *line, FILE *out) {
         if (comma != NULL && strncmp(comma, ", --", 4) == 0) {
             length = (size_t)(comma - at);
         }
-        print_option(command, at, length, help, out);
+        print_option(self, at, length, help, out);
     }
 }
 
@@ -87,7 +87,7 @@ void completion_options(const char *name, const char *usage, FILE *out) {
 }
 
 /* What follows "usage: shearctl NAME" on the first line, without "[OPTION...] ". */
-static void print_command(const struct command *c, FILE *out) {
+static void print_command(const command *c, FILE *out) {
     static const char options[] = "[OPTION...]";
     const char *line = c->usage + strlen("usage: shearctl ") + strlen(c->name);
     const char *end = line + strcspn(line, "\n");
@@ -100,7 +100,7 @@ static void print_command(const struct command *c, FILE *out) {
 }
 
 int completion_data_print(FILE *out) {
-    for (const struct command *const *c = command_table(); *c; c++) {
+    for (const command *const *c = command_table(); *c; c++) {
         char *text = NULL;
         size_t size = 0;
         FILE *usage = open_memstream(&text, &size);

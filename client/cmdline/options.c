@@ -61,8 +61,7 @@ static int count_beginnings(const char *text, size_t length, const struct option
     return n;
 }
 
-static void say_unknown(const struct command *command, const char *given,
-                        const struct option *options) {
+static void say_unknown(const command *self, const char *given, const struct option *options) {
     const char *text = strncmp(given, "--", 2) == 0 ? given + 2 : given + 1;
     size_t length = strcspn(text, "=");
     char name[NAME_MAX_LENGTH + 1];
@@ -80,9 +79,9 @@ static void say_unknown(const struct command *command, const char *given,
     if (nearest != NULL && !ambiguous) {
         snprintf(hint, sizeof hint, "did you mean --%s?", nearest);
     } else {
-        snprintf(hint, sizeof hint, "\"shearctl help %s\" lists the options", command->name);
+        snprintf(hint, sizeof hint, "\"shearctl help %s\" lists the options", self->name);
     }
-    message_fail(hint, "%s: %s option %.*s", command->name, ambiguous ? "ambiguous" : "unknown",
+    message_fail(hint, "%s: %s option %.*s", self->name, ambiguous ? "ambiguous" : "unknown",
                  (int)(length + (size_t)(text - given)), given);
 }
 
@@ -95,21 +94,18 @@ static const char *name_of(int value, const struct option *options) {
     return "?";
 }
 
-int options_bad(const struct command *command, int value, char **argv,
-                const struct option *options) {
+int options_bad(const command *self, int value, char **argv, const struct option *options) {
     const char *given = argv[optind - 1];
     if (value == ':') {
-        message_fail(NULL, "%s: option --%s needs a value", command->name,
-                     name_of(optopt, options));
+        message_fail(NULL, "%s: option --%s needs a value", self->name, name_of(optopt, options));
     } else if (optopt != 0 && strncmp(given, "--", 2) == 0) {
-        message_fail(NULL, "%s: option --%s takes no value", command->name,
-                     name_of(optopt, options));
+        message_fail(NULL, "%s: option --%s takes no value", self->name, name_of(optopt, options));
     } else if (optopt != 0) {
         /* A bundle of short options: argv[optind] may still be that bundle. */
         char letter[] = {'-', (char)optopt, '\0'};
-        say_unknown(command, letter, options);
+        say_unknown(self, letter, options);
     } else {
-        say_unknown(command, given, options);
+        say_unknown(self, given, options);
     }
     return EXIT_CODE_USAGE;
 }

@@ -11,8 +11,7 @@
 
 /* getopt_long returned '?' or ':' (in `value`): say what is wrong with the option, with the nearest
  * name of `options`. Returns EXIT_CODE_USAGE. */
-int options_bad(const struct command *command, int value, char **argv,
-                const struct option *options);
+int options_bad(const command *self, int value, char **argv, const struct option *options);
 
 /* Parse a decimal integer of the range [min, max]. Returns 0; or EXIT_CODE_USAGE, with an error
  * printed that names `option`. */

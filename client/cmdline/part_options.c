@@ -20,10 +20,10 @@ bool part_options_any(const part_options *o) {
            o->given[SHEAR_PART_PSF] != NULL || o->given[SHEAR_PART_CATALOG] != NULL;
 }
 
-static int contradiction(const struct command *command, const char *text) {
+static int contradiction(const command *self, const char *text) {
     char hint[64];
-    snprintf(hint, sizeof hint, "\"shearctl help %s\"", command->name);
-    message_fail(hint, "%s: %s", command->name, text);
+    snprintf(hint, sizeof hint, "\"shearctl help %s\"", self->name);
+    message_fail(hint, "%s: %s", self->name, text);
     return EXIT_CODE_USAGE;
 }
 
@@ -34,24 +34,24 @@ static void take_file(part_options *o, const char *file) {
     }
 }
 
-int part_options_settle(part_options *o, const struct command *command, char **files, int n_files) {
+int part_options_settle(part_options *o, const command *self, char **files, int n_files) {
     const bool some = o->given[SHEAR_PART_GALAXY] != NULL || o->given[SHEAR_PART_NOISE] != NULL ||
                       o->given[SHEAR_PART_PSF] != NULL;
     const bool all = o->given[SHEAR_PART_GALAXY] != NULL && o->given[SHEAR_PART_NOISE] != NULL &&
                      o->given[SHEAR_PART_PSF] != NULL;
     if (some && n_files > 0) {
-        return contradiction(command, "give either field files, or --galaxy, --noise and --psf");
+        return contradiction(self, "give either field files, or --galaxy, --noise and --psf");
     }
     if (o->given[SHEAR_PART_CATALOG] != NULL && n_files > 1) {
-        return contradiction(command, "--catalog-in goes with one field file");
+        return contradiction(self, "--catalog-in goes with one field file");
     }
     if (part_options_any(o) && !all && n_files < 1) {
-        return contradiction(command, "--galaxy, --noise and --psf belong together");
+        return contradiction(self, "--galaxy, --noise and --psf belong together");
     }
     if (o->given[SHEAR_PART_CATALOG] != NULL && n_files == 1) {
         take_file(o, files[0]);
     }
-    return !all && n_files < 1 ? contradiction(command, "which files?") : EXIT_CODE_DONE;
+    return !all && n_files < 1 ? contradiction(self, "which files?") : EXIT_CODE_DONE;
 }
 
 static int set_part(part_input *p, int i, const char *given, bool absolute, shear_error *err) {

@@ -41,7 +41,7 @@ bool part_options_any(const part_options *o);
 /* All that belong together, and no field files beside them? But a catalog alone goes with one
  * field file, whose own it replaces: then that file becomes the other parts. `files` [n_files] must
  * stay. Returns an exit code, with an error printed. */
-int part_options_settle(part_options *o, const struct command *command, char **files, int n_files);
+int part_options_settle(part_options *o, const command *self, char **files, int n_files);
 
 /* The input that they name, and what its texts are kept in. */
 typedef struct part_input {

@@ -15,7 +15,7 @@ static int usage(const shear_error *err) {
     return EXIT_CODE_USAGE;
 }
 
-int settings_parse(struct settings_parse *p, int argc, char **argv) {
+int settings_parse(settings_parser *p, int argc, char **argv) {
     struct option options[OWN_MAX + SETTINGS_OPTIONS_MAX + 1];
     char letters[OWN_MAX] = ":";
     bool given[SETTINGS_OPTIONS_MAX] = {false};
@@ -27,7 +27,7 @@ int settings_parse(struct settings_parse *p, int argc, char **argv) {
     int value = 0;
     while ((value = getopt_long(argc, argv, letters, options, NULL)) != -1) {
         if (value == '?' || value == ':') {
-            return options_bad(p->command, value, argv, options);
+            return options_bad(p->self, value, argv, options);
         }
         if (settings_options_is(value)) {
             p->given = true;

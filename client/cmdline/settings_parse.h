@@ -9,8 +9,8 @@
 
 #include <getopt.h>
 
-struct settings_parse {
-    const struct command *command;
+typedef struct settings_parser {
+    const command *self;
     const struct option *own; /* [n_own], at most 64; without the zeros at the end */
     size_t n_own;
     const char *letters; /* short options as for getopt_long, without the ':' before; may be NULL */
@@ -19,9 +19,9 @@ struct settings_parse {
     void *context;
     shear_settings *settings; /* set and, at the end, checked */
     bool given;               /* out: was one of the settings given? */
-};
+} settings_parser;
 
 /* Parse up to optind. 0, or an exit code with an error printed. */
-int settings_parse(struct settings_parse *p, int argc, char **argv);
+int settings_parse(settings_parser *p, int argc, char **argv);
 
 #endif

@@ -6,7 +6,7 @@ static int run(int argc, char **argv) {
     return job_action_run(&cmd_cancel, SHEARD_METHOD_CANCEL, argc, argv);
 }
 
-const struct command cmd_cancel = {
+const command cmd_cancel = {
     .name = "cancel",
     .summary = "cancel jobs",
     .usage = "usage: shearctl cancel [OPTION...] ID...\n"

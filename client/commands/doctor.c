@@ -116,7 +116,7 @@ static int run(int argc, char **argv) {
     return d.worst == SHEARD_CHECK_FAIL ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
-const struct command cmd_doctor = {
+const command cmd_doctor = {
     .name = "doctor",
     .summary = "is the set-up of the service sound?",
     .usage =

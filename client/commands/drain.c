@@ -13,7 +13,7 @@ static int run(int argc, char **argv) {
     return service_query(&cmd_drain, SHEARD_METHOD_DRAIN, print, argc, argv);
 }
 
-const struct command cmd_drain = {
+const command cmd_drain = {
     .name = "drain",
     .summary = "finish what runs, take nothing new",
     .usage = "usage: shearctl drain [OPTION...]\n"

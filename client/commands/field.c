@@ -22,14 +22,14 @@ static const struct option options[] = {
     {NULL, 0, NULL, 0},
 };
 
-struct field {
-    struct service service;
+typedef struct field_options {
+    service service;
     sheard_params params;
     bool jobs;
-};
+} field_options;
 
 static int handle(int value, void *context) {
-    struct field *f = context;
+    field_options *f = context;
     switch (value) {
     case OPT_DIGEST:
         f->params.field.digest = optarg;
@@ -86,7 +86,7 @@ static int print_contributions(const sheard_msg_field_row *row, bool utc) {
     return code;
 }
 
-static int print_row(const struct field *f, const sheard_msg_field_result *result,
+static int print_row(const field_options *f, const sheard_msg_field_result *result,
                      const sheard_msg_field_row *row) {
     char name[256];
     char time[HUMAN_SIZE];
@@ -109,7 +109,7 @@ static int print_row(const struct field *f, const sheard_msg_field_result *resul
                                                : EXIT_CODE_DONE;
 }
 
-static int print(const struct field *f, const sheard_msg_field_result *result) {
+static int print(const field_options *f, const sheard_msg_field_result *result) {
     int code = EXIT_CODE_DONE;
     for (size_t i = 0; code == SHEAR_OK && i < result->n_rows; i++) {
         code = print_row(f, result, &result->rows[i]);
@@ -124,7 +124,7 @@ static int print(const struct field *f, const sheard_msg_field_result *result) {
 }
 
 static int run(int argc, char **argv) {
-    struct field f = {.jobs = false};
+    field_options f = {.jobs = false};
     sheard_reply reply = {0};
     sheard_params_init(&f.params, SHEARD_METHOD_FIELD);
     int code = service_parse_operands(&cmd_field, argc, argv, options, handle, &f, &f.service,
@@ -146,7 +146,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_field = {
+const command cmd_field = {
     .name = "field",
     .summary = "the shear of one field, as it is now",
     .usage = "usage: shearctl field [OPTION...] NAME\n"

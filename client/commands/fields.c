@@ -20,15 +20,15 @@ static const struct option options[] = {
     {NULL, 0, NULL, 0},
 };
 
-struct fields {
-    struct service service;
+typedef struct fields_options {
+    service service;
     sheard_params params;
     int64_t limit; /* fields that are still to be listed */
     bool brief;
-};
+} fields_options;
 
 static int handle(int value, void *context) {
-    struct fields *f = context;
+    fields_options *f = context;
     switch (value) {
     case OPT_LIMIT:
         return options_int("limit", optarg, 1, INT64_MAX, &f->limit);
@@ -51,7 +51,7 @@ static void print_names(const sheard_msg_field_page *page) {
     }
 }
 
-static void show_page(const struct fields *f, const sheard_msg_field_page *page,
+static void show_page(const fields_options *f, const sheard_msg_field_page *page,
                       text_table *table) {
     if (f->service.json) {
         return;
@@ -66,7 +66,7 @@ static void show_page(const struct fields *f, const sheard_msg_field_page *page,
 }
 
 /* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
-static int list(struct fields *f, text_table *table, char **cursor) {
+static int list(fields_options *f, text_table *table, char **cursor) {
     int code = EXIT_CODE_DONE;
     bool empty = false; /* a page: no progress would be made */
     sheard_msg_fields *p = &f->params.fields;
@@ -89,7 +89,7 @@ static int list(struct fields *f, text_table *table, char **cursor) {
 }
 
 static int run(int argc, char **argv) {
-    struct fields f = {.limit = INT64_MAX};
+    fields_options f = {.limit = INT64_MAX};
     sheard_params_init(&f.params, SHEARD_METHOD_FIELDS);
     int code =
         service_parse_operands(&cmd_fields, argc, argv, options, handle, &f, &f.service, "", 0, 1);
@@ -114,7 +114,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_fields = {
+const command cmd_fields = {
     .name = "fields",
     .summary = "list the fields and their shear",
     .usage = "usage: shearctl fields [OPTION...] [PREFIX]\n"

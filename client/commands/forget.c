@@ -15,14 +15,14 @@ static const struct option options[] = {
     {NULL, 0, NULL, 0},
 };
 
-struct forget {
-    struct service service;
+typedef struct forget_options {
+    service service;
     sheard_params params;
     bool yes;
-};
+} forget_options;
 
 static int handle(int value, void *context) {
-    struct forget *f = context;
+    forget_options *f = context;
     if (value == OPT_DIGEST) {
         f->params.forget.digest = optarg;
     } else {
@@ -32,7 +32,7 @@ static int handle(int value, void *context) {
 }
 
 /* Not yet: what would be gone. */
-static int tell(struct forget *f) {
+static int tell(forget_options *f) {
     sheard_params p;
     sheard_reply reply = {0};
     char name[256];
@@ -57,7 +57,7 @@ static int tell(struct forget *f) {
     return EXIT_CODE_USAGE;
 }
 
-static int forget(struct forget *f) {
+static int forget(forget_options *f) {
     sheard_reply reply = {0};
     char name[256];
     const int code = service_answer(&f->service, SHEARD_METHOD_FORGET, &f->params, &reply);
@@ -72,7 +72,7 @@ static int forget(struct forget *f) {
 }
 
 static int run(int argc, char **argv) {
-    struct forget f = {.yes = false};
+    forget_options f = {.yes = false};
     sheard_params_init(&f.params, SHEARD_METHOD_FORGET);
     int code = service_parse_operands(&cmd_forget, argc, argv, options, handle, &f, &f.service,
                                       "field", 1, 1);
@@ -86,7 +86,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_forget = {
+const command cmd_forget = {
     .name = "forget",
     .summary = "take back all that was counted in a field",
     .usage = "usage: shearctl forget [OPTION...] NAME\n"

@@ -14,11 +14,11 @@ static void refer_to_settings(FILE *out) {
 }
 
 static int explain(const char *name, void (*settings)(FILE *out)) {
-    const struct command *command = command_find(name);
-    if (command == NULL) {
+    const command *self = command_find(name);
+    if (self == NULL) {
         return EXIT_CODE_USAGE;
     }
-    command_print_usage(command, settings, stdout);
+    command_print_usage(self, settings, stdout);
     return EXIT_CODE_DONE;
 }
 
@@ -44,7 +44,7 @@ static int run(int argc, char **argv) {
     return explain(argv[1], settings_options_help);
 }
 
-const struct command cmd_help = {
+const command cmd_help = {
     .name = "help",
     .summary = "explain a subcommand",
     .usage = "usage: shearctl help [SUBCOMMAND]\n"

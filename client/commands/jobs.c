@@ -26,12 +26,12 @@ static const struct option options[] = {
     {NULL, 0, NULL, 0},
 };
 
-struct jobs {
-    struct service service;
+typedef struct jobs_options {
+    service service;
     sheard_params params;
     int64_t limit; /* jobs that are still to be listed */
     bool brief;
-};
+} jobs_options;
 
 /* "failed,cancelled" */
 static int set_states(const char *text, unsigned *states) {
@@ -73,7 +73,7 @@ static int set_owner(const char *text, int64_t *owner) {
 }
 
 static int handle(int value, void *context) {
-    struct jobs *j = context;
+    jobs_options *j = context;
     switch (value) {
     case OPT_STATE:
         return set_states(optarg, &j->params.jobs.states);
@@ -93,7 +93,7 @@ static int handle(int value, void *context) {
     }
 }
 
-static void show_page(const struct jobs *j, const sheard_msg_job_page *page, text_table *table) {
+static void show_page(const jobs_options *j, const sheard_msg_job_page *page, text_table *table) {
     const int64_t now = human_now_ms();
     for (size_t i = 0; i < page->n_jobs && !j->service.json; i++) {
         if (j->brief) {
@@ -105,7 +105,7 @@ static void show_page(const struct jobs *j, const sheard_msg_job_page *page, tex
 }
 
 /* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
-static int list(struct jobs *j, text_table *table, char **cursor) {
+static int list(jobs_options *j, text_table *table, char **cursor) {
     int code = EXIT_CODE_DONE;
     bool empty = false; /* a page: no progress would be made */
     do {
@@ -127,7 +127,7 @@ static int list(struct jobs *j, text_table *table, char **cursor) {
 }
 
 static int run(int argc, char **argv) {
-    struct jobs j = {.limit = DEFAULT_LIMIT};
+    jobs_options j = {.limit = DEFAULT_LIMIT};
     sheard_params_init(&j.params, SHEARD_METHOD_JOBS);
     int code =
         service_parse_operands(&cmd_jobs, argc, argv, options, handle, &j, &j.service, "", 0, 0);
@@ -152,7 +152,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_jobs = {
+const command cmd_jobs = {
     .name = "jobs",
     .summary = "list the service's jobs",
     .usage = "usage: shearctl jobs [OPTION...]\n"

@@ -84,17 +84,17 @@ static int check_options(measure_options *o, char **files, int n_files) {
 }
 
 static int parse(int argc, char **argv, measure_options *o) {
-    struct settings_parse p = {.command = &cmd_measure,
-                               .own = own_options,
-                               .n_own = N_OWN,
-                               .handle = handle,
-                               .context = o,
-                               .settings = &o->settings};
+    settings_parser p = {.self = &cmd_measure,
+                         .own = own_options,
+                         .n_own = N_OWN,
+                         .handle = handle,
+                         .context = o,
+                         .settings = &o->settings};
     const int code = settings_parse(&p, argc, argv);
     return code != SHEAR_OK ? code : check_options(o, argv + optind, argc - optind);
 }
 
-static int print_json(const struct measure_group *g, const measure_options *o) {
+static int print_json(const measure_group *g, const measure_options *o) {
     shear_error err = {0};
     char *text = NULL;
     sheard_report_file *files = calloc(g->n, sizeof *files);
@@ -136,7 +136,7 @@ static int print_json(const struct measure_group *g, const measure_options *o) {
     return code != SHEAR_OK ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
-static int show(const struct measure_group *g, const measure_options *o) {
+static int show(const measure_group *g, const measure_options *o) {
     int code = EXIT_CODE_DONE;
     if (o->json) {
         code = print_json(g, o);
@@ -151,7 +151,7 @@ static int show(const struct measure_group *g, const measure_options *o) {
 }
 
 /* A warning for every duplicate, with the field that it would have been counted to. */
-static void warn_duplicates(measure_input *inputs, size_t n, struct measure_group *groups,
+static void warn_duplicates(measure_input *inputs, size_t n, measure_group *groups,
                             size_t n_groups) {
     for (size_t i = 0; i < n; i++) {
         for (size_t k = 0; inputs[i].duplicate && k < n_groups; k++) {
@@ -165,7 +165,7 @@ static void warn_duplicates(measure_input *inputs, size_t n, struct measure_grou
 }
 
 static int measure_groups(measure_input *inputs, size_t n, const measure_options *o) {
-    struct measure_group *groups = NULL;
+    measure_group *groups = NULL;
     size_t n_groups = 0;
     int shown = EXIT_CODE_DONE;
     if (!measure_groups_new(inputs, n, &groups, &n_groups)) {
@@ -249,7 +249,7 @@ static int run(int argc, char **argv) {
                                       : measure_files(argv + optind, (size_t)(argc - optind), &o);
 }
 
-const struct command cmd_measure = {
+const command cmd_measure = {
     .name = "measure",
     .summary = "measure the shear of field files",
     .usage =

@@ -10,7 +10,7 @@ static int run(int argc, char **argv) {
     return service_query(&cmd_metrics, SHEARD_METHOD_METRICS, print, argc, argv);
 }
 
-const struct command cmd_metrics = {
+const command cmd_metrics = {
     .name = "metrics",
     .summary = "print the service's metrics (Prometheus text)",
     .usage = "usage: shearctl metrics [OPTION...]\n"

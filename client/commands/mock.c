@@ -122,11 +122,11 @@ static int exit_code(int code) {
 
 static int write_field(mock_options *o, const shear_mock *m) {
     shear_error err = {0};
-    struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin("mock");
+    progress *bar = o->quiet ? progress_begin_quiet() : progress_begin("mock");
     o->write.progress = progress_callback;
-    o->write.context = progress;
+    o->write.context = bar;
     int code = shear_mock_write(m, o->path, &o->write, &err);
-    progress_end(progress);
+    progress_end(bar);
     if (code != SHEAR_OK) {
         message_error(&err);
         return exit_code(code);
@@ -155,7 +155,7 @@ static int run(int argc, char **argv) {
 }
 
 /* A test holds this text against the table: every option, with the default that it has there. */
-const struct command cmd_mock = {
+const command cmd_mock = {
     .name = "mock",
     .summary = "make a field file of mock galaxies with a known shear",
     .usage =

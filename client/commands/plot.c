@@ -65,13 +65,13 @@ static int check_options(plot_command *c, int argc, char **argv) {
 }
 
 static int parse(int argc, char **argv, plot_command *c) {
-    struct settings_parse p = {.command = &cmd_plot,
-                               .own = own_options,
-                               .n_own = N_OWN,
-                               .letters = "o:",
-                               .handle = handle,
-                               .context = c,
-                               .settings = &c->options.settings};
+    settings_parser p = {.self = &cmd_plot,
+                         .own = own_options,
+                         .n_own = N_OWN,
+                         .letters = "o:",
+                         .handle = handle,
+                         .context = c,
+                         .settings = &c->options.settings};
     const int code = settings_parse(&p, argc, argv);
     c->settings_given = p.given;
     return code != SHEAR_OK ? code : check_options(c, argc, argv);
@@ -191,7 +191,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_plot = {
+const command cmd_plot = {
     .name = "plot",
     .summary = "draw a picture (PNG) of a field file or of a result catalog",
     .usage =

@@ -25,7 +25,7 @@ static int run(int argc, char **argv) {
     return service_query(&cmd_reload, SHEARD_METHOD_RELOAD, print, argc, argv);
 }
 
-const struct command cmd_reload = {
+const command cmd_reload = {
     .name = "reload",
     .summary = "make the service read its configuration again",
     .usage = "usage: shearctl reload [OPTION...]\n"

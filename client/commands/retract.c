@@ -6,7 +6,7 @@ static int run(int argc, char **argv) {
     return job_action_run(&cmd_retract, SHEARD_METHOD_RETRACT, argc, argv);
 }
 
-const struct command cmd_retract = {
+const command cmd_retract = {
     .name = "retract",
     .summary = "take back what jobs counted",
     .usage =

@@ -6,7 +6,7 @@ static int run(int argc, char **argv) {
     return job_action_run(&cmd_retry, SHEARD_METHOD_RETRY, argc, argv);
 }
 
-const struct command cmd_retry = {
+const command cmd_retry = {
     .name = "retry",
     .summary = "run failed or cancelled jobs again",
     .usage = "usage: shearctl retry [OPTION...] ID...\n"

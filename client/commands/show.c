@@ -7,7 +7,7 @@
 
 static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
 
-static int show(struct service *s, const char *name) {
+static int show(service *s, const char *name) {
     sheard_params p;
     sheard_reply reply = {0};
     sheard_params_init(&p, SHEARD_METHOD_JOB);
@@ -24,7 +24,7 @@ static int show(struct service *s, const char *name) {
 }
 
 static int run(int argc, char **argv) {
-    struct service s;
+    service s;
     int code =
         service_parse_operands(&cmd_show, argc, argv, options, NULL, NULL, &s, "job", 1, INT_MAX);
     code = code != SHEAR_OK ? code : service_open(&s);
@@ -39,7 +39,7 @@ static int run(int argc, char **argv) {
     return service_tally_code(&tally);
 }
 
-const struct command cmd_show = {
+const command cmd_show = {
     .name = "show",
     .summary = "everything about a job",
     .usage = "usage: shearctl show [OPTION...] ID...\n"

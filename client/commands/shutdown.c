@@ -27,7 +27,7 @@ static int handle(int value, void *context) {
 }
 
 /* Is the socket systemd's? A client that asks now and then would undo the stop. */
-static bool is_activated(struct service *s) {
+static bool is_activated(service *s) {
     sheard_rpc_error error;
     sheard_reply reply = {0};
     const bool known = connection_call(s->connection, SHEARD_METHOD_STATUS, NULL,
@@ -38,7 +38,7 @@ static bool is_activated(struct service *s) {
 }
 
 static int run(int argc, char **argv) {
-    struct service s;
+    service s;
     sheard_params p;
     sheard_reply reply = {0};
     sheard_params_init(&p, SHEARD_METHOD_SHUTDOWN);
@@ -65,7 +65,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_shutdown = {
+const command cmd_shutdown = {
     .name = "shutdown",
     .summary = "stop the service",
     .usage = "usage: shearctl shutdown [OPTION...]\n"

@@ -7,7 +7,7 @@
 static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
 
 static int run(int argc, char **argv) {
-    struct service s;
+    service s;
     sheard_reply reply = {0};
     int code = service_parse_operands(&cmd_status, argc, argv, options, NULL, NULL, &s, "", 0, 0);
     code = code != SHEAR_OK ? code : service_open(&s);
@@ -24,7 +24,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_status = {
+const command cmd_status = {
     .name = "status",
     .summary = "the state of the service",
     .usage = "usage: shearctl status [OPTION...]\n"

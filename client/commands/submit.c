@@ -27,18 +27,18 @@ static const struct option own_options[] = {
 };
 enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
-struct submit {
+typedef struct submit_state {
     submission_options what;
     bool wait, quiet;
     double timeout_s;
-    struct service service;
+    service service;
     int64_t *ids; /* [n_ids] accepted */
     size_t n_ids;
     size_t refused;
     int first_code; /* of the first that was refused */
-};
+} submit_state;
 
-static int set_setting(int value, struct submit *o) {
+static int set_setting(int value, submit_state *o) {
     shear_error err = {0};
     if (settings_options_handle(value, optarg, &o->what.settings, o->what.given, &err) != 0) {
         message_error(&err);
@@ -47,7 +47,7 @@ static int set_setting(int value, struct submit *o) {
     return EXIT_CODE_DONE;
 }
 
-static int set_timeout(struct submit *o) {
+static int set_timeout(submit_state *o) {
     if (!human_parse_duration(optarg, &o->timeout_s)) {
         message_fail(NULL, "--timeout %s: expected a time, as 90, 500ms, 5min, 2h", optarg);
         return EXIT_CODE_USAGE;
@@ -56,7 +56,7 @@ static int set_timeout(struct submit *o) {
 }
 
 static int handle(int value, void *context) {
-    struct submit *o = context;
+    submit_state *o = context;
     submission_options *what = &o->what;
     if (settings_options_is(value)) {
         return set_setting(value, o);
@@ -92,7 +92,7 @@ static int contradiction(const char *text) {
     return EXIT_CODE_USAGE;
 }
 
-static int check(struct submit *o, char **files, int n) {
+static int check(submit_state *o, char **files, int n) {
     const int code = part_options_settle(&o->what.parts, &cmd_submit, files, n);
     if (code != SHEAR_OK) {
         return code;
@@ -116,13 +116,13 @@ static void print_accepted(const sheard_msg_submitted *submitted) {
     fflush(stdout);
 }
 
-static void refuse(struct submit *o, int code) {
+static void refuse(submit_state *o, int code) {
     o->first_code = o->refused == 0 ? code : o->first_code;
     o->refused++;
 }
 
 /* Send one. False: nothing more can be sent. */
-static bool send_one(struct submit *o, const struct submission *what, const char *name) {
+static bool send_one(submit_state *o, const submission *what, const char *name) {
     sheard_rpc_error error = {0};
     sheard_reply reply = {0};
     char *text = NULL;
@@ -148,10 +148,10 @@ static bool send_one(struct submit *o, const struct submission *what, const char
     return status == CONNECTION_REFUSED && !error.retry;
 }
 
-static void send_all(struct submit *o, char **names, size_t n) {
+static void send_all(submit_state *o, char **names, size_t n) {
     bool going = true;
     for (size_t i = 0; going && i < n; i++) {
-        struct submission what;
+        submission what;
         const int code = submission_init(&what, names[i], &o->what);
         if (code != SHEAR_OK) {
             refuse(o, code);
@@ -171,7 +171,7 @@ static void ended(void *context, const sheard_msg_job *job) {
 }
 
 /* With --json: each job as `shearctl show` gives it. */
-static int print_jobs(struct submit *o) {
+static int print_jobs(submit_state *o) {
     int code = EXIT_CODE_DONE;
     for (size_t i = 0; code == SHEAR_OK && i < o->n_ids; i++) {
         sheard_params p = {.id = {.id = o->ids[i]}};
@@ -180,7 +180,7 @@ static int print_jobs(struct submit *o) {
     return code;
 }
 
-static int wait_for_all(struct submit *o) {
+static int wait_for_all(submit_state *o) {
     text_table *table = job_results_new();
     follow_options how = {.timeout_s = o->timeout_s, .quiet = o->quiet, .context = table};
     how.ended = o->service.json ? NULL : ended;
@@ -195,7 +195,7 @@ static int wait_for_all(struct submit *o) {
     return code;
 }
 
-static int submit(struct submit *o, char **names, size_t n) {
+static int submit(submit_state *o, char **names, size_t n) {
     int code = service_open(&o->service);
     if (code != SHEAR_OK) {
         return code;
@@ -213,7 +213,7 @@ static int submit(struct submit *o, char **names, size_t n) {
 static int run(int argc, char **argv) {
     static char *no_name[] = {NULL};
     struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
-    struct submit o = {.timeout_s = NAN};
+    submit_state o = {.timeout_s = NAN};
     for (size_t i = 0; i < N_OWN; i++) {
         options[i] = own_options[i];
     }
@@ -237,7 +237,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_submit = {
+const command cmd_submit = {
     .name = "submit",
     .summary = "hand files to the service, as jobs",
     .usage =

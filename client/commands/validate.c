@@ -43,12 +43,12 @@ static int handle(int value, const char *argument, void *context) {
 }
 
 static int parse(int argc, char **argv, validate_options *o) {
-    struct settings_parse p = {.command = &cmd_validate,
-                               .own = own_options,
-                               .n_own = N_OWN,
-                               .handle = handle,
-                               .context = o,
-                               .settings = &o->settings};
+    settings_parser p = {.self = &cmd_validate,
+                         .own = own_options,
+                         .n_own = N_OWN,
+                         .handle = handle,
+                         .context = o,
+                         .settings = &o->settings};
     const int code = settings_parse(&p, argc, argv);
     if (code == SHEAR_OK && optind >= argc) {
         message_fail("\"shearctl help validate\"", "validate: which files?");
@@ -154,9 +154,9 @@ static int look_into(const validate_options *o, shear_field **field, shear_plan 
         return code;
     }
     v->plan = shear_plan_get_info(*plan);
-    struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
-    code = field_scan(*field, *plan, progress, v, words);
-    progress_end(progress);
+    progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
+    code = field_scan(*field, *plan, bar, v, words);
+    progress_end(bar);
     return code != SHEAR_OK ? code : shear_field_need_name(v->field, v->path, words);
 }
 
@@ -214,7 +214,7 @@ static int run(int argc, char **argv) {
     return n_bad == 0 ? EXIT_CODE_DONE : n_good == 0 ? EXIT_CODE_INPUT : EXIT_CODE_PARTLY;
 }
 
-const struct command cmd_validate = {
+const command cmd_validate = {
     .name = "validate",
     .summary = "tell what is in field files, and whether they would measure",
     .usage =

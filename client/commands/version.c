@@ -15,7 +15,7 @@ static int run(int argc, char **argv) {
     return EXIT_CODE_DONE;
 }
 
-const struct command cmd_version = {
+const command cmd_version = {
     .name = "version",
     .summary = "print the version, and the libraries that it was built with",
     .usage = "usage: shearctl version\n"

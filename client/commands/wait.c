@@ -35,7 +35,7 @@ static void ended(void *context, const sheard_msg_job *job) {
     job_complain(job);
 }
 
-static int wait_for(struct service *s, const int64_t *ids, size_t n, follow_options *o) {
+static int wait_for(service *s, const int64_t *ids, size_t n, follow_options *o) {
     text_table *table = job_results_new();
     o->print = true;
     o->context = table;
@@ -53,7 +53,7 @@ static int wait_for(struct service *s, const int64_t *ids, size_t n, follow_opti
 }
 
 static int run(int argc, char **argv) {
-    struct service s;
+    service s;
     follow_options o = {.timeout_s = NAN};
     int code =
         service_parse_operands(&cmd_wait, argc, argv, options, handle, &o, &s, "jobs", 1, INT_MAX);
@@ -76,7 +76,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_wait = {
+const command cmd_wait = {
     .name = "wait",
     .summary = "wait until jobs are finished",
     .usage = "usage: shearctl wait [OPTION...] ID...\n"

@@ -20,15 +20,15 @@ static const struct option options[] = {
     {NULL, 0, NULL, 0},
 };
 
-struct watch {
-    struct service service;
+typedef struct watch_options {
+    service service;
     double interval_s;
     int64_t count; /* pictures; 0: no end */
     int64_t jobs;
-};
+} watch_options;
 
 static int handle(int value, void *context) {
-    struct watch *w = context;
+    watch_options *w = context;
     if (value == OPT_COUNT) {
         return options_int("count", optarg, 1, INT64_MAX, &w->count);
     }
@@ -45,7 +45,7 @@ static int handle(int value, void *context) {
 
 /* ---- Lines, where there is no terminal ---- */
 
-static int print_one(struct watch *w) {
+static int print_one(watch_options *w) {
     watch_view view;
     sheard_rpc_error error = {0};
     int code = service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
@@ -60,7 +60,7 @@ static int print_one(struct watch *w) {
     return code;
 }
 
-static int print_many(struct watch *w) {
+static int print_many(watch_options *w) {
     int code = service_open(&w->service);
     for (int64_t i = 1; code == SHEAR_OK; i++) {
         code = print_one(w);
@@ -75,7 +75,7 @@ static int print_many(struct watch *w) {
 /* ---- The screen ---- */
 
 /* One picture, or why there is none, as text. */
-static void compose(struct watch *w, FILE *out) {
+static void compose(watch_options *w, FILE *out) {
     char time[HUMAN_SIZE];
     sheard_rpc_error error = {0};
     watch_view view;
@@ -101,7 +101,7 @@ static void compose(struct watch *w, FILE *out) {
     fprintf(out, "\n%s   q ends\n", human_time(human_now_ms(), w->service.utc, time));
 }
 
-static bool draw(struct watch *w) {
+static bool draw(watch_options *w) {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
@@ -117,7 +117,7 @@ static bool draw(struct watch *w) {
     return good;
 }
 
-static int live(struct watch *w) {
+static int live(watch_options *w) {
     int code = service_open(&w->service);
     if (code != SHEAR_OK) {
         return code;
@@ -140,7 +140,7 @@ static int live(struct watch *w) {
 }
 
 static int run(int argc, char **argv) {
-    struct watch w = {.interval_s = 1.0, .jobs = DEFAULT_JOBS};
+    watch_options w = {.interval_s = 1.0, .jobs = DEFAULT_JOBS};
     int code =
         service_parse_operands(&cmd_watch, argc, argv, options, handle, &w, &w.service, "", 0, 0);
     if (code != SHEAR_OK) {
@@ -151,7 +151,7 @@ static int run(int argc, char **argv) {
     return code;
 }
 
-const struct command cmd_watch = {
+const command cmd_watch = {
     .name = "watch",
     .summary = "watch the service live",
     .usage = "usage: shearctl watch [OPTION...]\n"

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 
 typedef struct doctor {
-    struct service service;
+    service service;
     const char *config;  /* --config, or the service's; NULL: the installed one */
     int worst;           /* enum sheard_check_level, of all that was said */
     bool reached;        /* the service answered, and: */

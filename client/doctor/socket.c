@@ -101,7 +101,7 @@ static void check_state(doctor *d) {
 
 void doctor_check_service(doctor *d) {
     sheard_rpc_error error = {0};
-    struct service *s = &d->service;
+    service *s = &d->service;
     int status = connection_open(&s->connection, s->socket, s->reply_timeout_s, &error);
     if (status == CONNECTION_OK) {
         check_release(d);

@@ -13,33 +13,33 @@ enum { BLOCK_BYTES = 8 << 20, MAX_BLOCK = 256 };
 
 /* Sums over noise stamps: their mean pixels and the squares of these, both about the first one's
  * (about zero, a bright sky would swallow what they scatter), and the variances of their pixels. */
-struct levels {
+typedef struct noise_levels {
     double n, first, mean, mean2, var;
-};
+} noise_levels;
 
-struct scan {
+typedef struct scan_state {
     const shear_plan *plan;
     shear_workspace *ws;
     bool is_log;
     double pedestal;
     shear_block *block;
     shear_row *rows; /* [block->capacity] */
-    struct levels levels;
+    noise_levels levels;
     weight_check weights;
     shear_block_sums under_way;
     shear_field_sums *sums;
-    sheard_validation_report *v;
-};
+    sheard_verdict *v;
+} scan_state;
 
-struct pixels {
+typedef struct pixel_statistics {
     double lowest; /* of the finite ones */
     double mean, var;
-};
+} pixel_statistics;
 
 /* `bad`: the setting bad-value; a file of floats holds the nearest one. */
-static struct pixels look_at(const double *pixel, size_t n, double bad) {
+static pixel_statistics look_at(const double *pixel, size_t n, double bad) {
     double narrow = fabs(bad) <= (double)FLT_MAX ? (double)(float)bad : bad;
-    struct pixels p = {.lowest = INFINITY};
+    pixel_statistics p = {.lowest = INFINITY};
     double sum = 0.0;
     double squares = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -56,12 +56,13 @@ static struct pixels look_at(const double *pixel, size_t n, double bad) {
 }
 
 /* All noise stamps of stamp i as one. */
-static struct pixels look_at_noise(const shear_stamps *t, int i, double bad) {
+static pixel_statistics look_at_noise(const shear_stamps *t, int i, double bad) {
     const int planes = t->noise_planes > 1 ? t->noise_planes : 1;
     const size_t n = (size_t)t->nx * (size_t)t->ny;
-    struct pixels all = {.lowest = INFINITY};
+    pixel_statistics all = {.lowest = INFINITY};
     for (int k = 0; k < planes; k++) {
-        struct pixels p = look_at(t->noise + ((size_t)i * (size_t)planes + (size_t)k) * n, n, bad);
+        pixel_statistics p =
+            look_at(t->noise + ((size_t)i * (size_t)planes + (size_t)k) * n, n, bad);
         all.lowest = fmin(all.lowest, p.lowest);
         all.mean += p.mean / planes;
         all.var += p.var / planes;
@@ -69,7 +70,7 @@ static struct pixels look_at_noise(const shear_stamps *t, int i, double bad) {
     return all;
 }
 
-static void levels_add(struct levels *l, const struct pixels *noise) {
+static void levels_add(noise_levels *l, const pixel_statistics *noise) {
     l->first = l->n > 0.0 ? l->first : noise->mean;
     double d = noise->mean - l->first;
     l->n += 1.0;
@@ -78,7 +79,7 @@ static void levels_add(struct levels *l, const struct pixels *noise) {
     l->var += noise->var;
 }
 
-static void levels_tell(const struct levels *l, sheard_validation_report *v) {
+static void levels_tell(const noise_levels *l, sheard_verdict *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
     v->noise_mean = l->first + mean; /* 0/0 where there are none */
@@ -99,12 +100,12 @@ static bool has_artefact(unsigned flags) {
 }
 
 /* Everything about stamp i that needs no measuring (only SHEAR_FLAG_OVERFLOW does), into *flags. */
-static int look_at_stamp(struct scan *s, const shear_stamps *t, int i, unsigned *flags,
+static int look_at_stamp(scan_state *s, const shear_stamps *t, int i, unsigned *flags,
                          shear_error *err) {
     size_t n = (size_t)t->nx * (size_t)t->ny;
     double bad = shear_plan_get_settings(s->plan)->bad_value;
-    struct pixels galaxy = look_at(t->galaxy + (size_t)i * n, n, bad);
-    struct pixels noise = look_at_noise(t, i, bad);
+    pixel_statistics galaxy = look_at(t->galaxy + (size_t)i * n, n, bad);
+    pixel_statistics noise = look_at_noise(t, i, bad);
     shear_row row;
     int code = shear_examine(s->plan, s->ws, t, i, &row, err);
     if (code != SHEAR_OK) {
@@ -133,7 +134,7 @@ static void count_flags(sheard_validation_report *v, unsigned flags, int64_t ind
 }
 
 /* In the blocks that shearctl measure makes: then the result is the same to the last bit. */
-static void add_row(struct scan *s, const shear_row *row, int64_t index) {
+static void add_row(scan_state *s, const shear_row *row, int64_t index) {
     shear_block_sums_add(&s->under_way, row);
     if ((index + 1) % SHEAR_BLOCK == 0) {
         shear_field_sums_add(s->sums, &s->under_way);
@@ -141,7 +142,7 @@ static void add_row(struct scan *s, const shear_row *row, int64_t index) {
     }
 }
 
-static int scan_block(struct scan *s, shear_error *err) {
+static int scan_block(scan_state *s, shear_error *err) {
     const shear_stamps *t = &s->block->stamps;
     unsigned flags[MAX_BLOCK];
     for (int i = 0; i < t->count; i++) {
@@ -180,8 +181,7 @@ static int block_capacity(const shear_field_info *info) {
     return fit < 1 ? 1 : fit > MAX_BLOCK ? MAX_BLOCK : (int)fit;
 }
 
-static int scan_all(struct scan *s, shear_field *field, struct progress *progress,
-                    shear_error *err) {
+static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_error *err) {
     int64_t total = shear_field_get_info(field)->n_stamps;
     for (int64_t first = 0; first < total; first += s->block->capacity) {
         int64_t left = total - first;
@@ -193,14 +193,14 @@ static int scan_all(struct scan *s, shear_field *field, struct progress *progres
         if (code != SHEAR_OK) {
             return code;
         }
-        if (progress_callback(progress, first + count, total) != 0) {
+        if (progress_callback(bar, first + count, total) != 0) {
             return shear_fail(err, SHEAR_E_CANCELLED, NULL, "interrupted");
         }
     }
     return SHEAR_OK;
 }
 
-static int scan_init(struct scan *s, const shear_field_info *info, shear_error *err) {
+static int scan_init(scan_state *s, const shear_field_info *info, shear_error *err) {
     shear_block_sums_init(&s->under_way);
     int code = shear_field_sums_new(&s->sums, err);
     if (code == SHEAR_OK) {
@@ -214,7 +214,7 @@ static int scan_init(struct scan *s, const shear_field_info *info, shear_error *
     return code;
 }
 
-static void scan_deinit(struct scan *s) {
+static void scan_deinit(scan_state *s) {
     weight_check_deinit(&s->weights);
     free(s->rows);
     shear_workspace_free(s->ws);
@@ -232,17 +232,17 @@ static void tell_for(shear_result *r, enum shear_estimator estimator) {
     }
 }
 
-int field_scan(shear_field *field, const shear_plan *plan, struct progress *progress,
-               sheard_validation_report *v, shear_error *err) {
+int field_scan(shear_field *field, const shear_plan *plan, progress *bar, sheard_verdict *v,
+               shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const shear_plan_info *resolved = shear_plan_get_info(plan);
-    struct scan s = {.plan = plan, .v = v};
+    scan_state s = {.plan = plan, .v = v};
     s.is_log = shear_interpolation_is_log(resolved->interpolation);
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;
     int code = scan_init(&s, info, err);
     if (code == SHEAR_OK) {
-        code = scan_all(&s, field, progress, err);
+        code = scan_all(&s, field, bar, err);
     }
     v->scanned = code == SHEAR_OK;
     v->measured = v->scanned && v->negative.count == 0;

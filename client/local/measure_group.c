@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct measure_group *group_of(struct measure_group *groups, size_t n, const char *field) {
+static measure_group *group_of(measure_group *groups, size_t n, const char *field) {
     for (size_t i = 0; i < n; i++) {
         if (strcmp(groups[i].field, field) == 0) {
             return &groups[i];
@@ -22,15 +22,14 @@ static struct measure_group *group_of(struct measure_group *groups, size_t n, co
     return NULL;
 }
 
-bool measure_groups_new(measure_input *inputs, size_t n, struct measure_group **groups,
-                        size_t *n_groups) {
+bool measure_groups_new(measure_input *inputs, size_t n, measure_group **groups, size_t *n_groups) {
     *n_groups = 0;
     *groups = calloc(n != 0 ? n : 1, sizeof **groups);
     for (size_t i = 0; *groups != NULL && i < n; i++) {
         if (!measure_input_is_wanted(&inputs[i])) {
             continue;
         }
-        struct measure_group *g = group_of(*groups, *n_groups, inputs[i].field);
+        measure_group *g = group_of(*groups, *n_groups, inputs[i].field);
         if (g == NULL) {
             g = &(*groups)[(*n_groups)++];
             g->field = inputs[i].field;
@@ -47,7 +46,7 @@ bool measure_groups_new(measure_input *inputs, size_t n, struct measure_group **
     return *groups != NULL;
 }
 
-void measure_groups_free(struct measure_group *groups, size_t n_groups) {
+void measure_groups_free(measure_group *groups, size_t n_groups) {
     for (size_t i = 0; groups != NULL && i < n_groups; i++) {
         free(groups[i].inputs);
         warnings_deinit(&groups[i].warnings);
@@ -62,7 +61,7 @@ static int by_checksum(const void *a, const void *b) {
 }
 
 /* An hour of work must not end in "fewer blocks than groups". */
-static int check_blocks(const struct measure_group *g, int groups, shear_error *err) {
+static int check_blocks(const measure_group *g, int groups, shear_error *err) {
     int64_t blocks = 0;
     for (size_t i = 0; i < g->n; i++) {
         blocks += (g->inputs[i]->info.n_stamps + SHEAR_BLOCK - 1) / SHEAR_BLOCK;
@@ -76,7 +75,7 @@ static int check_blocks(const struct measure_group *g, int groups, shear_error *
     return SHEAR_OK;
 }
 
-static void fail_all(struct measure_group *g, int code, const shear_error *err) {
+static void fail_all(measure_group *g, int code, const shear_error *err) {
     message_error(err);
     for (size_t i = 0; i < g->n; i++) {
         if (g->inputs[i]->failure == 0) {
@@ -94,7 +93,7 @@ typedef struct gathering {
 
 static void run_input(measure_input *input, const measure_options *o, const gathering *to) {
     shear_error err = {0};
-    struct progress *progress = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
+    progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
     shear_run_options run = {
         .threads = o->threads,
         .catalog_path = input->catalog,
@@ -102,11 +101,11 @@ static void run_input(measure_input *input, const measure_options *o, const gath
         .terms = to->terms,
         .checksum = input->checksum,
         .progress = progress_callback,
-        .context = progress,
+        .context = bar,
     };
     int code = shear_run_input(input->source, &o->settings, &run, to->sums, to->jack,
                                &input->report, &err);
-    progress_end(progress);
+    progress_end(bar);
     if (code != SHEAR_OK) {
         message_error(&err);
         input->failure = measure_failure_of(code, input->catalog != NULL);
@@ -129,7 +128,7 @@ static size_t run_inputs(measure_input **order, size_t n, const measure_options 
     return done;
 }
 
-static int64_t count_stamps(const struct measure_group *g) {
+static int64_t count_stamps(const measure_group *g) {
     int64_t n = 0;
     for (size_t i = 0; i < g->n; i++) {
         n += g->inputs[i]->info.n_stamps;
@@ -137,7 +136,7 @@ static int64_t count_stamps(const struct measure_group *g) {
     return n;
 }
 
-static int gathering_init(gathering *to, const struct measure_group *g, const measure_options *o,
+static int gathering_init(gathering *to, const measure_group *g, const measure_options *o,
                           shear_error *err) {
     int code = shear_field_sums_new(&to->sums, err);
     if (code == SHEAR_OK && estimators_wanted(count_stamps(g), o->settings.estimator)) {
@@ -156,7 +155,7 @@ static void gathering_deinit(gathering *to) {
 }
 
 /* Weights made of the stamps' own brightness. */
-static void check_weights(struct measure_group *g, const shear_symmetry *terms) {
+static void check_weights(measure_group *g, const shear_symmetry *terms) {
     const rank_relation r = weight_check_terms(terms);
     if (rank_is_strong(&r)) {
         warnings_add(&g->warnings,
@@ -167,8 +166,8 @@ static void check_weights(struct measure_group *g, const shear_symmetry *terms) 
     }
 }
 
-static int run_all(struct measure_group *g, const measure_options *o, measure_input **order,
-                   size_t *done, shear_error *err) {
+static int run_all(measure_group *g, const measure_options *o, measure_input **order, size_t *done,
+                   shear_error *err) {
     gathering to = {0};
     int code = gathering_init(&to, g, o, err);
     if (code == SHEAR_OK) {
@@ -188,7 +187,7 @@ static int run_all(struct measure_group *g, const measure_options *o, measure_in
     return code;
 }
 
-static int fail_invalid(const struct measure_group *g, shear_error *err) {
+static int fail_invalid(const measure_group *g, shear_error *err) {
     char text[400];
     char advice[400];
     sheard_cause cause;
@@ -203,7 +202,7 @@ static int fail_invalid(const struct measure_group *g, shear_error *err) {
 }
 
 /* The advice is on the first file's PSF; others may have others. */
-static void warn_of_other_psfs(struct measure_group *g) {
+static void warn_of_other_psfs(measure_group *g) {
     char line[SHEARD_ADVICE_SIZE];
     size_t n = 0;
     sheard_report_file *files = calloc(g->n, sizeof *files);
@@ -223,7 +222,7 @@ static void warn_of_other_psfs(struct measure_group *g) {
 
 /* What stands out in the result. A field without a usable stamp is bad input, but its counts are
  * worth showing. */
-static void judge(struct measure_group *g, size_t done) {
+static void judge(measure_group *g, size_t done) {
     sheard_advice_list advice;
     const measure_input *top = done > 1 ? measure_group_top(g) : NULL;
     sheard_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
@@ -252,7 +251,7 @@ static void judge(struct measure_group *g, size_t done) {
 
 /* The order of measuring: that of the arguments, or, for the jackknife, of the checksums. NULL: no
  * memory. malloc'd. */
-static measure_input **order_of(const struct measure_group *g, bool jackknife) {
+static measure_input **order_of(const measure_group *g, bool jackknife) {
     measure_input **order = calloc(g->n, sizeof(measure_input *));
     if (order == NULL) {
         return NULL;
@@ -264,7 +263,7 @@ static measure_input **order_of(const struct measure_group *g, bool jackknife) {
     return order;
 }
 
-bool measure_group_run(struct measure_group *g, const measure_options *o) {
+bool measure_group_run(measure_group *g, const measure_options *o) {
     shear_error err = {0};
     size_t done = 0;
     measure_input **order = order_of(g, o->jackknife > 0);
@@ -289,7 +288,7 @@ bool measure_group_run(struct measure_group *g, const measure_options *o) {
     return done > 0;
 }
 
-const measure_input *measure_group_first(const struct measure_group *g) {
+const measure_input *measure_group_first(const measure_group *g) {
     for (size_t i = 0; i < g->n; i++) {
         if (g->inputs[i]->measured) {
             return g->inputs[i];
@@ -298,7 +297,7 @@ const measure_input *measure_group_first(const struct measure_group *g) {
     return NULL;
 }
 
-const measure_input *measure_group_top(const struct measure_group *g) {
+const measure_input *measure_group_top(const measure_group *g) {
     const measure_input *top = NULL;
     double largest = 0.0;
     for (size_t i = 0; i < g->n; i++) {
@@ -312,7 +311,7 @@ const measure_input *measure_group_top(const struct measure_group *g) {
     return top;
 }
 
-bool measure_group_truth(const struct measure_group *g, double *g1, double *g2) {
+bool measure_group_truth(const measure_group *g, double *g1, double *g2) {
     const measure_input *first = measure_group_first(g);
     if (first == NULL || !first->info.has_truth) {
         return false;

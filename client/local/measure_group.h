@@ -21,21 +21,20 @@ typedef struct measure_options {
     bool force, json, quiet;
 } measure_options;
 
-struct measure_group {
+typedef struct measure_group {
     const char *field;
     measure_input **inputs; /* [n], in the order given; not owned. Those that fail are marked */
     size_t n;
     shear_result result;
     sheard_report_estimators estimators; /* of the same stamps; errors without jackknife */
     double seconds;                      /* wall clock, all files */
-    struct warnings warnings;
-};
+    warning_list warnings;
+} measure_group;
 
 /* Group the wanted inputs by field, in the order of first appearance. *groups is malloc'd,
  * [*n_groups], for measure_groups_free. False where there is no memory. */
-bool measure_groups_new(measure_input *inputs, size_t n, struct measure_group **groups,
-                        size_t *n_groups);
-void measure_groups_free(struct measure_group *groups, size_t n_groups);
+bool measure_groups_new(measure_input *inputs, size_t n, measure_group **groups, size_t *n_groups);
+void measure_groups_free(measure_group *groups, size_t n_groups);
 
 /* Measure. Errors are printed, and the inputs that they concern are marked. Returns true where
  * there is a result.
@@ -43,13 +42,13 @@ void measure_groups_free(struct measure_group *groups, size_t n_groups);
  * The sums of several files are joined exactly, so that the result does not depend on their order.
  * The jackknife's groups do depend on it: there the files are taken in the order of their
  * checksums, whatever the order of the arguments. */
-bool measure_group_run(struct measure_group *group, const measure_options *options);
+bool measure_group_run(measure_group *group, const measure_options *options);
 
 /* The first file that was measured, or NULL. */
-const measure_input *measure_group_first(const struct measure_group *group);
+const measure_input *measure_group_first(const measure_group *group);
 /* The file of the stamp that counts most, or NULL where that is not known. */
-const measure_input *measure_group_top(const struct measure_group *group);
+const measure_input *measure_group_top(const measure_group *group);
 /* Do all measured files name the same truth? */
-bool measure_group_truth(const struct measure_group *group, double *g1, double *g2);
+bool measure_group_truth(const measure_group *group, double *g1, double *g2);
 
 #endif

@@ -11,11 +11,11 @@ static bool is_filter(const char *name, enum shear_filter filter) {
     return strcmp(name, shear_filter_name(filter)) == 0;
 }
 
-static bool filters(const struct method *m) {
+static bool filters(const method_lines *m) {
     return !is_filter(m->filter, SHEAR_FILTER_NONE);
 }
 
-static void print_pixels(const struct method *m, FILE *out) {
+static void print_pixels(const method_lines *m, FILE *out) {
     char fine[32] = "";
     if (m->oversample > 1) {
         snprintf(fine, sizeof fine, " to %d x", m->oversample);
@@ -24,13 +24,13 @@ static void print_pixels(const struct method *m, FILE *out) {
                     m->r_psf, m->beta);
 }
 
-static const char *source_of_core(const struct method *m) {
+static const char *source_of_core(const method_lines *m) {
     return m->core_found                             ? "found: it leaves the galaxies whole"
            : is_filter(m->filter, SHEAR_FILTER_EDGE) ? "the widest that fits the stamps"
                                                      : "given";
 }
 
-static void print_filter(const struct method *m, FILE *out) {
+static void print_filter(const method_lines *m, FILE *out) {
     if (!filters(m)) {
         shear_text_line(out, "filter", "none%s",
                         is_filter(m->asked_filter, SHEAR_FILTER_AUTO)
@@ -44,14 +44,14 @@ static void print_filter(const struct method *m, FILE *out) {
     }
 }
 
-static void print_background(const struct method *m, FILE *out) {
+static void print_background(const method_lines *m, FILE *out) {
     const char *words = !filters(m)          ? "left in: without a filter it changes nothing"
                         : m->background_kept ? "kept: it ends at the filter's edge"
                                              : "the noise stamps' level is taken off both stamps";
     shear_text_line(out, "background", "%s", words);
 }
 
-static void print_artefacts(const struct method *m, FILE *out) {
+static void print_artefacts(const method_lines *m, FILE *out) {
     if (m->artefacts_kept) {
         shear_text_line(out, "artefacts", "not looked for (artefacts = keep)");
     } else if (m->artefacts == 0) {
@@ -63,16 +63,16 @@ static void print_artefacts(const struct method *m, FILE *out) {
     }
 }
 
-void method_text_print(const struct method *m, FILE *out) {
+void method_text_print(const method_lines *m, FILE *out) {
     print_pixels(m, out);
     print_filter(m, out);
     print_background(m, out);
     print_artefacts(m, out);
 }
 
-struct method method_text_of(const shear_plan_info *plan, const shear_settings *settings,
-                             const char *r_psf, const char *beta, const char *core) {
-    return (struct method){
+method_lines method_text_of(const shear_plan_info *plan, const shear_settings *settings,
+                            const char *r_psf, const char *beta, const char *core) {
+    return (method_lines){
         .interpolation = shear_interpolation_name(plan->interpolation),
         .filter = shear_filter_name(plan->filter),
         .oversample = plan->interpolation == SHEAR_INTERP_NONE ? 1 : plan->oversample,

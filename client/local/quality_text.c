@@ -17,7 +17,7 @@ static const char *place_of(const char *band) {
 }
 
 /* Why nothing was read off. */
-static void print_unchecked(const struct quality *q, FILE *out) {
+static void print_unchecked(const quality_lines *q, FILE *out) {
     if (q->r_psf_px < 1.0) {
         shear_text_line(out, "level",
                         "noise taken as that of the noise stamps: cannot be checked where R_PSF is "
@@ -31,7 +31,7 @@ static void print_unchecked(const struct quality *q, FILE *out) {
     }
 }
 
-static void print_level(const struct quality *q, FILE *out) {
+static void print_level(const quality_lines *q, FILE *out) {
     char effect[64];
     char words[96] = "";
     if (!isfinite(q->noise_level)) {
@@ -48,22 +48,22 @@ static void print_level(const struct quality *q, FILE *out) {
                     q->noise_level, q->noise_level_err, place_of(q->noise_band), words);
 }
 
-struct quality quality_text_of(const shear_result *r, const shear_plan_info *plan) {
-    return (struct quality){.noise_band = shear_noise_band_name(plan->noise_band),
-                            .interpolation = shear_interpolation_name(plan->interpolation),
-                            .r_psf_px = plan->r_psf_px,
-                            .symmetric = shear_estimator_is_symmetric(r->estimator),
-                            .noise_level = r->noise_level,
-                            .noise_level_err = r->noise_level_err,
-                            .noise_effect = r->noise_effect,
-                            .noise_share = r->noise_share,
-                            .n_eff = r->n_eff,
-                            .top_share = r->top_share,
-                            .n_used = r->n_used,
-                            .top_stamp = r->top_stamp};
+quality_lines quality_text_of(const shear_result *r, const shear_plan_info *plan) {
+    return (quality_lines){.noise_band = shear_noise_band_name(plan->noise_band),
+                           .interpolation = shear_interpolation_name(plan->interpolation),
+                           .r_psf_px = plan->r_psf_px,
+                           .symmetric = shear_estimator_is_symmetric(r->estimator),
+                           .noise_level = r->noise_level,
+                           .noise_level_err = r->noise_level_err,
+                           .noise_effect = r->noise_effect,
+                           .noise_share = r->noise_share,
+                           .n_eff = r->n_eff,
+                           .top_share = r->top_share,
+                           .n_used = r->n_used,
+                           .top_stamp = r->top_stamp};
 }
 
-void quality_text_print(const struct quality *q, FILE *out) {
+void quality_text_print(const quality_lines *q, FILE *out) {
     if (!isfinite(q->n_eff)) {
         return;
     }

@@ -12,7 +12,7 @@
 #include <stdio.h>
 
 /* What the lines need; numbers that are not known are NaN, and `top_stamp` is -1. */
-struct quality {
+typedef struct quality_lines {
     const char *noise_band;    /* shear_noise_band_name; "": not known */
     const char *interpolation; /* as resolved */
     double r_psf_px;
@@ -21,11 +21,11 @@ struct quality {
     double n_eff, top_share;
     int64_t n_used, top_stamp;
     const char *top_file; /* of the stamp; NULL: not known, or there is only one */
-};
+} quality_lines;
 
-struct quality quality_text_of(const shear_result *result, const shear_plan_info *plan);
+quality_lines quality_text_of(const shear_result *result, const shear_plan_info *plan);
 
 /* The lines "  level ..." and "  influence ..."; nothing of what nothing is known of. */
-void quality_text_print(const struct quality *q, FILE *out);
+void quality_text_print(const quality_lines *q, FILE *out);
 
 #endif

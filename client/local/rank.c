@@ -5,21 +5,21 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-typedef struct item {
+typedef struct ranked_item {
     double value;
     size_t index;
-} item;
+} ranked_item;
 
 static int by_value(const void *a, const void *b) {
-    const item *x = a;
-    const item *y = b;
+    const ranked_item *x = a;
+    const ranked_item *y = b;
     return (x->value > y->value) - (x->value < y->value);
 }
 
 /* Twice the rank of each value about the middle, -n+1 .. n-1. */
-static void set_ranks(const double *value, size_t n, item *items, int64_t *rank) {
+static void set_ranks(const double *value, size_t n, ranked_item *items, int64_t *rank) {
     for (size_t i = 0; i < n; i++) {
-        items[i] = (item){value[i], i};
+        items[i] = (ranked_item){value[i], i};
     }
     qsort(items, n, sizeof *items, by_value);
     for (size_t first = 0, end; first < n; first = end) {
@@ -46,7 +46,7 @@ static double correlate(const int64_t *x, const int64_t *y, size_t n) {
 
 rank_relation rank_relate(const double *x, const double *y, size_t n) {
     rank_relation r = {.correlation = NAN, .n = n};
-    item *items = malloc((n + 1) * sizeof *items);
+    ranked_item *items = malloc((n + 1) * sizeof *items);
     int64_t *ranks = malloc((2 * n + 1) * sizeof *ranks);
     if (items != NULL && ranks != NULL) {
         set_ranks(x, n, items, ranks);

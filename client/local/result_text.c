@@ -51,7 +51,7 @@ static void print_stamps(const shear_result *r, FILE *out) {
 
 /* "1.6 px", or "1.5 to 1.7 px" where the files differ. `member` is the offset of a double in
  * shear_plan_info. */
-static char *range(const struct measure_group *g, size_t member, char *buf, size_t size) {
+static char *range(const measure_group *g, size_t member, char *buf, size_t size) {
     double low = INFINITY;
     double high = -INFINITY;
     for (size_t i = 0; i < g->n; i++) {
@@ -84,7 +84,7 @@ static void print_component(const char *name, double g, double error, bool has_t
     }
 }
 
-static void print_shear(const struct measure_group *g, FILE *out) {
+static void print_shear(const measure_group *g, FILE *out) {
     const shear_result *r = &g->result;
     double true_g1 = 0.0;
     double true_g2 = 0.0;
@@ -122,7 +122,7 @@ static void print_estimators(const sheard_report_estimators *e, FILE *out) {
     }
 }
 
-static size_t count_measured(const struct measure_group *g) {
+static size_t count_measured(const measure_group *g) {
     size_t n = 0;
     for (size_t i = 0; i < g->n; i++) {
         n += g->inputs[i]->measured;
@@ -130,11 +130,11 @@ static size_t count_measured(const struct measure_group *g) {
     return n;
 }
 
-static void print_method(const struct measure_group *g, const shear_settings *settings, FILE *out) {
+static void print_method(const measure_group *g, const shear_settings *settings, FILE *out) {
     char r_psf[64];
     char beta[64];
     char core[64];
-    struct method m =
+    method_lines m =
         method_text_of(&measure_group_first(g)->report.plan, settings,
                        range(g, offsetof(shear_plan_info, r_psf_px), r_psf, sizeof r_psf),
                        range(g, offsetof(shear_plan_info, beta_px), beta, sizeof beta),
@@ -143,7 +143,7 @@ static void print_method(const struct measure_group *g, const shear_settings *se
     method_text_print(&m, out);
 }
 
-void result_table_print(const struct measure_group *g, const shear_settings *settings, FILE *out) {
+void result_table_print(const measure_group *g, const shear_settings *settings, FILE *out) {
     const measure_input *first = measure_group_first(g);
     const measure_input *top = measure_group_top(g);
     char name[256];
@@ -158,7 +158,7 @@ void result_table_print(const struct measure_group *g, const shear_settings *set
     print_stamps(&g->result, out);
     print_method(g, settings, out);
     if (g->result.valid) {
-        struct quality q = quality_text_of(&g->result, &first->report.plan);
+        quality_lines q = quality_text_of(&g->result, &first->report.plan);
         q.top_file = count_measured(g) > 1 && top != NULL ? top->path : NULL;
         quality_text_print(&q, out);
         print_shear(g, out);

@@ -7,8 +7,7 @@
 
 #include <stdio.h>
 
-void result_table_print(const struct measure_group *group, const shear_settings *settings,
-                        FILE *out);
+void result_table_print(const measure_group *group, const shear_settings *settings, FILE *out);
 
 /* "0.02852 +- 0.00080": the error with two digits, the value with as many decimals. In buf;
  * returned. */

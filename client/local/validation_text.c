@@ -87,7 +87,7 @@ static void print_plan(const shear_plan_info *plan, const shear_settings *settin
     snprintf(r_psf, sizeof r_psf, "%.4g px", plan->r_psf_px);
     snprintf(beta, sizeof beta, "%.4g px", plan->beta_px);
     snprintf(core, sizeof core, "%.4g px", plan->core_px);
-    const struct method m = method_text_of(plan, settings, r_psf, beta, core);
+    const method_lines m = method_text_of(plan, settings, r_psf, beta, core);
     method_text_print(&m, out);
     fprintf(out, "  %-10s %d x %d grid, modes below %.4g radians a pixel\n", "spectrum",
             plan->fine_nx, plan->fine_ny, plan->k_cut);
@@ -140,7 +140,7 @@ void verdict_text_print(const sheard_validation_report *v, FILE *out) {
                     out);
     }
     if (v->measured && v->result.valid && v->plan != NULL) {
-        const struct quality q = quality_text_of(&v->result, v->plan);
+        const quality_lines q = quality_text_of(&v->result, v->plan);
         quality_text_print(&q, out);
     }
     fprintf(out, "  %-10s %s\n", v->good ? "good" : "bad",

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-void warnings_add(struct warnings *w, const char *format, ...) {
+void warnings_add(warning_list *w, const char *format, ...) {
     char line[640];
     char *kept = NULL;
     char **text = NULL;
@@ -29,16 +29,16 @@ void warnings_add(struct warnings *w, const char *format, ...) {
     w->text[w->n++] = kept;
 }
 
-void warnings_print(const struct warnings *w, const char *field) {
+void warnings_print(const warning_list *w, const char *field) {
     for (size_t i = 0; i < w->n; i++) {
         message_warning("field %s: %s", field, w->text[i]);
     }
 }
 
-void warnings_deinit(struct warnings *w) {
+void warnings_deinit(warning_list *w) {
     for (size_t i = 0; i < w->n; i++) {
         free(w->text[i]);
     }
     free(w->text);
-    *w = (struct warnings){NULL, 0};
+    *w = (warning_list){NULL, 0};
 }

@@ -6,16 +6,15 @@
 
 #include <stddef.h>
 
-struct warnings {
+typedef struct warning_list {
     char **text; /* [n], owned */
     size_t n;
-};
+} warning_list;
 
 /* Add one line. Where there is no memory it is printed at once and not kept. */
-void warnings_add(struct warnings *w, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
+void warnings_add(warning_list *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Print all to standard error, after "field NAME: ". */
-void warnings_print(const struct warnings *w, const char *field);
-void warnings_deinit(struct warnings *w);
+void warnings_print(const warning_list *w, const char *field);
+void warnings_deinit(warning_list *w);
 
 #endif

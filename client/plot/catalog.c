@@ -11,12 +11,12 @@
 enum { WIDTH = 1280, HEIGHT = 840, BINS = 48, MAX_BARS = SHEAR_N_FLAGS + 1 };
 
 /* A column of numbers of the unflagged rows. */
-struct column {
+typedef struct column_values {
     size_t n;
     double *values; /* owned */
-};
+} column_values;
 
-static int column_new(struct column *c, const shear_catalog_table *t, shear_error *err) {
+static int column_new(column_values *c, const shear_catalog_table *t, shear_error *err) {
     c->n = 0;
     c->values = calloc((size_t)(t->n > 0 ? t->n : 1), sizeof *c->values);
     return c->values != NULL
@@ -40,7 +40,7 @@ static double mean_d(const shear_catalog_table *t) {
 }
 
 /* N_1 or N_2 over <D>. */
-static void take_terms(struct column *c, const shear_catalog_table *t, bool second) {
+static void take_terms(column_values *c, const shear_catalog_table *t, bool second) {
     const double d = mean_d(t);
     c->n = 0;
     for (int64_t i = 0; i < t->n; i++) {
@@ -50,7 +50,7 @@ static void take_terms(struct column *c, const shear_catalog_table *t, bool seco
     }
 }
 
-static void take_snr(struct column *c, const shear_catalog_table *t) {
+static void take_snr(column_values *c, const shear_catalog_table *t) {
     c->n = 0;
     for (int64_t i = 0; i < t->n; i++) {
         if (t->rows[i].flags == 0 && isfinite(t->rows[i].snr)) {
@@ -93,7 +93,7 @@ static void shear_title(char title[PLOT_CELL], const shear_result *r, bool secon
 
 /* Five robust sigmas about the middle, but no further than the values go: a few wild stamps must
  * not squeeze the rest. */
-static int robust_range(shear_range *r, const struct column *c, shear_error *err) {
+static int robust_range(shear_range *r, const column_values *c, shear_error *err) {
     shear_range inner;
     const int code = shear_range_percentile(&inner, c->values, c->n, 15.87, 84.13, err);
     const shear_range all = shear_range_of(c->values, c->n);
@@ -114,7 +114,7 @@ static void draw_beyond(shear_figure *f, size_t n) {
 }
 
 static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_table *t, bool second,
-                      struct column *c, shear_error *err) {
+                      column_values *c, shear_error *err) {
     double counts[BINS];
     char title[PLOT_CELL];
     char label[PLOT_CELL];
@@ -194,15 +194,15 @@ static void flag_words(char name[PLOT_CELL], int bit) {
     }
 }
 
-struct bars {
+typedef struct flag_bars {
     int n;
     int64_t counts[MAX_BARS];
     char words[MAX_BARS][PLOT_CELL];
     const char *names[MAX_BARS];
-};
+} flag_bars;
 
 /* From the bottom up: the flags that occur, the used stamps on top. */
-static void collect_bars(struct bars *b, const shear_catalog_table *t) {
+static void collect_bars(flag_bars *b, const shear_catalog_table *t) {
     int64_t counts[SHEAR_N_FLAGS + 1] = {0}; /* the last: without a flag */
     for (int64_t i = 0; i < t->n; i++) {
         for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
@@ -225,7 +225,7 @@ static void collect_bars(struct bars *b, const shear_catalog_table *t) {
 }
 
 static void draw_flags(shear_figure *f, shear_rect cell, const shear_catalog_table *t) {
-    struct bars b;
+    flag_bars b;
     collect_bars(&b, t);
     const double most = fmax((double)t->n, 1.0);
     const shear_axes axes = {
@@ -247,7 +247,7 @@ static void draw_flags(shear_figure *f, shear_rect cell, const shear_catalog_tab
 }
 
 static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table *t,
-                    struct column *c, shear_error *err) {
+                    column_values *c, shear_error *err) {
     static const char title[] = "signal to noise of the stamps";
     double counts[BINS];
     char text[PLOT_CELL];
@@ -319,7 +319,7 @@ static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_t
     plot_table_draw(&table, f, cell, "Result");
 }
 
-static int draw_panels(shear_figure *f, const shear_catalog_table *t, struct column *c,
+static int draw_panels(shear_figure *f, const shear_catalog_table *t, column_values *c,
                        shear_error *err) {
     static const char no_shear[] = "fewer than two usable stamps: no shear";
     const shear_grid grid = {.area = {14.0, 12.0, WIDTH - 28.0, HEIGHT - 24.0},
@@ -350,7 +350,7 @@ static int draw_panels(shear_figure *f, const shear_catalog_table *t, struct col
 }
 
 int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_error *err) {
-    struct column column = {0};
+    column_values column = {0};
     int code = shear_figure_new(figure, WIDTH, HEIGHT, err);
     if (code == SHEAR_OK) {
         code = column_new(&column, table, err);

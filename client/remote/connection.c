@@ -12,7 +12,7 @@
 
 enum { INPUT_SIZE = 65536 };
 
-struct connection {
+typedef struct connection {
     int fd;
     int64_t last_id;
     sheard_frame frame;
@@ -22,23 +22,23 @@ struct connection {
     void *context;
     sheard_reply welcome; /* of hello */
     char input[INPUT_SIZE];
-};
+} connection;
 
 const char *connection_default_path(void) {
     const char *path = getenv("SHEARD_SOCKET");
     return path != NULL && *path ? path : CONNECTION_DEFAULT_SOCKET;
 }
 
-const sheard_msg_welcome *connection_welcome(const struct connection *c) {
+const sheard_msg_welcome *connection_welcome(const connection *c) {
     return &c->welcome.hello;
 }
 
-void connection_listen(struct connection *c, connection_listener *listener, void *context) {
+void connection_listen(connection *c, connection_listener *listener, void *context) {
     c->listener = listener;
     c->context = context;
 }
 
-void connection_close(struct connection *c) {
+void connection_close(connection *c) {
     if (c == NULL) {
         return;
     }
@@ -70,8 +70,7 @@ static int bad_line(int event, sheard_rpc_error *error) {
 }
 
 /* The next message of any kind. */
-static int receive(struct connection *c, double deadline, sheard_message *m,
-                   sheard_rpc_error *error) {
+static int receive(connection *c, double deadline, sheard_message *m, sheard_rpc_error *error) {
     for (;;) {
         const char *line = NULL;
         size_t n = 0;
@@ -94,7 +93,7 @@ static int receive(struct connection *c, double deadline, sheard_message *m,
 
 /* The answer to request `id`; notifications on the way go to the listener. An error without an id
  * is about the connection (too many of them, the service stops) and is an answer, too. */
-static int receive_answer(struct connection *c, int64_t id, double deadline, sheard_message *m,
+static int receive_answer(connection *c, int64_t id, double deadline, sheard_message *m,
                           sheard_rpc_error *error) {
     for (;;) {
         const int status = receive(c, deadline, m, error);
@@ -136,8 +135,8 @@ static int take_answer(const sheard_message *m, int method, sheard_reply *reply,
     return CONNECTION_OK;
 }
 
-static int send_request(struct connection *c, int method, const sheard_params *params,
-                        double deadline, sheard_rpc_error *error) {
+static int send_request(connection *c, int method, const sheard_params *params, double deadline,
+                        sheard_rpc_error *error) {
     char *line = NULL;
     size_t n = 0;
     const sheard_rpc_id id = {.type = SHEARD_ID_INTEGER, .integer = ++c->last_id};
@@ -150,7 +149,7 @@ static int send_request(struct connection *c, int method, const sheard_params *p
     return status;
 }
 
-int connection_call(struct connection *c, int method, const sheard_params *params, double timeout_s,
+int connection_call(connection *c, int method, const sheard_params *params, double timeout_s,
                     sheard_reply *reply, char **text, sheard_rpc_error *error) {
     const double deadline = dial_now() + timeout_s;
     sheard_message m = {.notice = -1};
@@ -166,8 +165,7 @@ int connection_call(struct connection *c, int method, const sheard_params *param
     return status;
 }
 
-static int greet(struct connection *c, const char *path, double timeout_s,
-                 sheard_rpc_error *error) {
+static int greet(connection *c, const char *path, double timeout_s, sheard_rpc_error *error) {
     sheard_params params;
     sheard_params_init(&params, SHEARD_METHOD_HELLO);
     params.hello = (sheard_msg_hello){.oldest = SHEARD_PROTOCOL_OLDEST,
@@ -197,11 +195,10 @@ static int greet(struct connection *c, const char *path, double timeout_s,
     return status;
 }
 
-int connection_open(struct connection **out, const char *path, double timeout_s,
-                    sheard_rpc_error *error) {
+int connection_open(connection **out, const char *path, double timeout_s, sheard_rpc_error *error) {
     const double deadline = dial_now() + timeout_s;
     *out = NULL;
-    struct connection *c = calloc(1, sizeof *c);
+    connection *c = calloc(1, sizeof *c);
     if (c == NULL) {
         return dial_fail(error, CONNECTION_FAILED, NULL, "out of memory");
     }

@@ -22,25 +22,24 @@ enum connection_status {
     CONNECTION_FAILED       /* our own fault: no memory, a parameter that cannot be sent */
 };
 
-struct connection;
+typedef struct connection connection;
 
 /* Called for each notification that comes while waiting for something else. */
 typedef void connection_listener(void *context, const sheard_message *notice);
 
 /* Connect, say hello and check the version, all within `timeout_s`. *c is NULL on errors. */
-int connection_open(struct connection **c, const char *path, double timeout_s,
-                    sheard_rpc_error *error);
-void connection_close(struct connection *c); /* NULL is accepted */
+int connection_open(connection **c, const char *path, double timeout_s, sheard_rpc_error *error);
+void connection_close(connection *c); /* NULL is accepted */
 
 /* What the service said to hello. */
-const sheard_msg_welcome *connection_welcome(const struct connection *c);
+const sheard_msg_welcome *connection_welcome(const connection *c);
 
-void connection_listen(struct connection *c, connection_listener *listener, void *context);
+void connection_listen(connection *c, connection_listener *listener, void *context);
 
 /* Ask and wait for the answer. `params` as in sheard_request_line. Any of *reply (to be given to
  * sheard_reply_deinit) and *text (the result as it came, one line, to be freed) may be NULL. After
  * anything but OK and REFUSED the connection is of no more use. */
-int connection_call(struct connection *c, int method, const sheard_params *params, double timeout_s,
+int connection_call(connection *c, int method, const sheard_params *params, double timeout_s,
                     sheard_reply *reply, char **text, sheard_rpc_error *error);
 
 /* "/run/sheard/sheard.sock", or what the environment variable SHEARD_SOCKET says. */

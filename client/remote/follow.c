@@ -14,20 +14,20 @@
 static const double slice_s = 60.0;
 static const double poll_s = 1.0;
 
-struct follow {
-    struct service *service;
+typedef struct follow_state {
+    service *service;
     const follow_options *options;
     follow_entry *entries; /* [n] */
     size_t n;
-    struct progress *progress;
+    progress *progress;
     bool notified; /* notifications come */
     double deadline;
     follow_tally tally;
-};
+} follow_state;
 
-static void show(const struct follow *f) {
+static void show(const follow_state *f) {
     char label[40];
-    const struct follow_sum sum = follow_sum(f->entries, f->n);
+    const follow_totals sum = follow_sum(f->entries, f->n);
     if (f->n == 1) {
         snprintf(label, sizeof label, "job %" PRId64, f->entries[0].id);
     } else {
@@ -37,7 +37,7 @@ static void show(const struct follow *f) {
 }
 
 static void on_notice(void *context, const sheard_message *m) {
-    struct follow *f = context;
+    follow_state *f = context;
     if (m->notice == SHEARD_NOTICE_JOB_CHANGED) {
         follow_note_job(f->entries, f->n, &m->params.job_changed.job);
     } else if (m->notice == SHEARD_NOTICE_JOB_PROGRESS) {
@@ -47,13 +47,13 @@ static void on_notice(void *context, const sheard_message *m) {
     show(f);
 }
 
-static size_t chunk_at(const struct follow *f, size_t first) {
+static size_t chunk_at(const follow_state *f, size_t first) {
     return f->n - first < SHEARD_MSG_LIST_MAX ? f->n - first : SHEARD_MSG_LIST_MAX;
 }
 
 /* Notifications are for the bar only: without them it is drawn from what wait answers. A service
  * that refuses them (too many subscriptions) is no error; one that is gone will be noticed. */
-static void subscribe(struct follow *f, const int64_t *ids) {
+static void subscribe(follow_state *f, const int64_t *ids) {
     f->notified = true;
     connection_listen(f->service->connection, on_notice, f);
     for (size_t first = 0; f->notified && first < f->n; first += SHEARD_MSG_LIST_MAX) {
@@ -69,7 +69,7 @@ static void subscribe(struct follow *f, const int64_t *ids) {
     }
 }
 
-static void count(struct follow *f, const sheard_msg_waited *waited) {
+static void count(follow_state *f, const sheard_msg_waited *waited) {
     for (size_t i = 0; i < waited->n_jobs; i++) {
         const sheard_msg_job *job = &waited->jobs[i];
         f->tally.done += job->state == SHEARD_JOB_DONE;
@@ -84,7 +84,7 @@ static void count(struct follow *f, const sheard_msg_waited *waited) {
 }
 
 /* One wait request. *again: neither are the jobs finished nor is the time over. */
-static int wait_once(struct follow *f, const int64_t *ids, size_t n, bool *again) {
+static int wait_once(follow_state *f, const int64_t *ids, size_t n, bool *again) {
     sheard_rpc_error error = {0};
     sheard_reply reply = {0};
     char *text = NULL;
@@ -120,7 +120,7 @@ static int wait_once(struct follow *f, const int64_t *ids, size_t n, bool *again
     return service_say(status, &error);
 }
 
-static int wait_all(struct follow *f, const int64_t *ids) {
+static int wait_all(follow_state *f, const int64_t *ids) {
     int code = EXIT_CODE_DONE;
     for (size_t first = 0; code == SHEAR_OK && first < f->n; first += SHEARD_MSG_LIST_MAX) {
         bool again = true;
@@ -131,8 +131,8 @@ static int wait_all(struct follow *f, const int64_t *ids) {
     return code != SHEAR_OK ? code : follow_exit_code(&f->tally);
 }
 
-int follow_jobs(struct service *s, const int64_t *ids, size_t n, const follow_options *options) {
-    struct follow f = {.service = s, .options = options, .n = n};
+int follow_jobs(service *s, const int64_t *ids, size_t n, const follow_options *options) {
+    follow_state f = {.service = s, .options = options, .n = n};
     f.deadline = isnan(options->timeout_s) ? (double)INFINITY : dial_now() + options->timeout_s;
     f.entries = calloc(n, sizeof *f.entries);
     if (f.entries == NULL) {

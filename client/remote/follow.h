@@ -19,6 +19,6 @@ typedef struct follow_options {
 } follow_options;
 
 /* Wait for ids[n]. Returns follow_exit_code; or another one, with an error printed. */
-int follow_jobs(struct service *s, const int64_t *ids, size_t n, const follow_options *options);
+int follow_jobs(service *s, const int64_t *ids, size_t n, const follow_options *options);
 
 #endif

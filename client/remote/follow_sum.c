@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-struct follow_sum follow_sum(const follow_entry *entries, size_t n) {
-    struct follow_sum sum = {.total = -1};
+follow_totals follow_sum(const follow_entry *entries, size_t n) {
+    follow_totals sum = {.total = -1};
     double known = 0.0;
     size_t n_known = 0;
     for (size_t i = 0; i < n; i++) {

@@ -11,14 +11,14 @@ typedef struct follow_entry {
     sheard_msg_progress progress;
 } follow_entry;
 
-struct follow_sum {
+typedef struct follow_totals {
     size_t finished;
     int64_t done, total; /* stamps; total -1: not known of any job */
     double rate;
-};
+} follow_totals;
 
 /* Jobs whose stamps are not counted yet are taken to have as many as the others have on average. */
-struct follow_sum follow_sum(const follow_entry *entries, size_t n);
+follow_totals follow_sum(const follow_entry *entries, size_t n);
 
 /* What a notification or an answer says of a job that is among entries[n]. A final state stays. */
 void follow_note_job(follow_entry *entries, size_t n, const sheard_msg_job *job);

@@ -6,7 +6,7 @@
 
 static const struct option options[] = {SERVICE_OPTIONS, {NULL, 0, NULL, 0}};
 
-static int act(struct service *s, int method, const char *name) {
+static int act(service *s, int method, const char *name) {
     sheard_params p;
     sheard_reply reply = {0};
     sheard_params_init(&p, method);
@@ -27,10 +27,10 @@ static int act(struct service *s, int method, const char *name) {
     return code;
 }
 
-int job_action_run(const struct command *command, int method, int argc, char **argv) {
-    struct service s;
+int job_action_run(const command *self, int method, int argc, char **argv) {
+    service s;
     int code =
-        service_parse_operands(command, argc, argv, options, NULL, NULL, &s, "jobs", 1, INT_MAX);
+        service_parse_operands(self, argc, argv, options, NULL, NULL, &s, "jobs", 1, INT_MAX);
     code = code != SHEAR_OK ? code : service_open(&s);
     if (code != SHEAR_OK) {
         return code;

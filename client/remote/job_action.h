@@ -7,6 +7,6 @@
 
 /* Ask `method` (cancel, retry or retract) for each job of the command line. Returns an exit code.
  */
-int job_action_run(const struct command *command, int method, int argc, char **argv);
+int job_action_run(const command *self, int method, int argc, char **argv);
 
 #endif

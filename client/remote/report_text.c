@@ -62,7 +62,7 @@ static void print_method(const sheard_report_summary *s, FILE *out) {
     char beta[64];
     char core[64];
     const bool crossed = strcmp(s->estimator, "pdf-sym-cross") == 0;
-    const struct method m = {
+    const method_lines m = {
         .interpolation = s->interpolation,
         .filter = s->filter,
         .oversample = (int)s->oversample,
@@ -101,19 +101,19 @@ const char *shear_text_method(const char *error_method) {
 }
 
 static void print_quality(const sheard_report_summary *s, FILE *out) {
-    const struct quality q = {.noise_band = s->noise_band,
-                              .interpolation = s->interpolation,
-                              .r_psf_px = s->r_psf_px,
-                              .symmetric = strncmp(s->estimator, "pdf-sym", 7) == 0,
-                              .noise_level = s->noise_level,
-                              .noise_level_err = s->noise_level_err,
-                              .noise_effect = s->noise_effect,
-                              .noise_share = s->noise_share,
-                              .n_eff = s->n_eff,
-                              .top_share = s->top_share,
-                              .n_used = s->n_used,
-                              .top_stamp = s->top_stamp,
-                              .top_file = s->top_file[0] && s->n_files != 1 ? s->top_file : NULL};
+    const quality_lines q = {.noise_band = s->noise_band,
+                             .interpolation = s->interpolation,
+                             .r_psf_px = s->r_psf_px,
+                             .symmetric = strncmp(s->estimator, "pdf-sym", 7) == 0,
+                             .noise_level = s->noise_level,
+                             .noise_level_err = s->noise_level_err,
+                             .noise_effect = s->noise_effect,
+                             .noise_share = s->noise_share,
+                             .n_eff = s->n_eff,
+                             .top_share = s->top_share,
+                             .n_used = s->n_used,
+                             .top_stamp = s->top_stamp,
+                             .top_file = s->top_file[0] && s->n_files != 1 ? s->top_file : NULL};
     if (isfinite(s->g1)) {
         quality_text_print(&q, out);
     }

@@ -18,7 +18,7 @@ static int take_timeout(const char *text, double *seconds) {
     return EXIT_CODE_DONE;
 }
 
-static int take(int value, struct service *s) {
+static int take(int value, service *s) {
     switch (value) {
     case SERVICE_OPT_SOCKET:
         s->socket = optarg;
@@ -34,17 +34,15 @@ static int take(int value, struct service *s) {
     }
 }
 
-int service_parse(const struct command *command, int argc, char **argv,
-                  const struct option *options, service_handler *handler, void *context,
-                  struct service *s) {
-    *s = (struct service){.socket = connection_default_path(),
-                          .reply_timeout_s = default_reply_timeout_s};
+int service_parse(const command *self, int argc, char **argv, const struct option *options,
+                  service_handler *handler, void *context, service *s) {
+    *s = (service){.socket = connection_default_path(), .reply_timeout_s = default_reply_timeout_s};
     opterr = 0;
     int value = 0;
     int code = EXIT_CODE_DONE;
     while (code == SHEAR_OK && (value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
         if (value == '?' || value == ':') {
-            code = options_bad(command, value, argv, options);
+            code = options_bad(self, value, argv, options);
         } else if (value >= SERVICE_OPT_SOCKET && value <= SERVICE_OPT_REPLY_TIMEOUT) {
             code = take(value, s);
         } else {
@@ -54,21 +52,21 @@ int service_parse(const struct command *command, int argc, char **argv,
     return code;
 }
 
-int service_parse_operands(const struct command *command, int argc, char **argv,
-                           const struct option *options, service_handler *handler, void *context,
-                           struct service *s, const char *what, int min, int max) {
-    const int code = service_parse(command, argc, argv, options, handler, context, s);
+int service_parse_operands(const command *self, int argc, char **argv, const struct option *options,
+                           service_handler *handler, void *context, service *s, const char *what,
+                           int min, int max) {
+    const int code = service_parse(self, argc, argv, options, handler, context, s);
     if (code != SHEAR_OK) {
         return code;
     }
     const int n = argc - optind;
     if (n < min) {
-        message_fail(NULL, "%s: which %s? \"shearctl help %s\" tells more", command->name, what,
-                     command->name);
+        message_fail(NULL, "%s: which %s? \"shearctl help %s\" tells more", self->name, what,
+                     self->name);
         return EXIT_CODE_USAGE;
     }
     if (n > max) {
-        message_fail(NULL, "%s: unexpected \"%s\"", command->name, argv[optind + max]);
+        message_fail(NULL, "%s: unexpected \"%s\"", self->name, argv[optind + max]);
         return EXIT_CODE_USAGE;
     }
     return EXIT_CODE_DONE;
@@ -133,26 +131,25 @@ int service_say(int status, const sheard_rpc_error *error) {
     return service_exit_code(status, error);
 }
 
-int service_open(struct service *s) {
+int service_open(service *s) {
     sheard_rpc_error error = {0};
     return service_say(connection_open(&s->connection, s->socket, s->reply_timeout_s, &error),
                        &error);
 }
 
-void service_close(struct service *s) {
+void service_close(service *s) {
     connection_close(s->connection);
     s->connection = NULL;
 }
 
-int service_call(struct service *s, int method, const sheard_params *params, sheard_reply *reply) {
+int service_call(service *s, int method, const sheard_params *params, sheard_reply *reply) {
     sheard_rpc_error error = {0};
     const int status =
         connection_call(s->connection, method, params, s->reply_timeout_s, reply, NULL, &error);
     return service_say(status, &error);
 }
 
-int service_answer(struct service *s, int method, const sheard_params *params,
-                   sheard_reply *reply) {
+int service_answer(service *s, int method, const sheard_params *params, sheard_reply *reply) {
     if (!s->json) {
         return service_call(s, method, params, reply);
     }

@@ -10,13 +10,13 @@
 #include <getopt.h>
 #include <stdbool.h>
 
-struct service {
+typedef struct service {
     const char *socket;
     bool json;              /* answers as they come, a line each */
     bool utc;               /* times in UTC, not in local time */
     double reply_timeout_s; /* for an answer that needs no waiting */
-    struct connection *connection;
-};
+    connection *connection;
+} service;
 
 enum {
     SERVICE_OPT_SOCKET = 2048, /* an option's value of a subcommand is below */
@@ -43,23 +43,22 @@ typedef int service_handler(int value, void *context);
 
 /* Fill *s from the command line. `options` holds SERVICE_OPTIONS, the subcommand's own and maybe
  * those of settings. Operands are argv[optind] and on. Returns an exit code. */
-int service_parse(const struct command *command, int argc, char **argv,
-                  const struct option *options, service_handler *handler, void *context,
-                  struct service *s);
+int service_parse(const command *self, int argc, char **argv, const struct option *options,
+                  service_handler *handler, void *context, service *s);
 /* The same, with the number of operands checked: from `min` to `max` of what `what` names. */
-int service_parse_operands(const struct command *command, int argc, char **argv,
-                           const struct option *options, service_handler *handler, void *context,
-                           struct service *s, const char *what, int min, int max);
+int service_parse_operands(const command *self, int argc, char **argv, const struct option *options,
+                           service_handler *handler, void *context, service *s, const char *what,
+                           int min, int max);
 
 /* Connect. Returns an exit code, with an error printed. */
-int service_open(struct service *s);
-void service_close(struct service *s);
+int service_open(service *s);
+void service_close(service *s);
 
 /* Ask. Returns an exit code, with an error printed; on EXIT_CODE_DONE give *reply to
  * sheard_reply_deinit. */
-int service_call(struct service *s, int method, const sheard_params *params, sheard_reply *reply);
+int service_call(service *s, int method, const sheard_params *params, sheard_reply *reply);
 /* The same, and print the answer where --json was given. */
-int service_answer(struct service *s, int method, const sheard_params *params, sheard_reply *reply);
+int service_answer(service *s, int method, const sheard_params *params, sheard_reply *reply);
 
 /* The exit code of a status and its error; service_say prints the error, too. */
 int service_exit_code(int status, const sheard_rpc_error *error);

@@ -6,7 +6,7 @@
 #include "remote/service.h"
 
 /* Returns an exit code. `print` is called unless --json was given. */
-int service_query(const struct command *command, int method,
-                  void (*print)(const sheard_reply *reply), int argc, char **argv);
+int service_query(const command *self, int method, void (*print)(const sheard_reply *reply),
+                  int argc, char **argv);
 
 #endif

@@ -32,7 +32,7 @@ static int read_all(FILE *in, const char *name, char *buf, size_t size, size_t *
     return EXIT_CODE_DONE;
 }
 
-static int parse_job(struct submission *s, const char *name, const char *text, size_t n) {
+static int parse_job(submission *s, const char *name, const char *text, size_t n) {
     sheard_rpc_error error = {0};
     if (sheard_job_file_parse(&s->parsed, text, n, NULL, &error) != 0) {
         message_fail(error.advice[0] ? error.advice : NULL, "%s: %s [%s]", name, error.message,
@@ -42,7 +42,7 @@ static int parse_job(struct submission *s, const char *name, const char *text, s
     return EXIT_CODE_DONE;
 }
 
-static int read_job_file(struct submission *s, const char *name) {
+static int read_job_file(submission *s, const char *name) {
     const bool standard = strcmp(name, "-") == 0;
     const char *shown = standard ? "standard input" : name;
     const size_t size = SHEARD_MSG_JOB_FILE_MAX + 1;
@@ -71,7 +71,7 @@ static int read_job_file(struct submission *s, const char *name) {
 
 /* ---- Options ---- */
 
-static int set_images(struct submission *s, const submission_options *o) {
+static int set_images(submission *s, const submission_options *o) {
     shear_error err = {0};
     sheard_msg_source *source = &s->params.submit.source;
     sheard_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
@@ -86,7 +86,7 @@ static int set_images(struct submission *s, const submission_options *o) {
     return EXIT_CODE_DONE;
 }
 
-static int set_file(struct submission *s, const char *name) {
+static int set_file(submission *s, const char *name) {
     shear_error err = {0};
     if (input_path_absolute(name, &s->path, &err) != 0) {
         return input_error(&err);
@@ -109,7 +109,7 @@ static const char *find_line(const char *text, const char *name) {
 }
 
 /* The options' settings, and the job file's that no option beats. */
-static void set_settings(struct submission *s, const submission_options *o) {
+static void set_settings(submission *s, const submission_options *o) {
     size_t n = 0;
     size_t used = 0;
     const shear_setting_def *table = shear_settings_table(&n);
@@ -131,7 +131,7 @@ static void set_settings(struct submission *s, const submission_options *o) {
     s->params.submit.settings = used != 0 ? s->settings : NULL;
 }
 
-static void set_options(struct submission *s, const submission_options *o) {
+static void set_options(submission *s, const submission_options *o) {
     sheard_msg_submit *m = &s->params.submit;
     m->field = o->field != NULL ? o->field : m->field;
     m->key = o->key != NULL ? o->key : m->key;
@@ -146,8 +146,8 @@ static bool is_job_file(const char *name) {
     return strcmp(name, "-") == 0 || (n > 5 && strcmp(name + n - 5, ".json") == 0);
 }
 
-int submission_init(struct submission *s, const char *name, const submission_options *o) {
-    *s = (struct submission){0};
+int submission_init(submission *s, const char *name, const submission_options *o) {
+    *s = (submission){0};
     sheard_params_init(&s->params, SHEARD_METHOD_SUBMIT);
     int code = EXIT_CODE_DONE;
     if (name == NULL) {
@@ -163,7 +163,7 @@ int submission_init(struct submission *s, const char *name, const submission_opt
     return code;
 }
 
-void submission_deinit(struct submission *s) {
+void submission_deinit(submission *s) {
     sheard_submit_deinit(&s->parsed);
     part_input_deinit(&s->parts);
     free(s->path);

@@ -20,18 +20,18 @@ typedef struct submission_options {
 } submission_options;
 
 /* One submit request, and what its texts are kept in. */
-struct submission {
+typedef struct submission {
     sheard_params params;     /* .submit, to be sent */
     sheard_msg_submit parsed; /* of a job file */
     char *path;               /* of a field file */
     part_input parts;
     char settings[SHEARD_MSG_SETTINGS_SIZE];
-};
+} submission;
 
 /* From `name`: a field file, a job file (*.json), "-" (a job file on standard input) or NULL (the
  * images of the options). Options beat what a job file says. Returns an exit code, with an error
  * printed; deinit *s either way. */
-int submission_init(struct submission *s, const char *name, const submission_options *o);
-void submission_deinit(struct submission *s);
+int submission_init(submission *s, const char *name, const submission_options *o);
+void submission_deinit(submission *s);
 
 #endif

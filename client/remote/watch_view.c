@@ -15,13 +15,13 @@
 enum { TEXT_STATUS, TEXT_ACTIVE, TEXT_FINISHED, TEXT_FIELDS };
 enum { BAR_WIDTH = 24, FIELD_ROWS = 4 }; /* rows asked for of one field: one a digest */
 
-static int ask(struct service *s, int method, const sheard_params *p, sheard_reply *reply,
-               char **text, sheard_rpc_error *error) {
+static int ask(service *s, int method, const sheard_params *p, sheard_reply *reply, char **text,
+               sheard_rpc_error *error) {
     return connection_call(s->connection, method, p, s->reply_timeout_s, reply,
                            s->json ? text : NULL, error);
 }
 
-static int ask_jobs(struct service *s, unsigned states, int64_t n, sheard_reply *reply, char **text,
+static int ask_jobs(service *s, unsigned states, int64_t n, sheard_reply *reply, char **text,
                     sheard_rpc_error *error) {
     sheard_params p;
     sheard_params_init(&p, SHEARD_METHOD_JOBS);
@@ -41,7 +41,7 @@ static bool is_known(const watch_view *v, const char *const *names, const char *
 
 /* The fields of these jobs. There is no question for one field's line: it is the first of those
  * that begin with its name. */
-static int ask_fields(watch_view *v, const char **names, struct service *s,
+static int ask_fields(watch_view *v, const char **names, service *s,
                       const sheard_msg_job_page *page, sheard_rpc_error *error) {
     int status = CONNECTION_OK;
     for (size_t i = 0; status == CONNECTION_OK && i < page->n_jobs; i++) {
@@ -61,7 +61,7 @@ static int ask_fields(watch_view *v, const char **names, struct service *s,
     return status;
 }
 
-int watch_view_init(watch_view *v, struct service *s, int64_t n_jobs, sheard_rpc_error *error) {
+int watch_view_init(watch_view *v, service *s, int64_t n_jobs, sheard_rpc_error *error) {
     const unsigned active = 1U << SHEARD_JOB_RUNNING;
     const unsigned finished = 1U << SHEARD_JOB_DONE | 1U << SHEARD_JOB_FAILED |
                               1U << SHEARD_JOB_CANCELLED | 1U << SHEARD_JOB_RETRACTED;

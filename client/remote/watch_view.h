@@ -19,7 +19,7 @@ typedef struct watch_view {
 
 /* Ask the service; nothing is printed on errors. Returns an enum connection_status. *view must be
  * deinited either way. */
-int watch_view_init(watch_view *view, struct service *s, int64_t n_jobs, sheard_rpc_error *error);
+int watch_view_init(watch_view *view, service *s, int64_t n_jobs, sheard_rpc_error *error);
 void watch_view_deinit(watch_view *view);
 
 /* Lines of at most `columns` (0: any), with colours or without. Returns an exit code. */

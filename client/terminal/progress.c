@@ -15,13 +15,13 @@
 
 enum { REFRESH_MS = 100, DEFAULT_WIDTH = 80, MAX_WIDTH = 200, MIN_BAR = 4 };
 
-struct progress {
+typedef struct progress {
     char label[40];
     bool visible; /* standard error is a terminal that can redraw a line */
     bool drawn;
     double begun, refreshed; /* monotonic seconds */
     struct sigaction old_int, old_term;
-};
+} progress;
 
 static volatile sig_atomic_t interrupted;
 
@@ -44,7 +44,7 @@ static double now_seconds(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void take_signals(struct progress *p) {
+static void take_signals(progress *p) {
     struct sigaction action = {.sa_handler = on_signal};
     /* SA_RESETHAND: a second signal ends a process that does not get round to the first one. */
     action.sa_flags = (int)SA_RESETHAND | SA_RESTART;
@@ -60,8 +60,8 @@ static void take_signals(struct progress *p) {
     }
 }
 
-struct progress *progress_begin_quiet(void) {
-    struct progress *p = calloc(1, sizeof *p);
+progress *progress_begin_quiet(void) {
+    progress *p = calloc(1, sizeof *p);
     if (p != NULL) {
         p->begun = now_seconds();
         take_signals(p);
@@ -69,8 +69,8 @@ struct progress *progress_begin_quiet(void) {
     return p;
 }
 
-struct progress *progress_begin(const char *label) {
-    struct progress *p = progress_begin_quiet();
+progress *progress_begin(const char *label) {
+    progress *p = progress_begin_quiet();
     if (p != NULL) {
         const char *term = getenv("TERM");
         p->visible = isatty(STDERR_FILENO) && term != NULL && strcmp(term, "dumb") != 0;
@@ -88,7 +88,7 @@ static int terminal_width(void) {
 }
 
 /* "label [####....] figures", or as much of the figures as fits. */
-static void paint(struct progress *p, double part, const char *figures, double now) {
+static void paint(progress *p, double part, const char *figures, double now) {
     const int width = terminal_width() - 1; /* a full line would wrap on some terminals */
     const int bar = width - (int)strlen(p->label) - (int)strlen(figures) - 1;
     if (bar >= MIN_BAR + 2) {
@@ -103,11 +103,11 @@ static void paint(struct progress *p, double part, const char *figures, double n
     p->refreshed = now;
 }
 
-static bool is_due(const struct progress *p, double now) {
+static bool is_due(const progress *p, double now) {
     return p != NULL && p->visible && 1000.0 * (now - p->refreshed) >= REFRESH_MS;
 }
 
-static void draw(struct progress *p, int64_t done, int64_t total, double rate, double now) {
+static void draw(progress *p, int64_t done, int64_t total, double rate, double now) {
     char figures[96];
     const double part = bar_part((double)done, (double)total);
     if (total < 0) {
@@ -118,8 +118,8 @@ static void draw(struct progress *p, int64_t done, int64_t total, double rate, d
     paint(p, part, figures, now);
 }
 
-int progress_callback(void *progress, int64_t done, int64_t total) {
-    struct progress *p = progress;
+int progress_callback(void *context, int64_t done, int64_t total) {
+    progress *p = context;
     const double now = now_seconds();
     if (is_due(p, now)) {
         draw(p, done, total, now > p->begun ? (double)done / (now - p->begun) : 0.0, now);
@@ -127,8 +127,7 @@ int progress_callback(void *progress, int64_t done, int64_t total) {
     return interrupted != 0;
 }
 
-void progress_show(struct progress *p, const char *label, int64_t done, int64_t total,
-                   double rate) {
+void progress_show(progress *p, const char *label, int64_t done, int64_t total, double rate) {
     const double now = now_seconds();
     if (is_due(p, now)) {
         message_clean(label, p->label, sizeof p->label);
@@ -136,11 +135,11 @@ void progress_show(struct progress *p, const char *label, int64_t done, int64_t 
     }
 }
 
-bool progress_visible(const struct progress *p) {
+bool progress_visible(const progress *p) {
     return p != NULL && p->visible;
 }
 
-void progress_end(struct progress *p) {
+void progress_end(progress *p) {
     if (p == NULL) {
         return;
     }

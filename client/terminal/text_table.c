@@ -13,16 +13,16 @@
 
 enum { CELL_MAX = 4200, GAP = 2 }; /* bytes; a path fits */
 
-struct cell {
+typedef struct table_cell {
     char *text;
     const char *style;
     int width;
-};
+} table_cell;
 
 typedef struct text_table {
     const text_column *columns;
     size_t n_columns;
-    struct cell *cells; /* [n], row by row */
+    table_cell *cells; /* [n], row by row */
     size_t n, room;
     bool failed; /* no memory */
 } text_table;
@@ -52,7 +52,7 @@ static bool make_room(text_table *t) {
         return true;
     }
     const size_t room = t->room != 0 ? 2 * t->room : 64;
-    struct cell *cells = reallocarray(t->cells, room, sizeof *cells);
+    table_cell *cells = reallocarray(t->cells, room, sizeof *cells);
     if (cells != NULL) {
         t->cells = cells;
         t->room = room;
@@ -76,7 +76,7 @@ void text_table_cell(text_table *t, const char *style, const char *format, ...) 
         t->failed = true;
         return;
     }
-    t->cells[t->n++] = (struct cell){copy, style, style_width(copy)};
+    t->cells[t->n++] = (table_cell){copy, style, style_width(copy)};
 }
 
 static int column_width(const text_table *t, size_t column) {
@@ -103,7 +103,7 @@ static void put(FILE *line, const char *text, const char *style, int padding, ch
 }
 
 /* `cells` NULL: the titles. */
-static void compose(const text_table *t, const struct cell *cells, const int *widths, bool colours,
+static void compose(const text_table *t, const table_cell *cells, const int *widths, bool colours,
                     FILE *line) {
     for (size_t i = 0; i < t->n_columns; i++) {
         const char *text = cells != NULL ? cells[i].text : t->columns[i].title;
@@ -113,7 +113,7 @@ static void compose(const text_table *t, const struct cell *cells, const int *wi
     }
 }
 
-static bool print_row(const text_table *t, const struct cell *cells, const int *widths, FILE *out,
+static bool print_row(const text_table *t, const table_cell *cells, const int *widths, FILE *out,
                       int indent, bool colours, int columns) {
     char *text = NULL;
     size_t size = 0;

@@ -161,7 +161,7 @@ static void sums_of_jobs(void **state) {
                         entry(2, SHEARD_JOB_RUNNING, 100, 300, 50.0),
                         entry(3, SHEARD_JOB_RUNNING, 0, -1, (double)NAN),
                         entry(4, SHEARD_JOB_QUEUED, 0, -1, 70.0)};
-    struct follow_sum sum = follow_sum(e, 4);
+    follow_totals sum = follow_sum(e, 4);
     assert_int_equal(sum.finished, 1);
     assert_int_equal(sum.done, 200);  /* a finished job is done as a whole */
     assert_int_equal(sum.total, 800); /* 200 on average */
@@ -344,14 +344,14 @@ static void completion_data(void **state) {
 }
 
 /* The tool's table: here of one subcommand. */
-static const struct command cmd_try = {
+static const command cmd_try = {
     .name = "try",
     .summary = "attempt it",
     .usage = "usage: shearctl try [OPTION...] FILE|DIR...\n\n  --quiet   silent\n",
     .run = NULL,
 };
-static const struct command *const table[] = {&cmd_try, NULL};
-const struct command *const *command_table(void) {
+static const command *const table[] = {&cmd_try, NULL};
+const command *const *command_table(void) {
     return table;
 }
 
