@@ -141,7 +141,7 @@ static int show(const measure_group *g, const measure_options *o) {
     if (o->json) {
         code = print_json(g, o);
     } else {
-        result_table_print(g, &o->settings, stdout);
+        result_text_print(g, &o->settings, stdout);
     }
     fflush(stdout); /* a field's result is out before the next one is measured */
     if (!o->quiet) {

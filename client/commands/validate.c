@@ -129,7 +129,7 @@ static int show(const sheard_validation_report *v, bool json) {
     char *text = NULL;
     shear_error err = {0};
     if (!json) {
-        verdict_text_print(v, stdout);
+        validation_text_print(v, stdout);
         return EXIT_CODE_DONE;
     }
     if (sheard_validation_report_json(&text, v, &err) != 0) {

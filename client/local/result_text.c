@@ -26,7 +26,7 @@ static int decimals_of(double error) {
                                      : decimals;
 }
 
-char *result_table_value(double value, double error, char *buf, size_t size) {
+char *value_text(double value, double error, char *buf, size_t size) {
     int decimals = decimals_of(error);
     snprintf(buf, size, "%+.*f +- %.*f", decimals, value, decimals, error);
     return buf;
@@ -74,7 +74,7 @@ static void print_component(const char *name, double g, double error, bool has_t
                             FILE *out) {
     char value[96];
     char line[256];
-    result_table_value(g, error, value, sizeof value);
+    value_text(g, error, value, sizeof value);
     if (has_truth) {
         snprintf(line, sizeof line, "%s   truth %+.*f   pull %+.2f", value, decimals_of(error),
                  truth, (g - truth) / error);
@@ -112,8 +112,8 @@ static void print_estimators(const sheard_report_estimators *e, FILE *out) {
         char g2[96];
         char line[256];
         snprintf(line, sizeof line, "g1 %s, g2 %s",
-                 result_table_value(r->g1, r->g1_err, g1, sizeof g1),
-                 result_table_value(r->g2, r->g2_err, g2, sizeof g2));
+                 value_text(r->g1, r->g1_err, g1, sizeof g1),
+                 value_text(r->g2, r->g2_err, g2, sizeof g2));
         row(out, shear_estimator_name(r->estimator), line);
     }
     if (e->n > 0) {
@@ -143,7 +143,7 @@ static void print_method(const measure_group *g, const shear_settings *settings,
     method_text_print(&m, out);
 }
 
-void result_table_print(const measure_group *g, const shear_settings *settings, FILE *out) {
+void result_text_print(const measure_group *g, const shear_settings *settings, FILE *out) {
     const measure_input *first = measure_group_first(g);
     const measure_input *top = measure_group_top(g);
     char name[256];

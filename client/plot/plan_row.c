@@ -11,7 +11,7 @@ static const double PSF_DEPTH = 1e-4; /* of the PSF's colours */
 static const double PROFILE_DEPTH = 1e-8;
 static const double PSF_REACH = 6.0; /* R_PSF shown around the centre */
 
-static int draw_psf(shear_figure *f, shear_rect cell, const plot_bench *b, const double *psf,
+static int draw_psf(shear_figure *f, shear_rect cell, const stamp_reader *b, const double *psf,
                     shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
     const double step = 1.0 / g->psf_oversample;
@@ -46,7 +46,7 @@ static int draw_psf(shear_figure *f, shear_rect cell, const plot_bench *b, const
     return SHEAR_OK;
 }
 
-static int draw_transfer(shear_figure *f, shear_rect cell, const plot_bench *b,
+static int draw_transfer(shear_figure *f, shear_rect cell, const stamp_reader *b,
                          const shear_inspection *steps, shear_error *err) {
     plot_cut cut;
     const int code = sheet_cut_modes(&cut, steps->transfer, b, steps, err);
@@ -80,7 +80,7 @@ typedef struct profiles {
     double *k, *power, *target_power, *transfer, *target, *psf; /* [bins]; k owns all */
 } profiles;
 
-static int profiles_new(profiles *p, const plot_bench *b, const shear_inspection *steps,
+static int profiles_new(profiles *p, const stamp_reader *b, const shear_inspection *steps,
                         shear_error *err) {
     const plot_lattice modes = sheet_modes(b, steps);
     const double width = fmax(modes.step_x, modes.step_y);
@@ -117,7 +117,7 @@ static void as_parts(double *v, int n) {
     }
 }
 
-static int draw_profiles(shear_figure *f, shear_rect cell, const plot_bench *b,
+static int draw_profiles(shear_figure *f, shear_rect cell, const stamp_reader *b,
                          const shear_inspection *steps, int64_t index, shear_error *err) {
     profiles p = {0};
     char label[64];
@@ -168,7 +168,7 @@ static void add_filter(plot_table *t, const shear_plan_info *p) {
     plot_table_add(t, "", "R_{width} = %.3f px", p->width_px);
 }
 
-static void draw_numbers(shear_figure *f, shear_rect cell, const plot_bench *b) {
+static void draw_numbers(shear_figure *f, shear_rect cell, const stamp_reader *b) {
     const shear_plan_info *p = b->chosen;
     const shear_field_info *info = b->info;
     plot_table t = {0};
@@ -193,7 +193,7 @@ static void draw_numbers(shear_figure *f, shear_rect cell, const plot_bench *b) 
     plot_table_draw(&t, f, cell, "Plan");
 }
 
-static int draw_spectra(shear_figure *f, const shear_grid *grid, const plot_bench *b,
+static int draw_spectra(shear_figure *f, const shear_grid *grid, const stamp_reader *b,
                         const plot_stamp *stamp, shear_error *err) {
     const int code = draw_transfer(f, shear_grid_cell(grid, 0, 1, 1, 1), b, &stamp->steps, err);
     return code != SHEAR_OK ? code
@@ -201,7 +201,7 @@ static int draw_spectra(shear_figure *f, const shear_grid *grid, const plot_benc
                                             stamp->index, err);
 }
 
-int sheet_draw_plan(shear_figure *f, shear_rect area, const plot_bench *b, const plot_stamp *stamp,
+int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b, const plot_stamp *stamp,
                     shear_error *err) {
     static const double widths[4] = {1.0, 1.0, 1.55, 0.85};
     const shear_grid grid = {

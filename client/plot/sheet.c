@@ -8,7 +8,7 @@
 
 enum { WIDTH = 1330, LEFT = 34, TOP = 96, STAMP_ROW = 172, ROW_GAP = 8, PLAN_ROW = 300, PAD = 14 };
 
-static void draw_title(shear_figure *f, const plot_bench *b) {
+static void draw_title(shear_figure *f, const stamp_reader *b) {
     char text[160];
     const shear_field_info *info = b->info;
     const double width = shear_figure_text_width(f, info->name, 16.0) * 1.12; /* bold is wider */
@@ -18,7 +18,7 @@ static void draw_title(shear_figure *f, const plot_bench *b) {
     shear_figure_text(f, PAD + width + 16.0, 24.0, text, &(shear_text_style){.size = 13.0});
 }
 
-static int draw_stamps(shear_figure *f, plot_bench *b, const int64_t *index, int n,
+static int draw_stamps(shear_figure *f, stamp_reader *b, const int64_t *index, int n,
                        shear_error *err) {
     const shear_grid grid = {
         .area = {LEFT, TOP, WIDTH - LEFT - PAD, n * STAMP_ROW + (n - 1) * ROW_GAP},
@@ -48,11 +48,11 @@ static int draw_stamps(shear_figure *f, plot_bench *b, const int64_t *index, int
 
 int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *options,
                shear_error *err) {
-    plot_bench bench;
+    stamp_reader bench;
     int64_t index[PLOT_MAX_STAMPS];
     int n = 0;
     *figure = NULL;
-    int code = plot_bench_init(&bench, field, &options->settings, err);
+    int code = stamp_reader_init(&bench, field, &options->settings, err);
     if (code == SHEAR_OK) {
         code = plot_stamps_choose(&bench, options, index, &n, err);
     }
@@ -63,7 +63,7 @@ int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *op
     if (code == SHEAR_OK) {
         code = draw_stamps(*figure, &bench, index, n, err);
     }
-    plot_bench_deinit(&bench);
+    stamp_reader_deinit(&bench);
     if (code != SHEAR_OK) {
         shear_figure_free(*figure);
         *figure = NULL;

@@ -14,7 +14,7 @@ shear_colour sheet_left_out(void) {
     return (shear_colour){0.93, 0.93, 0.93, 1.0};
 }
 
-plot_lattice sheet_modes(const plot_bench *b, const shear_inspection *steps) {
+plot_lattice sheet_modes(const stamp_reader *b, const shear_inspection *steps) {
     const double two_pi = 2.0 * acos(-1.0);
     return (plot_lattice){.nx = steps->spec_nx,
                           .ny = steps->spec_ny,
@@ -24,7 +24,7 @@ plot_lattice sheet_modes(const plot_bench *b, const shear_inspection *steps) {
                           .step_y = two_pi / b->info->geometry.ny};
 }
 
-int sheet_cut_modes(plot_cut *cut, const double *modes, const plot_bench *b,
+int sheet_cut_modes(plot_cut *cut, const double *modes, const stamp_reader *b,
                     const shear_inspection *steps, shear_error *err) {
     const plot_lattice lattice = sheet_modes(b, steps);
     const double k_cut = b->chosen->k_cut;
@@ -63,7 +63,7 @@ static void describe_filter(char *text, size_t size, const shear_plan_info *p) {
     }
 }
 
-void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, const plot_bench *b) {
+void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, const stamp_reader *b) {
     const shear_plan_info *p = b->chosen;
     const bool corrected = shear_plan_get_settings(b->plan)->noise_correction;
     char text[96];
@@ -101,7 +101,7 @@ static void draw_image(shear_figure *f, const shear_image *image) {
     shear_axes_end(f);
 }
 
-static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const plot_bench *b,
+static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const stamp_reader *b,
                        const plot_stamp *stamp, shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
     shear_image image = {.cell = shear_grid_cell(grid, row, 0, 1, 1),
@@ -132,7 +132,7 @@ static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const p
     return SHEAR_OK;
 }
 
-static int draw_modes(shear_figure *f, shear_rect cell, const plot_bench *b, const double *modes,
+static int draw_modes(shear_figure *f, shear_rect cell, const stamp_reader *b, const double *modes,
                       const shear_inspection *steps, shear_error *err) {
     plot_cut cut;
     const int code = sheet_cut_modes(&cut, modes, b, steps, err);
@@ -181,7 +181,7 @@ static void draw_flags(shear_figure *f, shear_rect cell, uint32_t flags) {
     }
 }
 
-int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const plot_bench *b,
+int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const stamp_reader *b,
                      const plot_stamp *stamp, shear_error *err) {
     draw_label(f, shear_grid_cell(grid, row, 0, 1, 1), stamp);
     int code = draw_pixels(f, grid, row, b, stamp, err);

@@ -10,9 +10,9 @@
 /* A part of the file without usable stamps is given up after so many. */
 enum { MAX_TRIES = 64 };
 
-int plot_bench_init(plot_bench *b, shear_field *field, const shear_settings *settings,
+int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,
                     shear_error *err) {
-    *b = (plot_bench){.field = field, .info = shear_field_get_info(field)};
+    *b = (stamp_reader){.field = field, .info = shear_field_get_info(field)};
     int code = shear_plan_for_field(&b->plan, settings, field, err);
     if (code == SHEAR_OK) {
         b->chosen = shear_plan_get_info(b->plan);
@@ -24,21 +24,21 @@ int plot_bench_init(plot_bench *b, shear_field *field, const shear_settings *set
     return code;
 }
 
-void plot_bench_deinit(plot_bench *b) {
+void stamp_reader_deinit(stamp_reader *b) {
     shear_block_free(b->block);
     shear_workspace_free(b->ws);
     shear_plan_free(b->plan);
-    *b = (plot_bench){0};
+    *b = (stamp_reader){0};
 }
 
-static int measure(plot_bench *b, int64_t index, shear_row *row, shear_error *err) {
+static int measure(stamp_reader *b, int64_t index, shear_row *row, shear_error *err) {
     const int code = shear_field_read(b->field, index, 1, b->block, err);
     return code != SHEAR_OK ? code : shear_measure(b->plan, b->ws, &b->block->stamps, 0, row, err);
 }
 
 /* A usable stamp of [first, end): the middle one, or the next after it, or from the beginning.
  * *found = -1 where there is none. */
-static int find_usable(plot_bench *b, int64_t first, int64_t end, int64_t *found,
+static int find_usable(stamp_reader *b, int64_t first, int64_t end, int64_t *found,
                        shear_error *err) {
     const int64_t length = end - first;
     *found = -1;
@@ -62,7 +62,7 @@ static int64_t part_start(int64_t n, int parts, int k) {
     return n / parts * k + n % parts * k / parts;
 }
 
-int plot_stamps_choose(plot_bench *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
+int plot_stamps_choose(stamp_reader *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
                        int *n, shear_error *err) {
     const int64_t total = b->info->n_stamps;
     *n = 0;
@@ -93,7 +93,7 @@ int plot_stamps_choose(plot_bench *b, const plot_options *options, int64_t index
     return SHEAR_OK;
 }
 
-int plot_stamp_read(plot_stamp *stamp, plot_bench *b, int64_t index, shear_error *err) {
+int plot_stamp_read(plot_stamp *stamp, stamp_reader *b, int64_t index, shear_error *err) {
     *stamp = (plot_stamp){.index = index};
     int code = measure(b, index, &stamp->row, err);
     if (code == SHEAR_OK && stamp->row.flags == 0) {
@@ -110,7 +110,7 @@ void plot_stamp_deinit(plot_stamp *stamp) {
     *stamp = (plot_stamp){0};
 }
 
-int plot_stamp_psf(double **psf, const plot_bench *b, shear_error *err) {
+int plot_stamp_psf(double **psf, const stamp_reader *b, shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
     const size_t pixels = (size_t)g->psf_nx * (size_t)g->psf_ny;
     const shear_stamps *stamps = &b->block->stamps;

@@ -7,22 +7,22 @@
 #include "shear/plan.h"
 
 /* A field file opened for measuring one stamp after the other. */
-typedef struct plot_bench {
+typedef struct stamp_reader {
     shear_field *field; /* borrowed */
     const shear_field_info *info;
     shear_plan *plan;
     const shear_plan_info *chosen; /* what the plan decided */
     shear_workspace *ws;
     shear_block *block; /* room for one pair: the one that was read last */
-} plot_bench;
+} stamp_reader;
 
-int plot_bench_init(plot_bench *b, shear_field *field, const shear_settings *settings,
+int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,
                     shear_error *err);
-void plot_bench_deinit(plot_bench *b);
+void stamp_reader_deinit(stamp_reader *b);
 
 /* The stamps that the options ask for; *n becomes their number, at least 1. Where none of the file
  * is usable, one that is not. */
-int plot_stamps_choose(plot_bench *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
+int plot_stamps_choose(stamp_reader *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
                        int *n, shear_error *err);
 
 /* One stamp. Views go into the bench's block and are good until the next is read. */
@@ -33,10 +33,10 @@ typedef struct plot_stamp {
     bool measured;                /* row.flags is 0, and `steps` is there */
     shear_inspection steps;
 } plot_stamp;
-int plot_stamp_read(plot_stamp *stamp, plot_bench *b, int64_t index, shear_error *err);
+int plot_stamp_read(plot_stamp *stamp, stamp_reader *b, int64_t index, shear_error *err);
 void plot_stamp_deinit(plot_stamp *stamp);
 
 /* The PSF of the stamp that was read last: [psf_ny][psf_nx] in *psf, the caller's to free. */
-int plot_stamp_psf(double **psf, const plot_bench *b, shear_error *err);
+int plot_stamp_psf(double **psf, const stamp_reader *b, shear_error *err);
 
 #endif

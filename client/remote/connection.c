@@ -58,12 +58,12 @@ static int bad_message(const sheard_rpc_error *error) {
 static int bad_line(int event, sheard_rpc_error *error) {
     switch (event) {
     case SHEARD_FRAME_NOMEM:
-        return dial_fail(error, CONNECTION_FAILED, NULL, "out of memory for the service's answer");
+        return connection_fail(error, CONNECTION_FAILED, NULL, "out of memory for the service's answer");
     case SHEARD_FRAME_NUL:
-        return dial_fail(error, CONNECTION_MISMATCH, "use a client and a service of one release",
+        return connection_fail(error, CONNECTION_MISMATCH, "use a client and a service of one release",
                          "the service's answer is not text");
     default:
-        return dial_fail(error, CONNECTION_MISMATCH, "ask for less with --limit",
+        return connection_fail(error, CONNECTION_MISMATCH, "ask for less with --limit",
                          "the service's answer is longer than %zu bytes",
                          sheard_rpc_reply_limits.line);
     }
@@ -84,7 +84,7 @@ static int receive(connection *c, double deadline, sheard_message *m, sheard_rpc
         }
         c->at = c->input;
         const int status =
-            dial_receive(c->fd, c->input, sizeof c->input, &c->left, deadline, error);
+            socket_io_receive(c->fd, c->input, sizeof c->input, &c->left, deadline, error);
         if (status != CONNECTION_OK) {
             return status;
         }
@@ -109,7 +109,7 @@ static int receive_answer(connection *c, int64_t id, double deadline, sheard_mes
             return CONNECTION_OK;
         } else {
             sheard_message_deinit(m);
-            return dial_fail(error, CONNECTION_MISMATCH,
+            return connection_fail(error, CONNECTION_MISMATCH,
                              "use a client and a service of one release",
                              "the service answers what was not asked");
         }
@@ -144,14 +144,14 @@ static int send_request(connection *c, int method, const sheard_params *params, 
         /* What the service would refuse is refused here, in the same words. */
         return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_REFUSED;
     }
-    const int status = dial_send(c->fd, line, n, deadline, error);
+    const int status = socket_io_send(c->fd, line, n, deadline, error);
     free(line);
     return status;
 }
 
 int connection_call(connection *c, int method, const sheard_params *params, double timeout_s,
                     sheard_reply *reply, char **text, sheard_rpc_error *error) {
-    const double deadline = dial_now() + timeout_s;
+    const double deadline = socket_io_now() + timeout_s;
     sheard_message m = {.notice = -1};
     int status = send_request(c, method, params, deadline, error);
     if (status != CONNECTION_OK) {
@@ -176,7 +176,7 @@ static int greet(connection *c, const char *path, double timeout_s, sheard_rpc_e
     if (status == CONNECTION_MISMATCH) {
         char why[300];
         snprintf(why, sizeof why, "%.290s", error->message);
-        return dial_fail(error, status, "is this the socket of sheard?",
+        return connection_fail(error, status, "is this the socket of sheard?",
                          "what listens at %s is not a service that this client knows: %s", path,
                          why);
     }
@@ -186,7 +186,7 @@ static int greet(connection *c, const char *path, double timeout_s, sheard_rpc_e
     const int64_t version = c->welcome.hello.protocol;
     if (status == CONNECTION_OK &&
         (version < SHEARD_PROTOCOL_OLDEST || version > SHEARD_PROTOCOL_VERSION)) {
-        return dial_fail(error, CONNECTION_MISMATCH,
+        return connection_fail(error, CONNECTION_MISMATCH,
                          "use a client and a service of the same release",
                          "the service speaks version %" PRId64 " of the protocol, this client %d "
                          "to %d",
@@ -196,16 +196,16 @@ static int greet(connection *c, const char *path, double timeout_s, sheard_rpc_e
 }
 
 int connection_open(connection **out, const char *path, double timeout_s, sheard_rpc_error *error) {
-    const double deadline = dial_now() + timeout_s;
+    const double deadline = socket_io_now() + timeout_s;
     *out = NULL;
     connection *c = calloc(1, sizeof *c);
     if (c == NULL) {
-        return dial_fail(error, CONNECTION_FAILED, NULL, "out of memory");
+        return connection_fail(error, CONNECTION_FAILED, NULL, "out of memory");
     }
     sheard_frame_init(&c->frame, sheard_rpc_reply_limits.line);
-    int status = dial_connect(path, deadline, &c->fd, error);
+    int status = socket_io_connect(path, deadline, &c->fd, error);
     if (status == CONNECTION_OK) {
-        status = greet(c, path, deadline - dial_now(), error);
+        status = greet(c, path, deadline - socket_io_now(), error);
     }
     if (status != CONNECTION_OK) {
         connection_close(c);

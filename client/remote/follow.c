@@ -90,7 +90,7 @@ static int wait_once(follow_state *f, const int64_t *ids, size_t n, bool *again)
     char *text = NULL;
     sheard_params p;
     const double slice = progress_visible(f->progress) && !f->notified ? poll_s : slice_s;
-    const double left = fmax(0.0, f->deadline - dial_now());
+    const double left = fmax(0.0, f->deadline - socket_io_now());
     sheard_params_init(&p, SHEARD_METHOD_WAIT);
     p.wait = (sheard_msg_wait){.ids = ids, .n_ids = n, .timeout_s = fmin(slice, left)};
     const int status =
@@ -102,7 +102,7 @@ static int wait_once(follow_state *f, const int64_t *ids, size_t n, bool *again)
             follow_note_job(f->entries, f->n, &reply.wait.jobs[i]);
         }
         show(f);
-        *again = reply.wait.timed_out && dial_now() < f->deadline;
+        *again = reply.wait.timed_out && socket_io_now() < f->deadline;
         if (!*again) {
             if (f->options->print && f->service->json) {
                 puts(text);
@@ -133,7 +133,7 @@ static int wait_all(follow_state *f, const int64_t *ids) {
 
 int follow_jobs(service *s, const int64_t *ids, size_t n, const follow_options *options) {
     follow_state f = {.service = s, .options = options, .n = n};
-    f.deadline = isnan(options->timeout_s) ? (double)INFINITY : dial_now() + options->timeout_s;
+    f.deadline = isnan(options->timeout_s) ? (double)INFINITY : socket_io_now() + options->timeout_s;
     f.entries = calloc(n, sizeof *f.entries);
     if (f.entries == NULL) {
         message_fail(NULL, "out of memory");

@@ -29,7 +29,7 @@ char *shear_text_value(double value, double error, char *buf, size_t size) {
         snprintf(buf, size, "-");
         return buf;
     }
-    return result_table_value(value, error, buf, size);
+    return value_text(value, error, buf, size);
 }
 
 /* "400 of 403 used (2 galaxy_not_finite, 1 masked)" */

@@ -10,7 +10,7 @@
 
 static const double default_reply_timeout_s = 30.0;
 
-static int take_timeout(const char *text, double *seconds) {
+static int set_reply_timeout(const char *text, double *seconds) {
     if (!human_parse_duration(text, seconds) || *seconds <= 0.0) {
         message_fail(NULL, "--reply-timeout %s: expected a time, as 30, 500ms, 2min", text);
         return EXIT_CODE_USAGE;
@@ -30,7 +30,7 @@ static int take(int value, service *s) {
         s->utc = true;
         return EXIT_CODE_DONE;
     default:
-        return take_timeout(optarg, &s->reply_timeout_s);
+        return set_reply_timeout(optarg, &s->reply_timeout_s);
     }
 }
 

@@ -23,13 +23,13 @@ enum { SLICE_MS = 200, BACKLOG_MS = 20 };
     "start the service (systemctl start sheard), or name its socket with --socket or "             \
     "SHEARD_SOCKET"
 
-double dial_now(void) {
+double socket_io_now(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-int dial_fail(sheard_rpc_error *error, int status, const char *advice, const char *format, ...) {
+int connection_fail(sheard_rpc_error *error, int status, const char *advice, const char *format, ...) {
     memset(error, 0, sizeof *error);
     error->code = SHEARD_RPC_UNKNOWN;
     snprintf(error->advice, sizeof error->advice, "%s", advice != NULL ? advice : "");
@@ -41,7 +41,7 @@ int dial_fail(sheard_rpc_error *error, int status, const char *advice, const cha
 }
 
 static int interrupted(sheard_rpc_error *error) {
-    return dial_fail(error, CONNECTION_INTERRUPTED, NULL, "interrupted");
+    return connection_fail(error, CONNECTION_INTERRUPTED, NULL, "interrupted");
 }
 
 /* Until `events` (or a hang-up) on fd; fd -1: only time passes. */
@@ -50,9 +50,9 @@ static int wait_for(int fd, short events, double deadline, sheard_rpc_error *err
         if (progress_interrupted()) {
             return interrupted(error);
         }
-        const double left_ms = ceil(1000.0 * (deadline - dial_now()));
+        const double left_ms = ceil(1000.0 * (deadline - socket_io_now()));
         if (left_ms <= 0.0) {
-            return dial_fail(error, CONNECTION_SILENT,
+            return connection_fail(error, CONNECTION_SILENT,
                              "the service is stuck or very busy: systemctl status sheard; "
                              "--reply-timeout waits longer",
                              "the service does not answer");
@@ -63,7 +63,7 @@ static int wait_for(int fd, short events, double deadline, sheard_rpc_error *err
             return CONNECTION_OK;
         }
         if (n < 0 && errno != EINTR) {
-            return dial_fail(error, CONNECTION_FAILED, NULL, "cannot wait: %s", strerror(errno));
+            return connection_fail(error, CONNECTION_FAILED, NULL, "cannot wait: %s", strerror(errno));
         }
     }
 }
@@ -86,10 +86,10 @@ static int say_why(const char *path, int why, sheard_rpc_error *error) {
     switch (why) {
     case ENOENT:
     case ENOTDIR:
-        return dial_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "there is no socket %s",
+        return connection_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "there is no socket %s",
                          path);
     case ECONNREFUSED:
-        return dial_fail(error, CONNECTION_UNREACHABLE,
+        return connection_fail(error, CONNECTION_UNREACHABLE,
                          "the service has stopped: systemctl start sheard; systemctl status sheard "
                          "tells why",
                          "nobody listens at the socket %s", path);
@@ -100,25 +100,25 @@ static int say_why(const char *path, int why, sheard_rpc_error *error) {
                  "become a member of the socket's group%s: an administrator does usermod -aG, then "
                  "log in again",
                  group);
-        return dial_fail(error, CONNECTION_DENIED, advice, "you may not connect to %s", path);
+        return connection_fail(error, CONNECTION_DENIED, advice, "you may not connect to %s", path);
     default:
-        return dial_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "cannot connect to %s: %s",
+        return connection_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "cannot connect to %s: %s",
                          path, strerror(why));
     }
 }
 
-int dial_connect(const char *path, double deadline, int *fd, sheard_rpc_error *error) {
+int socket_io_connect(const char *path, double deadline, int *fd, sheard_rpc_error *error) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     *fd = -1;
     if (strlen(path) >= sizeof address.sun_path) {
-        return dial_fail(error, CONNECTION_UNREACHABLE, "give a shorter path",
+        return connection_fail(error, CONNECTION_UNREACHABLE, "give a shorter path",
                          "the path of a socket has at most %zu bytes: %s",
                          sizeof address.sun_path - 1, path);
     }
     memcpy(address.sun_path, path, strlen(path) + 1);
     const int s = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (s < 0) {
-        return dial_fail(error, CONNECTION_FAILED, NULL, "cannot make a socket: %s",
+        return connection_fail(error, CONNECTION_FAILED, NULL, "cannot make a socket: %s",
                          strerror(errno));
     }
     int status = CONNECTION_OK;
@@ -128,8 +128,8 @@ int dial_connect(const char *path, double deadline, int *fd, sheard_rpc_error *e
             status = say_why(path, errno, error);
         } else if (progress_interrupted()) {
             status = interrupted(error);
-        } else if (dial_now() >= deadline) {
-            status = dial_fail(error, CONNECTION_SILENT,
+        } else if (socket_io_now() >= deadline) {
+            status = connection_fail(error, CONNECTION_SILENT,
                                "the service is stuck or very busy: systemctl status sheard",
                                "the service does not accept connections at %s", path);
         } else { /* the listener's backlog is full: there is no event to wait for */
@@ -144,7 +144,7 @@ int dial_connect(const char *path, double deadline, int *fd, sheard_rpc_error *e
     return CONNECTION_OK;
 }
 
-int dial_send(int fd, const char *bytes, size_t n, double deadline, sheard_rpc_error *error) {
+int socket_io_send(int fd, const char *bytes, size_t n, double deadline, sheard_rpc_error *error) {
     while (n > 0) {
         const ssize_t sent = send(fd, bytes, n, MSG_NOSIGNAL);
         if (sent > 0) {
@@ -158,14 +158,14 @@ int dial_send(int fd, const char *bytes, size_t n, double deadline, sheard_rpc_e
                 return status;
             }
         } else if (errno != EINTR) {
-            return dial_fail(error, CONNECTION_UNREACHABLE, NULL, "cannot write to the service: %s",
+            return connection_fail(error, CONNECTION_UNREACHABLE, NULL, "cannot write to the service: %s",
                              strerror(errno));
         }
     }
     return CONNECTION_OK;
 }
 
-int dial_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
+int socket_io_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
                  sheard_rpc_error *error) {
     for (;;) {
         const ssize_t got = recv(fd, buf, size, 0);
@@ -174,13 +174,13 @@ int dial_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
             return CONNECTION_OK;
         }
         if (got == 0 || errno == ECONNRESET) {
-            return dial_fail(error, CONNECTION_UNREACHABLE,
+            return connection_fail(error, CONNECTION_UNREACHABLE,
                              "systemctl status sheard tells whether it was stopped; accepted jobs "
                              "go on when it is started again",
                              "the service has closed the connection");
         }
         if (errno != EAGAIN && errno != EINTR) {
-            return dial_fail(error, CONNECTION_UNREACHABLE, NULL,
+            return connection_fail(error, CONNECTION_UNREACHABLE, NULL,
                              "cannot read from the service: %s", strerror(errno));
         }
         const int status = wait_for(fd, POLLIN, deadline, error);

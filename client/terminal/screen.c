@@ -88,9 +88,9 @@ enum { SLICE_MS = 200 };
 
 static bool wait_for(int fd, double seconds) {
     struct pollfd p = {.fd = fd, .events = POLLIN};
-    const double end = dial_now() + seconds;
+    const double end = socket_io_now() + seconds;
     while (ended == 0 && resized == 0) {
-        const double left_ms = 1000.0 * (end - dial_now());
+        const double left_ms = 1000.0 * (end - socket_io_now());
         if (left_ms <= 0.0) {
             break;
         }
