@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl: the table of subcommands and the choice of one. */
-#include "cmdline/command.h"
 #include "cmdline/settings_options.h"
+#include "commands/commands.h"
 #include "terminal/message.h"
 
 #include <errno.h>
@@ -9,54 +9,48 @@
 #include <stdbool.h>
 #include <string.h>
 
-static const command *const table[] = {
-    &cmd_measure, &cmd_mock,   &cmd_validate, &cmd_plot,   &cmd_submit,  &cmd_jobs,
-    &cmd_show,    &cmd_wait,   &cmd_cancel,   &cmd_retry,  &cmd_retract, &cmd_field,
-    &cmd_fields,  &cmd_forget, &cmd_watch,    &cmd_status, &cmd_metrics, &cmd_doctor,
-    &cmd_drain,   &cmd_reload, &cmd_shutdown, &cmd_help,   &cmd_version, NULL,
-};
+#define ENTRY(name) &cmd_##name,
+static const command *const table[] = {COMMAND_LIST(ENTRY) NULL};
 
-const command *const *command_table(void) {
-    return table;
+static bool is_help(const char *argument) {
+    return strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0;
 }
 
 static bool asks_for_help(int argc, char **argv) {
     for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+        if (is_help(argv[i])) {
             return true;
         }
     }
     return false;
 }
 
-static int run(int argc, char **argv) {
+static enum exit_code run(int argc, char **argv) {
     const char *name = argc > 1 ? argv[1] : "--help";
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+    if (is_help(name)) {
         command_print_list(stdout);
         return EXIT_CODE_DONE;
     }
-    if (strcmp(name, "--version") == 0) {
-        name = cmd_version.name;
-    }
-    const command *self = command_find(name);
-    if (self == NULL) {
+    const command *chosen = strcmp(name, "--version") == 0 ? &cmd_version : command_find(name);
+    if (chosen == NULL) {
         return EXIT_CODE_USAGE;
     }
     if (asks_for_help(argc - 1, argv + 1)) {
-        command_print_usage(self, settings_options_help, stdout);
+        command_print_usage(chosen, settings_options_help, stdout);
         return EXIT_CODE_DONE;
     }
-    return self->run(argc - 1, argv + 1);
+    return chosen->run(chosen, argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv) {
     /* The text's language and the terminal's characters, but never a decimal comma: files and
      * scripts read this. */
     setlocale(LC_CTYPE, "");
-    int code = run(argc, argv);
+    command_set_table(table);
+    const enum exit_code code = run(argc, argv);
     if (fflush(stdout) != 0 || ferror(stdout) != 0) {
         message_fail(NULL, "cannot write to standard output: %s", strerror(errno));
-        return code == EXIT_CODE_DONE ? EXIT_CODE_OTHER : code;
+        return code == EXIT_CODE_DONE ? EXIT_CODE_OTHER : (int)code;
     }
-    return code;
+    return (int)code;
 }

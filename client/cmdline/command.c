@@ -1,26 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cmdline/command.h"
 
-#include "cmdline/options.h"
+#include "base/spelling.h"
 #include "terminal/message.h"
 
+#include <assert.h>
 #include <string.h>
 
-enum { MAX_COMMANDS = 32 };
+static const command *const *all;
+
+void command_set_table(const command *const *table) {
+    all = table;
+}
+
+const command *const *command_table(void) {
+    assert(all != NULL);
+    return all;
+}
 
 const command *command_find(const char *name) {
-    const char *names[MAX_COMMANDS + 1] = {NULL};
-    size_t n = 0;
-    for (const command *const *c = command_table(); *c != NULL && n < MAX_COMMANDS; c++) {
+    spelling meant = {.given = name};
+    for (const command *const *c = command_table(); *c != NULL; c++) {
         if (strcmp((*c)->name, name) == 0) {
             return *c;
         }
-        names[n++] = (*c)->name;
+        spelling_consider(&meant, (*c)->name);
     }
-    const char *nearest = options_nearest(name, names);
     char hint[96] = "\"shearctl help\" lists the subcommands";
-    if (nearest != NULL) {
-        snprintf(hint, sizeof hint, "did you mean \"shearctl %s\"?", nearest);
+    if (meant.best != NULL) {
+        snprintf(hint, sizeof hint, "did you mean \"shearctl %s\"?", meant.best);
     }
     message_fail(hint, "unknown subcommand \"%s\"", name);
     return NULL;
@@ -29,22 +37,19 @@ const command *command_find(const char *name) {
 void command_print_usage(const command *self, void (*settings)(FILE *out), FILE *out) {
     static const char mark[] = COMMAND_SETTINGS_MARK "\n";
     const char *text = self->usage;
-    for (const char *at; (at = strstr(text, mark)); text = at + strlen(mark)) {
+    for (const char *at; (at = strstr(text, mark)) != NULL; text = at + strlen(mark)) {
         fwrite(text, 1, (size_t)(at - text), out);
         settings(out);
     }
     fputs(text, out);
-    size_t length = strlen(text);
-    if (length > 0 && text[length - 1] != '\n') {
-        fputc('\n', out);
-    }
+    assert(text[0] == '\0' || text[strlen(text) - 1] == '\n');
 }
 
 void command_print_list(FILE *out) {
     fputs("usage: shearctl SUBCOMMAND [OPTION...] [FILE...]\n\n"
           "Weak-lensing shear from galaxy stamps (Zhang 2010).\n\n",
           out);
-    for (const command *const *c = command_table(); *c; c++) {
+    for (const command *const *c = command_table(); *c != NULL; c++) {
         fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
     }
     fputs("\n\"shearctl help SUBCOMMAND\" explains one; shearctl(1) is the manual.\n", out);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cmdline/completion.h"
 
+#include "base/cleanup.h"
 #include "cmdline/settings_options.h"
 #include "terminal/message.h"
 
@@ -99,22 +100,26 @@ static void print_command(const command *c, FILE *out) {
     fprintf(out, "|%s\n", c->summary);
 }
 
-int completion_data_print(FILE *out) {
-    for (const command *const *c = command_table(); *c; c++) {
-        char *text = NULL;
-        size_t size = 0;
-        FILE *usage = open_memstream(&text, &size);
-        if (usage != NULL) {
-            command_print_usage(*c, settings_options_help, usage);
-        }
-        if (usage == NULL || fclose(usage) != 0 || text == NULL) {
-            message_fail(NULL, "out of memory");
-            free(text);
-            return EXIT_CODE_OTHER;
-        }
-        print_command(*c, out);
-        completion_options((*c)->name, text, out);
-        free(text);
+static enum exit_code print_one(const command *self, FILE *out) {
+    CLEANUP(release_free) char *text = NULL;
+    size_t size = 0;
+    FILE *usage = open_memstream(&text, &size);
+    if (usage == NULL) {
+        return message_no_memory();
     }
+    command_print_usage(self, settings_options_help, usage);
+    if (fclose(usage) != 0 || text == NULL) {
+        return message_no_memory();
+    }
+    print_command(self, out);
+    completion_options(self->name, text, out);
     return EXIT_CODE_DONE;
+}
+
+enum exit_code completion_data_print(FILE *out) {
+    enum exit_code code = EXIT_CODE_DONE;
+    for (const command *const *c = command_table(); code == EXIT_CODE_DONE && *c != NULL; c++) {
+        code = print_one(*c, out);
+    }
+    return code;
 }

@@ -12,7 +12,7 @@
  *     command|NAME|OPERANDS|SUMMARY       OPERANDS: as in the usage, commas for '|'
  *     option|NAME|--OPTION|METAVAR|CHOICES|HELP    CHOICES: words with spaces between them
  * Returns an exit code. */
-int completion_data_print(FILE *out);
+enum exit_code completion_data_print(FILE *out);
 
 /* The options of one help text. */
 void completion_options(const char *name, const char *usage, FILE *out);

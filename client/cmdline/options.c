@@ -1,124 +1,215 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cmdline/options.h"
 
+#include "base/spelling.h"
+#include "base/text.h"
+#include "terminal/human.h"
 #include "terminal/message.h"
 
-#include <errno.h>
+#include <assert.h>
+#include <getopt.h>
 #include <inttypes.h>
-#include <stdbool.h>
-#include <stdlib.h>
+#include <stdarg.h>
 #include <string.h>
 
-enum { NAME_MAX_LENGTH = 48, NEAR = 3 };
+enum { ENTRIES_MAX = 64, FIRST_VALUE = 256 }; /* of an option without a short form */
 
-static int min3(int a, int b, int c) {
-    int ab = a < b ? a : b;
-    return ab < c ? ab : c;
+/* What getopt_long wants, made of the entries. */
+typedef struct long_options {
+    struct option table[ENTRIES_MAX + SETTINGS_OPTIONS_MAX + 1];
+    char letters[ENTRIES_MAX]; /* ":o:": the ':' in front makes it silent */
+} long_options;
+
+static int value_of(const option_entry *entries, size_t i) {
+    return entries[i].letter != '\0' ? entries[i].letter : FIRST_VALUE + (int)i;
 }
 
-/* Levenshtein's distance; names that are too long to be a slip of the finger are far. */
-static int distance(const char *a, const char *b) {
-    int row[NAME_MAX_LENGTH + 1];
-    int n = (int)strnlen(b, NAME_MAX_LENGTH + 1);
-    if (n > NAME_MAX_LENGTH || strnlen(a, NAME_MAX_LENGTH + 1) > NAME_MAX_LENGTH) {
-        return NAME_MAX_LENGTH;
-    }
-    for (int j = 0; j <= n; j++) {
-        row[j] = j;
-    }
-    for (int i = 1; a[i - 1]; i++) {
-        int diagonal = row[0];
-        row[0] = i;
-        for (int j = 1; j <= n; j++) {
-            int above = row[j];
-            row[j] = min3(above + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1]));
-            diagonal = above;
+static void long_options_init(long_options *l, const option_entry *entries, bool with_settings) {
+    size_t n = 0;
+    *l = (long_options){.letters = ":"};
+    for (; entries[n].name != NULL; n++) {
+        assert(n < ENTRIES_MAX);
+        const option_entry *e = &entries[n];
+        const bool bare = e->flag != NULL || e->bare;
+        l->table[n] = (struct option){e->name, bare ? no_argument : required_argument, NULL,
+                                      value_of(entries, n)};
+        if (e->letter != '\0') {
+            text_append(l->letters, sizeof l->letters, "%c%s", e->letter, bare ? "" : ":");
         }
     }
-    return row[n];
-}
-
-const char *options_nearest(const char *name, const char *const *names) {
-    const char *nearest = NULL;
-    int least = NEAR;
-    for (; *names; names++) {
-        int d = distance(name, *names);
-        /* Three letters of "plot" may not change, or it is another word. */
-        if (d < least && d < (int)strlen(*names) - 1) {
-            least = d;
-            nearest = *names;
-        }
+    if (with_settings) {
+        settings_options_fill(l->table + n, SETTINGS_OPTIONS_MAX + 1);
     }
-    return nearest;
 }
 
 /* How many options begin with the given text: getopt_long takes any unambiguous beginning. */
-static int count_beginnings(const char *text, size_t length, const struct option *options) {
+static int count_beginnings(const char *text, size_t length, const struct option *table) {
     int n = 0;
-    for (; options->name; options++) {
-        n += strncmp(options->name, text, length) == 0;
+    for (; table->name != NULL; table++) {
+        n += strncmp(table->name, text, length) == 0;
     }
     return n;
 }
 
-static void say_unknown(const command *self, const char *given, const struct option *options) {
+static enum exit_code fail_unknown(const command *self, const char *given,
+                                   const struct option *table) {
     const char *text = strncmp(given, "--", 2) == 0 ? given + 2 : given + 1;
-    size_t length = strcspn(text, "=");
-    char name[NAME_MAX_LENGTH + 1];
-    const char *names[128];
-    size_t n = 0;
-    for (const struct option *o = options; o->name != NULL && n + 1 < sizeof names / sizeof *names;
-         o++) {
-        names[n++] = o->name;
-    }
-    names[n] = NULL;
-    snprintf(name, sizeof name, "%.*s", (int)length, text);
-    const char *nearest = options_nearest(name, names);
-    bool ambiguous = count_beginnings(text, length, options) > 1;
+    const size_t length = strcspn(text, "=");
+    char name[64];
     char hint[160];
-    if (nearest != NULL && !ambiguous) {
-        snprintf(hint, sizeof hint, "did you mean --%s?", nearest);
+    snprintf(name, sizeof name, "%.*s", (int)length, text);
+    spelling meant = {.given = name};
+    for (const struct option *o = table; o->name != NULL; o++) {
+        spelling_consider(&meant, o->name);
+    }
+    const bool ambiguous = count_beginnings(text, length, table) > 1;
+    if (meant.best != NULL && !ambiguous) {
+        snprintf(hint, sizeof hint, "did you mean --%s?", meant.best);
     } else {
         snprintf(hint, sizeof hint, "\"shearctl help %s\" lists the options", self->name);
     }
     message_fail(hint, "%s: %s option %.*s", self->name, ambiguous ? "ambiguous" : "unknown",
                  (int)(length + (size_t)(text - given)), given);
-}
-
-static const char *name_of(int value, const struct option *options) {
-    for (; options->name; options++) {
-        if (options->val == value) {
-            return options->name;
-        }
-    }
-    return "?";
-}
-
-int options_bad(const command *self, int value, char **argv, const struct option *options) {
-    const char *given = argv[optind - 1];
-    if (value == ':') {
-        message_fail(NULL, "%s: option --%s needs a value", self->name, name_of(optopt, options));
-    } else if (optopt != 0 && strncmp(given, "--", 2) == 0) {
-        message_fail(NULL, "%s: option --%s takes no value", self->name, name_of(optopt, options));
-    } else if (optopt != 0) {
-        /* A bundle of short options: argv[optind] may still be that bundle. */
-        char letter[] = {'-', (char)optopt, '\0'};
-        say_unknown(self, letter, options);
-    } else {
-        say_unknown(self, given, options);
-    }
     return EXIT_CODE_USAGE;
 }
 
-int options_int(const char *option, const char *text, int64_t min, int64_t max, int64_t *out) {
-    char *end = NULL;
-    errno = 0;
-    intmax_t value = strtoimax(text, &end, 10);
-    if (end == text || *end || errno || value < min || value > max) {
+/* The option that getopt_long complains of. */
+static const char *name_of(int value, const struct option *table) {
+    while (table->name != NULL && table->val != value) {
+        table++;
+    }
+    return table->name != NULL ? table->name : "?";
+}
+
+/* getopt_long returned '?' or ':' (in `value`): say what is wrong with the option. */
+static enum exit_code fail_option(const command *self, int value, char **argv,
+                                  const struct option *table) {
+    const char *given = argv[optind - 1];
+    const char letter[] = {'-', (char)optopt, '\0'};
+    const char *fault = value == ':' ? "needs a value" : "takes no value";
+    if (value == '?' && optopt == 0) {
+        return fail_unknown(self, given, table);
+    }
+    if (value == '?' && strncmp(given, "--", 2) != 0) {
+        return fail_unknown(self, letter, table); /* of a bundle, which may still be argv[optind] */
+    }
+    message_fail(NULL, "%s: option --%s %s", self->name, name_of(optopt, table), fault);
+    return EXIT_CODE_USAGE;
+}
+
+enum exit_code options_fail(const command *self, const char *format, ...) {
+    char text[256];
+    char hint[64];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    snprintf(hint, sizeof hint, "\"shearctl help %s\"", self->name);
+    message_fail(hint, "%s: %s", self->name, text);
+    return EXIT_CODE_USAGE;
+}
+
+enum exit_code options_integer(const char *option, const char *text, int64_t min, int64_t max,
+                               int64_t *out) {
+    int64_t value = 0;
+    if (!text_to_int64(text, &value) || value < min || value > max) {
         message_fail(NULL, "--%s %s: expected an integer from %" PRId64 " to %" PRId64, option,
                      text, min, max);
         return EXIT_CODE_USAGE;
     }
     *out = value;
-    return 0;
+    return EXIT_CODE_DONE;
+}
+
+static enum exit_code set_seconds(const option_entry *e, const char *value) {
+    if (!human_parse_duration(value, e->seconds)) {
+        message_fail(NULL, "--%s %s: expected a time, as 90, 500ms, 5min, 2h", e->name, value);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static enum exit_code set_entry(const option_entry *e, const char *value) {
+    if (e->given != NULL) {
+        *e->given = true;
+    }
+    if (e->set != NULL) {
+        return e->set(e, value);
+    }
+    if (e->integer != NULL) {
+        return options_integer(e->name, value, e->min, e->max, e->integer);
+    }
+    if (e->seconds != NULL) {
+        return set_seconds(e, value);
+    }
+    if (e->flag != NULL) {
+        *e->flag = true;
+    } else {
+        *e->text = value;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static enum exit_code set_setting(int value, option_settings *settings) {
+    shear_error err = {0};
+    if (settings_options_handle(value, optarg, &settings->values, settings->given, &err) !=
+        SHEAR_OK) {
+        message_error(&err);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+static enum exit_code set(int value, const option_entry *entries, option_settings *settings) {
+    if (settings_options_is(value)) {
+        return set_setting(value, settings);
+    }
+    size_t i = 0;
+    while (value_of(entries, i) != value) {
+        i++;
+    }
+    return set_entry(&entries[i], optarg);
+}
+
+enum exit_code options_parse(const command *self, int argc, char **argv,
+                             const option_entry *entries, option_settings *settings) {
+    long_options l;
+    long_options_init(&l, entries, settings != NULL);
+    opterr = 0;
+    for (;;) {
+        const int value = getopt_long(argc, argv, l.letters, l.table, NULL);
+        if (value == -1) {
+            return EXIT_CODE_DONE;
+        }
+        const enum exit_code code = value == '?' || value == ':'
+                                        ? fail_option(self, value, argv, l.table)
+                                        : set(value, entries, settings);
+        if (code != EXIT_CODE_DONE) {
+            return code;
+        }
+    }
+}
+
+enum exit_code options_check_settings(const option_settings *settings) {
+    shear_error err = {0};
+    if (shear_settings_check(&settings->values, &err) != SHEAR_OK) {
+        message_error(&err);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
+
+enum exit_code options_count_operands(const command *self, int argc, char **argv, const char *what,
+                                      int min, int max) {
+    const int n = argc - optind;
+    if (n < min) {
+        message_fail(NULL, "%s: which %s? \"shearctl help %s\" tells more", self->name, what,
+                     self->name);
+        return EXIT_CODE_USAGE;
+    }
+    if (n > max) {
+        message_fail(NULL, "%s: unexpected \"%s\"", self->name, argv[optind + max]);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
 }

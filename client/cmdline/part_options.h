@@ -4,20 +4,18 @@
 #ifndef CLIENT_CMDLINE_PART_OPTIONS_H
 #define CLIENT_CMDLINE_PART_OPTIONS_H
 
-#include "cmdline/command.h"
+#include "cmdline/options.h"
 #include "shear/error.h"
 #include "shear/input.h"
 
-#include <getopt.h>
 #include <stdbool.h>
 
-/* For a subcommand's table of options (its own values are below) and for its help. */
-enum { PART_OPTION_FIRST = 3072 };
-#define PART_OPTIONS                                                                               \
-    {"galaxy", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_GALAXY},                    \
-        {"noise", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_NOISE},                  \
-        {"psf", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_PSF}, {                    \
-        "catalog-in", required_argument, NULL, PART_OPTION_FIRST + SHEAR_PART_CATALOG              \
+/* For a subcommand's table of options, and for its help. */
+#define PART_OPTIONS(parts)                                                                        \
+    {.name = "galaxy", .text = &(parts)->given[SHEAR_PART_GALAXY]},                                \
+        {.name = "noise", .text = &(parts)->given[SHEAR_PART_NOISE]},                              \
+        {.name = "psf", .text = &(parts)->given[SHEAR_PART_PSF]}, {                                \
+        .name = "catalog-in", .text = &(parts)->given[SHEAR_PART_CATALOG]                          \
     }
 #define PART_OPTIONS_HELP                                                                          \
     "  --galaxy FILE[:HDU]     galaxy stamps in a file of their own. HDU is a number from 0 or\n"  \
@@ -34,22 +32,20 @@ typedef struct part_options {
     const char *given[SHEAR_N_PARTS];
 } part_options;
 
-bool part_options_is(int value);
-void part_options_set(part_options *o, int value, const char *argument);
 /* Is any given? */
 bool part_options_any(const part_options *o);
 /* All that belong together, and no field files beside them? But a catalog alone goes with one
  * field file, whose own it replaces: then that file becomes the other parts. `files` [n_files] must
  * stay. Returns an exit code, with an error printed. */
-int part_options_settle(part_options *o, const command *self, char **files, int n_files);
+enum exit_code part_options_settle(part_options *o, const command *self, char **files, int n_files);
 
 /* The input that they name, and what its texts are kept in. */
 typedef struct part_input {
     shear_input input;
     char *paths[SHEAR_N_PARTS];
 } part_input;
-/* `absolute`: with absolute paths, as the service wants them. SHEAR_E_SETTING (an HDU that can be
- * none), SHEAR_E_IO, SHEAR_E_NOMEM; deinit it either way. */
+/* `absolute`: with absolute paths, as the service wants them. SHEAR_E_SETTING (no HDU can be called
+ * so), SHEAR_E_IO, SHEAR_E_NOMEM; deinit it either way. */
 int part_input_init(part_input *p, const part_options *o, bool absolute, shear_error *err);
 void part_input_deinit(part_input *p);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cmdline/settings_options.h"
 
+#include "base/text.h"
+
 #include <string.h>
 
 /* Two values a setting: FIRST + 2 i is --NAME, FIRST + 2 i + 1 is --no-NAME. */
@@ -15,11 +17,11 @@ static const char *negated_name(size_t index, const char *name) {
     return names[index];
 }
 
-size_t settings_options_fill(struct option *options, size_t room) {
+size_t settings_options_fill(struct option *options, size_t capacity) {
     size_t n = 0;
     size_t written = 0;
     const shear_setting_def *table = shear_settings_table(&n);
-    for (size_t i = 0; i < n && i < SETTINGS_OPTIONS_MAX && written + 2 < room; i++) {
+    for (size_t i = 0; i < n && i < SETTINGS_OPTIONS_MAX && written + 2 < capacity; i++) {
         bool is_bool = table[i].type == SHEAR_T_BOOL;
         int value = SETTINGS_OPTION_FIRST + 2 * (int)i;
         options[written++] =
@@ -29,7 +31,7 @@ size_t settings_options_fill(struct option *options, size_t room) {
                 (struct option){negated_name(i, table[i].name), no_argument, NULL, value + 1};
         }
     }
-    if (written < room) {
+    if (written < capacity) {
         options[written] = (struct option){NULL, 0, NULL, 0};
     }
     return written;
@@ -52,37 +54,27 @@ int settings_options_handle(int value, const char *argument, shear_settings *s, 
     return shear_settings_give(s, given, def->name, argument, err);
 }
 
-/* "--beta PX", "--noise-correction, --no-noise-correction" */
-static void format_flag(const shear_setting_def *def, char *buf, size_t size) {
-    if (def->type == SHEAR_T_BOOL) {
-        snprintf(buf, size, "--%s, --no-%s", def->name, def->name);
-    } else {
-        snprintf(buf, size, "--%s %s", def->name, def->metavar);
-    }
-}
+/* What the help and the manual say of a setting. */
+typedef struct setting_text {
+    char choices[256]; /* "none, bilinear, bicubic"; "" unless it is a choice */
+    char value[64];    /* its default */
+    const char *unit;  /* of the default; "" if it has none */
+} setting_text;
 
-static const char *default_text(const shear_setting_def *def, char *buf, size_t size) {
+static void setting_text_init(setting_text *t, const shear_setting_def *def) {
     shear_settings s;
     shear_settings_init(&s);
-    return shear_settings_format(&s, def, buf, size);
-}
-
-/* "none, bilinear, bicubic" of a choice, "" of others. */
-static void format_choices(const shear_setting_def *def, char *buf, size_t size) {
-    size_t used = 0;
-    buf[0] = '\0';
-    if (def->type != SHEAR_T_CHOICE) {
-        return;
-    }
-    for (const char *const *c = def->choices; *c != NULL && used < size; c++) {
-        int n = snprintf(buf + used, size - used, "%s%s", used != 0 ? ", " : "", *c);
-        used += n > 0 ? (size_t)n : 0;
+    shear_settings_format(&s, def, t->value, sizeof t->value);
+    t->unit = strcmp(t->value, "auto") == 0 ? "" : def->unit;
+    t->choices[0] = '\0';
+    if (def->type == SHEAR_T_CHOICE) {
+        text_list(t->choices, sizeof t->choices, def->choices);
     }
 }
 
 /* Print words of `text` from column `indent`, at most 78 wide; the cursor is at `column`. */
 static void print_wrapped(FILE *out, const char *text, int column, int indent) {
-    while (*text) {
+    while (*text != '\0') {
         int length = (int)strcspn(text, " ");
         if (column + 1 + length > 78 && column > indent) {
             fprintf(out, "\n%*s", indent, "");
@@ -99,29 +91,29 @@ static void print_wrapped(FILE *out, const char *text, int column, int indent) {
     fputc('\n', out);
 }
 
-void settings_options_help(FILE *out) {
+static void print_help(const shear_setting_def *def, FILE *out) {
     enum { INDENT = 26 };
+    char text[768];
+    setting_text t;
+    setting_text_init(&t, def);
+    snprintf(text, sizeof text, "%s%s%s%s (default %s%s%s)", def->help,
+             t.choices[0] != '\0' ? " (" : "", t.choices, t.choices[0] != '\0' ? ")" : "", t.value,
+             t.unit[0] != '\0' ? " " : "", t.unit);
+    int column = def->type == SHEAR_T_BOOL ? fprintf(out, "  --%s, --no-%s", def->name, def->name)
+                                           : fprintf(out, "  --%s %s", def->name, def->metavar);
+    if (column > INDENT - 2) {
+        fputc('\n', out);
+        column = 0;
+    }
+    fprintf(out, "%*s", INDENT - column, "");
+    print_wrapped(out, text, INDENT, INDENT);
+}
+
+void settings_options_help(FILE *out) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     for (size_t i = 0; i < n; i++) {
-        char flag[96];
-        char choices[256];
-        char value[64];
-        char text[768];
-        format_flag(&table[i], flag, sizeof flag);
-        format_choices(&table[i], choices, sizeof choices);
-        default_text(&table[i], value, sizeof value);
-        snprintf(text, sizeof text, "%s%s%s%s%s (default %s%s%s)", table[i].help,
-                 choices[0] ? " (" : "", choices, choices[0] ? ")" : "", "", value,
-                 table[i].unit[0] && strcmp(value, "auto") != 0 ? " " : "",
-                 table[i].unit[0] && strcmp(value, "auto") != 0 ? table[i].unit : "");
-        int column = fprintf(out, "  %s", flag);
-        if (column > INDENT - 2) {
-            fputc('\n', out);
-            column = 0;
-        }
-        fprintf(out, "%*s", INDENT - column, "");
-        print_wrapped(out, text, INDENT, INDENT);
+        print_help(&table[i], out);
     }
 }
 
@@ -130,7 +122,7 @@ static void print_roff(FILE *out, const char *text) {
     if (text[0] == '.' || text[0] == '\'') {
         fputs("\\&", out);
     }
-    for (; *text; text++) {
+    for (; *text != '\0'; text++) {
         if (*text == '\\') {
             fputs("\\e", out);
         } else if (*text == '-') {
@@ -141,29 +133,32 @@ static void print_roff(FILE *out, const char *text) {
     }
 }
 
+static void print_man(const shear_setting_def *def, FILE *out) {
+    setting_text t;
+    setting_text_init(&t, def);
+    if (def->type == SHEAR_T_BOOL) {
+        fprintf(out, ".It Fl \\-%s , Fl \\-no\\-%s\n", def->name, def->name);
+    } else {
+        fprintf(out, ".It Fl \\-%s Ar %s\n", def->name, def->metavar);
+    }
+    print_roff(out, def->help);
+    if (t.choices[0] != '\0') {
+        fputs(".\nOne of: ", out);
+        print_roff(out, t.choices);
+    }
+    fputs(".\nDefault: ", out);
+    print_roff(out, t.value);
+    if (t.unit[0] != '\0') {
+        fputc(' ', out);
+        print_roff(out, t.unit);
+    }
+    fputs(".\n", out);
+}
+
 void settings_options_man(FILE *out) {
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
     for (size_t i = 0; i < n; i++) {
-        char choices[256];
-        char value[64];
-        if (table[i].type == SHEAR_T_BOOL) {
-            fprintf(out, ".It Fl \\-%s , Fl \\-no\\-%s\n", table[i].name, table[i].name);
-        } else {
-            fprintf(out, ".It Fl \\-%s Ar %s\n", table[i].name, table[i].metavar);
-        }
-        print_roff(out, table[i].help);
-        format_choices(&table[i], choices, sizeof choices);
-        if (choices[0]) {
-            fputs(".\nOne of: ", out);
-            print_roff(out, choices);
-        }
-        fputs(".\nDefault: ", out);
-        print_roff(out, default_text(&table[i], value, sizeof value));
-        if (table[i].unit[0] && strcmp(value, "auto") != 0) {
-            fputc(' ', out);
-            print_roff(out, table[i].unit);
-        }
-        fputs(".\n", out);
+        print_man(&table[i], out);
     }
 }

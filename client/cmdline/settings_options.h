@@ -2,14 +2,8 @@
 /* settings_options.h: the settings of the measurement as long options, made from
  * shear_settings_table().
  *
- * Every setting is --NAME VALUE; a boolean one is --NAME and --no-NAME. Used so:
- *
- *     struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1] = {own...};
- *     settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
- *     while ((c = getopt_long(argc, argv, ":", options, NULL)) != -1) {
- *         if (settings_options_is(c)) {
- *             if (settings_options_handle(c, optarg, &settings, given, &err)) ...
- */
+ * Every setting is --NAME VALUE; a boolean one is --NAME and --no-NAME. options.h uses these for
+ * every subcommand. */
 #ifndef CLIENT_CMDLINE_SETTINGS_OPTIONS_H
 #define CLIENT_CMDLINE_SETTINGS_OPTIONS_H
 
@@ -23,10 +17,10 @@ enum {
     SETTINGS_OPTION_FIRST = 4096 /* their values for getopt_long begin here: keep yours below */
 };
 
-/* Write one entry an option and the all-zero entry that ends the array. `room` is the number of
- * entries that fit: SETTINGS_OPTIONS_MAX + 1 is always enough. Returns the number written, without
- * the last. */
-size_t settings_options_fill(struct option *options, size_t room);
+/* Write one entry per option and the all-zero entry that ends the array. `capacity` is the number
+ * of entries that fit: SETTINGS_OPTIONS_MAX + 1 is always enough. Returns the number written,
+ * without the last. */
+size_t settings_options_fill(struct option *options, size_t capacity);
 
 /* True where `value`, as returned by getopt_long, belongs to a setting. */
 bool settings_options_is(int value);

@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl cancel: see job_action.h. */
-#include "remote/job_action.h"
+/* shearctl cancel. */
+#include "remote/service_query.h"
 
-static int run(int argc, char **argv) {
-    return job_action_run(&cmd_cancel, SHEARD_METHOD_CANCEL, argc, argv);
+static void print(const sheard_reply *reply, const service *s) {
+    (void)s;
+    service_query_print_job(&reply->cancel);
+}
+
+static enum exit_code run(const command *self, int argc, char **argv) {
+    return service_query_jobs(self, argc, argv, "jobs", SHEARD_METHOD_CANCEL, print);
 }
 
 const command cmd_cancel = {
@@ -14,6 +19,6 @@ const command cmd_cancel = {
              "Cancel jobs that are not finished. A running one stops at its next block. Only the "
              "owner of a job and\n"
              "administrators may.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

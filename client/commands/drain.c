@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl drain. */
 #include "remote/service_query.h"
+#include "remote/status_text.h"
 
-#include <inttypes.h>
-
-static void print(const sheard_reply *reply) {
-    printf("%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
-           sheard_server_state_name(reply->drain.state), reply->drain.running, reply->drain.queued);
+static void print(const sheard_reply *reply, const service *s) {
+    (void)s;
+    status_text_stopping(&reply->drain, stdout);
 }
 
-static int run(int argc, char **argv) {
-    return service_query(&cmd_drain, SHEARD_METHOD_DRAIN, print, argc, argv);
+static enum exit_code run(const command *self, int argc, char **argv) {
+    return service_query(self, argc, argv, SHEARD_METHOD_DRAIN, print);
 }
 
 const command cmd_drain = {
@@ -21,6 +20,6 @@ const command cmd_drain = {
              "Have the service finish the running jobs and take no new ones: submitting is "
              "refused, and files stay in\n"
              "incoming. Administrators only. It goes on working after a restart.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

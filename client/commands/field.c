@@ -1,69 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl field: the shear of one field, as the service has it now. */
-#include "cmdline/options.h"
+#include "base/cleanup.h"
+#include "base/text.h"
 #include "remote/report_text.h"
 #include "remote/service.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
 #include "terminal/style.h"
+#include "terminal/text_line.h"
 #include "terminal/text_table.h"
 
+#include <getopt.h>
 #include <inttypes.h>
-#include <stdlib.h>
-
-enum { OPT_DIGEST = 256, OPT_JOBS, OPT_AFTER, OPT_LIMIT };
-
-static const struct option options[] = {
-    {"digest", required_argument, NULL, OPT_DIGEST},
-    {"jobs", no_argument, NULL, OPT_JOBS},
-    {"after", required_argument, NULL, OPT_AFTER},
-    {"limit", required_argument, NULL, OPT_LIMIT},
-    SERVICE_OPTIONS,
-    {NULL, 0, NULL, 0},
-};
-
-typedef struct field_options {
-    service service;
-    sheard_params params;
-    bool jobs;
-} field_options;
-
-static int handle(int value, void *context) {
-    field_options *f = context;
-    switch (value) {
-    case OPT_DIGEST:
-        f->params.field.digest = optarg;
-        return EXIT_CODE_DONE;
-    case OPT_AFTER:
-        f->jobs = true;
-        return options_int("after", optarg, 0, INT64_MAX, &f->params.field.after);
-    case OPT_LIMIT:
-        f->jobs = true;
-        return options_int("limit", optarg, 1, SHEARD_MSG_FIELDS_PAGE, &f->params.field.limit);
-    default:
-        f->jobs = true;
-        return EXIT_CODE_DONE;
-    }
-}
+#include <string.h>
 
 /* "12 counted, 2 to come (running: 31, 32)" */
 static void print_jobs(const sheard_msg_field_row *row) {
     char running[200] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < row->n_running && used < sizeof running - 24; i++) {
-        const int n = snprintf(running + used, sizeof running - used, "%s%" PRId64,
-                               i != 0 ? ", " : " (running: ", row->running[i]);
-        used += n > 0 ? (size_t)n : 0;
+    for (size_t i = 0; i < row->n_running && strlen(running) < sizeof running - 24; i++) {
+        text_append(running, sizeof running, "%s%" PRId64,
+                    i != 0 ? ", " : " (running: ", row->running[i]);
     }
     if (row->unfinished > 0) {
-        shear_text_line(stdout, "jobs", "%" PRId64 " counted, %" PRId64 " to come%s%s", row->jobs,
-                        row->unfinished, running, used != 0 ? ")" : "");
+        text_line(stdout, "jobs", "%" PRId64 " counted, %" PRId64 " to come%s%s", row->jobs,
+                  row->unfinished, running, running[0] != '\0' ? ")" : "");
     } else {
-        shear_text_line(stdout, "jobs", "%" PRId64 " counted", row->jobs);
+        text_line(stdout, "jobs", "%" PRId64 " counted", row->jobs);
     }
 }
 
-static int print_contributions(const sheard_msg_field_row *row, bool utc) {
+static enum exit_code print_contributions(const sheard_msg_field_row *row, bool utc) {
     static const text_column columns[] = {{"ENTRY", 'r'}, {"JOB", 'r'},     {"USED", 'r'},
                                           {"OF", 'r'},    {"COUNTED", 'l'}, {"CHECKSUM", 'l'}};
     text_table *t = text_table_new(columns, sizeof columns / sizeof *columns);
@@ -77,7 +43,8 @@ static int print_contributions(const sheard_msg_field_row *row, bool utc) {
         text_table_cell(t, NULL, "%s", human_time(c->counted_ms, utc, time));
         text_table_cell(t, STYLE_DIM, "%s", c->checksum != NULL ? c->checksum : "-");
     }
-    const int code = text_table_render(t, stdout, 2, style_on(stdout), style_columns(1, 0));
+    const enum exit_code code =
+        text_table_render(t, stdout, 2, style_on(stdout), style_columns(1, 0));
     text_table_free(t);
     if (row->more && row->n_contributions > 0) {
         message_note("there are more: --after %" PRId64 " --digest %s goes on with them",
@@ -86,33 +53,34 @@ static int print_contributions(const sheard_msg_field_row *row, bool utc) {
     return code;
 }
 
-static int print_row(const field_options *f, const sheard_msg_field_result *result,
-                     const sheard_msg_field_row *row) {
+static void print_row(const char *field, const sheard_msg_field_row *row, bool utc) {
     char name[256];
     char time[HUMAN_SIZE];
-    printf("field %s%s\n", message_clean(result->field, name, sizeof name),
+    printf("field %s%s\n", message_clean(field, name, sizeof name),
            row->partial ? "  (partial: more is to come)" : "");
     print_jobs(row);
-    shear_text_print(row->report, row->reason, stdout);
+    report_text_print(row->report, row->reason, stdout);
     if (row->report == NULL && row->reason != NULL) {
-        shear_text_line(stdout, "reason", "%s", row->reason);
+        text_line(stdout, "reason", "%s", row->reason);
     }
     if (row->culprit.job != 0) {
-        shear_text_line(
-            stdout, "culprit", "job %" PRId64 " (%s): shearctl retract %" PRId64 " takes it back",
-            row->culprit.job, row->culprit.file != NULL ? row->culprit.file : "forgotten",
-            row->culprit.job);
+        text_line(stdout, "culprit",
+                  "job %" PRId64 " (%s): shearctl retract %" PRId64 " takes it back",
+                  row->culprit.job, row->culprit.file != NULL ? row->culprit.file : "forgotten",
+                  row->culprit.job);
     }
-    shear_text_line(stdout, "updated", "%s", human_time(row->updated_ms, f->service.utc, time));
-    shear_text_line(stdout, "digest", "%s", row->digest);
-    return f->jobs && row->n_contributions > 0 ? print_contributions(row, f->service.utc)
-                                               : EXIT_CODE_DONE;
+    text_line(stdout, "updated", "%s", human_time(row->updated_ms, utc, time));
+    text_line(stdout, "digest", "%s", row->digest);
 }
 
-static int print(const field_options *f, const sheard_msg_field_result *result) {
-    int code = EXIT_CODE_DONE;
-    for (size_t i = 0; code == SHEAR_OK && i < result->n_rows; i++) {
-        code = print_row(f, result, &result->rows[i]);
+static enum exit_code print(const sheard_msg_field_result *result, bool contributions, bool utc) {
+    enum exit_code code = EXIT_CODE_DONE;
+    for (size_t i = 0; code == EXIT_CODE_DONE && i < result->n_rows; i++) {
+        const sheard_msg_field_row *row = &result->rows[i];
+        print_row(result->field, row, utc);
+        if (contributions && row->n_contributions > 0) {
+            code = print_contributions(row, utc);
+        }
     }
     fflush(stdout);
     if (result->mixed) {
@@ -123,26 +91,36 @@ static int print(const field_options *f, const sheard_msg_field_result *result) 
     return code;
 }
 
-static int run(int argc, char **argv) {
-    field_options f = {.jobs = false};
+static enum exit_code run(const command *self, int argc, char **argv) {
+    CLEANUP(service_close) service s = {0};
+    sheard_params p;
     sheard_reply reply = {0};
-    sheard_params_init(&f.params, SHEARD_METHOD_FIELD);
-    int code = service_parse_operands(&cmd_field, argc, argv, options, handle, &f, &f.service,
-                                      "field", 1, 1);
-    code = code != SHEAR_OK ? code : service_open(&f.service);
-    if (code != SHEAR_OK) {
+    bool jobs = false;
+    sheard_params_init(&p, SHEARD_METHOD_FIELD);
+    const option_entry options[] = {
+        {.name = "digest", .text = &p.field.digest},
+        {.name = "jobs", .flag = &jobs},
+        {.name = "after", .integer = &p.field.after, .max = INT64_MAX, .given = &jobs},
+        {.name = "limit",
+         .integer = &p.field.limit,
+         .min = 1,
+         .max = SHEARD_MSG_FIELDS_PAGE,
+         .given = &jobs},
+        SERVICE_OPTIONS(&s),
+        {0}};
+    enum exit_code code = service_start(self, argc, argv, options, &s, "field", 1, 1);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
-    f.params.field.field = argv[optind];
-    if (!f.jobs && f.service.json) {
-        f.params.field.limit = 0; /* else its files tell in which range PSF radii and cores are */
+    p.field.field = argv[optind];
+    if (!jobs && s.json) {
+        p.field.limit = 0; /* else its files tell in which range PSF radii and cores are */
     }
-    code = service_answer(&f.service, SHEARD_METHOD_FIELD, &f.params, &reply);
-    if (code == SHEAR_OK && !f.service.json) {
-        code = print(&f, &reply.field);
+    code = service_answer(&s, SHEARD_METHOD_FIELD, &p, &reply);
+    if (code == EXIT_CODE_DONE && !s.json) {
+        code = print(&reply.field, jobs, s.utc);
     }
     sheard_reply_deinit(&reply, SHEARD_METHOD_FIELD);
-    service_close(&f.service);
     return code;
 }
 
@@ -159,6 +137,6 @@ const command cmd_field = {
              "  --jobs                  list the jobs that were counted (the first 100)\n"
              "  --limit N               list so many of them (at most 1000)\n"
              "  --after ENTRY           list them from behind this entry\n" SERVICE_OPTIONS_HELP
-             "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,45 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl fields: all fields, a line each. */
-#include "cmdline/options.h"
+#include "base/cleanup.h"
+#include "base/clock.h"
 #include "remote/field_table.h"
-#include "remote/service.h"
-#include "terminal/human.h"
+#include "remote/page_list.h"
 #include "terminal/message.h"
-#include "terminal/style.h"
 
-#include <stdlib.h>
+#include <getopt.h>
 #include <string.h>
-
-enum { OPT_LIMIT = 256, OPT_CURSOR, OPT_BRIEF };
-
-static const struct option options[] = {
-    {"limit", required_argument, NULL, OPT_LIMIT},
-    {"cursor", required_argument, NULL, OPT_CURSOR},
-    {"brief", no_argument, NULL, OPT_BRIEF},
-    SERVICE_OPTIONS,
-    {NULL, 0, NULL, 0},
-};
-
-typedef struct fields_options {
-    service service;
-    sheard_params params;
-    int64_t limit; /* fields that are still to be listed */
-    bool brief;
-} fields_options;
-
-static int handle(int value, void *context) {
-    fields_options *f = context;
-    switch (value) {
-    case OPT_LIMIT:
-        return options_int("limit", optarg, 1, INT64_MAX, &f->limit);
-    case OPT_CURSOR:
-        f->params.fields.cursor = optarg;
-        return EXIT_CODE_DONE;
-    default:
-        f->brief = true;
-        return EXIT_CODE_DONE;
-    }
-}
 
 /* A field that has several rows is named once. */
 static void print_names(const sheard_msg_field_page *page) {
@@ -51,67 +19,44 @@ static void print_names(const sheard_msg_field_page *page) {
     }
 }
 
-static void show_page(const fields_options *f, const sheard_msg_field_page *page,
-                      text_table *table) {
-    if (f->service.json) {
-        return;
-    }
-    if (f->brief) {
+static size_t show(const page_list *l, const sheard_reply *reply, const char **next) {
+    const sheard_msg_field_page *page = &reply->fields;
+    const bool rows = !l->service.json && !l->brief;
+    if (l->brief && !l->service.json) {
         print_names(page);
-        return;
     }
-    for (size_t i = 0; i < page->n_fields; i++) {
-        field_table_add(table, &page->fields[i], human_now_ms());
+    for (size_t i = 0; i < page->n_fields && rows; i++) {
+        field_table_add(l->table, &page->fields[i], clock_ms(CLOCK_REALTIME));
     }
+    *next = page->cursor;
+    return page->n_fields;
 }
 
-/* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
-static int list(fields_options *f, text_table *table, char **cursor) {
-    int code = EXIT_CODE_DONE;
-    bool empty = false; /* a page: no progress would be made */
-    sheard_msg_fields *p = &f->params.fields;
-    do {
-        sheard_reply reply = {0};
-        p->limit = f->limit < SHEARD_MSG_FIELDS_PAGE ? f->limit : SHEARD_MSG_FIELDS_PAGE;
-        code = service_answer(&f->service, SHEARD_METHOD_FIELDS, &f->params, &reply);
-        free(*cursor);
-        *cursor = NULL;
-        if (code == SHEAR_OK) {
-            show_page(f, &reply.fields, table);
-            f->limit -= (int64_t)reply.fields.n_fields;
-            empty = reply.fields.n_fields == 0;
-            *cursor = reply.fields.cursor != NULL ? strdup(reply.fields.cursor) : NULL;
-            p->cursor = *cursor;
-            sheard_reply_deinit(&reply, SHEARD_METHOD_FIELDS);
-        }
-    } while (code == SHEAR_OK && *cursor != NULL && !empty && f->limit > 0);
-    return code;
-}
-
-static int run(int argc, char **argv) {
-    fields_options f = {.limit = INT64_MAX};
-    sheard_params_init(&f.params, SHEARD_METHOD_FIELDS);
-    int code =
-        service_parse_operands(&cmd_fields, argc, argv, options, handle, &f, &f.service, "", 0, 1);
-    code = code != SHEAR_OK ? code : service_open(&f.service);
-    if (code != SHEAR_OK) {
+static enum exit_code run(const command *self, int argc, char **argv) {
+    CLEANUP(page_list_deinit)
+    page_list l = {.what = "fields",
+                   .hint = "",
+                   .method = SHEARD_METHOD_FIELDS,
+                   .page_max = SHEARD_MSG_FIELDS_PAGE,
+                   .limit = INT64_MAX,
+                   .show = show};
+    sheard_msg_fields *p = &l.params.fields;
+    sheard_params_init(&l.params, l.method);
+    l.page_limit = &p->limit;
+    l.cursor = &p->cursor;
+    const option_entry options[] = {
+        {.name = "limit", .integer = &l.limit, .min = 1, .max = INT64_MAX},
+        {.name = "cursor", .text = &p->cursor},
+        {.name = "brief", .flag = &l.brief},
+        SERVICE_OPTIONS(&l.service),
+        {0}};
+    const enum exit_code code = service_start(self, argc, argv, options, &l.service, "", 0, 1);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
-    char *cursor = NULL;
-    text_table *table = field_table_new();
-    f.params.fields.prefix = optind < argc && argv[optind][0] ? argv[optind] : NULL;
-    code = list(&f, table, &cursor);
-    if (code == SHEAR_OK && !f.service.json && !f.brief) {
-        code = text_table_print(table, stdout);
-    }
-    fflush(stdout);
-    if (code == SHEAR_OK && cursor != NULL && !f.service.json) {
-        message_note("there are more fields: --cursor %s goes on with them", cursor);
-    }
-    text_table_free(table);
-    free(cursor);
-    service_close(&f.service);
-    return code;
+    l.table = field_table_new();
+    p->prefix = optind < argc && argv[optind][0] != '\0' ? argv[optind] : NULL;
+    return page_list_print(&l);
 }
 
 const command cmd_fields = {
@@ -128,6 +73,6 @@ const command cmd_fields = {
              "  --limit N               at most so many\n"
              "  --cursor TEXT           go on where an earlier list ended\n"
              "  --brief                 only the names\n" SERVICE_OPTIONS_HELP
-             "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,50 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl forget: everything that was counted in a field is taken back. */
-#include "cmdline/options.h"
+/* shearctl forget: take back everything that was counted in a field. */
+#include "base/cleanup.h"
 #include "remote/service.h"
 #include "terminal/message.h"
 
+#include <getopt.h>
 #include <inttypes.h>
 
-enum { OPT_DIGEST = 256, OPT_YES };
-
-static const struct option options[] = {
-    {"digest", required_argument, NULL, OPT_DIGEST},
-    {"yes", no_argument, NULL, OPT_YES},
-    SERVICE_OPTIONS,
-    {NULL, 0, NULL, 0},
-};
-
-typedef struct forget_options {
-    service service;
-    sheard_params params;
-    bool yes;
-} forget_options;
-
-static int handle(int value, void *context) {
-    forget_options *f = context;
-    if (value == OPT_DIGEST) {
-        f->params.forget.digest = optarg;
-    } else {
-        f->yes = true;
-    }
-    return EXIT_CODE_DONE;
-}
-
-/* Not yet: what would be gone. */
-static int tell(forget_options *f) {
+/* Not yet: say what would be gone. */
+static enum exit_code explain(service *s, const sheard_msg_forget *what) {
     sheard_params p;
     sheard_reply reply = {0};
     char name[256];
     int64_t jobs = 0;
     sheard_params_init(&p, SHEARD_METHOD_FIELD);
-    p.field =
-        (sheard_msg_field){.field = f->params.forget.field, .digest = f->params.forget.digest};
-    const bool json = f->service.json;
-    f->service.json = false;
-    const int code = service_answer(&f->service, SHEARD_METHOD_FIELD, &p, &reply);
-    f->service.json = json;
-    if (code != SHEAR_OK) {
+    p.field = (sheard_msg_field){.field = what->field, .digest = what->digest};
+    const enum exit_code code = service_call(s, SHEARD_METHOD_FIELD, &p, &reply);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     for (size_t i = 0; i < reply.field.n_rows; i++) {
@@ -57,11 +29,11 @@ static int tell(forget_options *f) {
     return EXIT_CODE_USAGE;
 }
 
-static int forget(forget_options *f) {
+static enum exit_code forget(service *s, const sheard_params *p) {
     sheard_reply reply = {0};
     char name[256];
-    const int code = service_answer(&f->service, SHEARD_METHOD_FORGET, &f->params, &reply);
-    if (code == SHEAR_OK && !f->service.json) {
+    const enum exit_code code = service_answer(s, SHEARD_METHOD_FORGET, p, &reply);
+    if (code == EXIT_CODE_DONE && !s->json) {
         const sheard_msg_forgotten *r = &reply.forget;
         printf("field %s forgotten: %" PRId64 " results of %" PRId64 " contributions, %" PRId64
                " jobs retracted\n",
@@ -71,19 +43,21 @@ static int forget(forget_options *f) {
     return code;
 }
 
-static int run(int argc, char **argv) {
-    forget_options f = {.yes = false};
-    sheard_params_init(&f.params, SHEARD_METHOD_FORGET);
-    int code = service_parse_operands(&cmd_forget, argc, argv, options, handle, &f, &f.service,
-                                      "field", 1, 1);
-    code = code != SHEAR_OK ? code : service_open(&f.service);
-    if (code != SHEAR_OK) {
+static enum exit_code run(const command *self, int argc, char **argv) {
+    CLEANUP(service_close) service s = {0};
+    sheard_params p;
+    bool yes = false;
+    sheard_params_init(&p, SHEARD_METHOD_FORGET);
+    const option_entry options[] = {{.name = "digest", .text = &p.forget.digest},
+                                    {.name = "yes", .flag = &yes},
+                                    SERVICE_OPTIONS(&s),
+                                    {0}};
+    const enum exit_code code = service_start(self, argc, argv, options, &s, "field", 1, 1);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
-    f.params.forget.field = argv[optind];
-    code = f.yes ? forget(&f) : tell(&f);
-    service_close(&f.service);
-    return code;
+    p.forget.field = argv[optind];
+    return yes ? forget(&s, &p) : explain(&s, &p.forget);
 }
 
 const command cmd_forget = {
@@ -100,6 +74,6 @@ const command cmd_forget = {
              "\n"
              "  --digest TEXT           only the result of these settings\n"
              "  --yes                   do it; without, only say what it would take "
-             "back\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+             "back\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -13,16 +13,16 @@ static void refer_to_settings(FILE *out) {
     fputs("  all options of SETTINGS\n", out);
 }
 
-static int explain(const char *name, void (*settings)(FILE *out)) {
-    const command *self = command_find(name);
-    if (self == NULL) {
+static enum exit_code explain(const char *name, void (*settings)(FILE *out)) {
+    const command *found = command_find(name);
+    if (found == NULL) {
         return EXIT_CODE_USAGE;
     }
-    command_print_usage(self, settings, stdout);
+    command_print_usage(found, settings, stdout);
     return EXIT_CODE_DONE;
 }
 
-static int run(int argc, char **argv) {
+static enum exit_code run(const command *self, int argc, char **argv) {
     if (argc < 2) {
         command_print_list(stdout);
         return EXIT_CODE_DONE;
@@ -38,7 +38,8 @@ static int run(int argc, char **argv) {
         return explain(argv[2], refer_to_settings);
     }
     if (argc > 2) {
-        message_fail("\"shearctl help SUBCOMMAND\"", "help: expected one name, got %d", argc - 1);
+        message_fail("\"shearctl help SUBCOMMAND\"", "%s: expected one name, got %d", self->name,
+                     argc - 1);
         return EXIT_CODE_USAGE;
     }
     return explain(argv[1], settings_options_help);

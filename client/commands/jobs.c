@@ -1,41 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl jobs: a list of jobs, the newest first. */
-#include "cmdline/options.h"
+#include "base/cleanup.h"
+#include "base/clock.h"
 #include "remote/job_text.h"
-#include "remote/service.h"
-#include "terminal/human.h"
+#include "remote/page_list.h"
 #include "terminal/message.h"
 
 #include <inttypes.h>
 #include <pwd.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { OPT_STATE = 256, OPT_FIELD, OPT_USER, OPT_LIMIT, OPT_CURSOR, OPT_BRIEF };
 enum { DEFAULT_LIMIT = 50 };
 
-static const struct option options[] = {
-    {"state", required_argument, NULL, OPT_STATE},
-    {"field", required_argument, NULL, OPT_FIELD},
-    {"user", required_argument, NULL, OPT_USER},
-    {"limit", required_argument, NULL, OPT_LIMIT},
-    {"cursor", required_argument, NULL, OPT_CURSOR},
-    {"brief", no_argument, NULL, OPT_BRIEF},
-    SERVICE_OPTIONS,
-    {NULL, 0, NULL, 0},
-};
-
-typedef struct jobs_options {
-    service service;
-    sheard_params params;
-    int64_t limit; /* jobs that are still to be listed */
-    bool brief;
-} jobs_options;
-
 /* "failed,cancelled" */
-static int set_states(const char *text, unsigned *states) {
-    for (const char *at = text; *at; at += *at == ',') {
+static enum exit_code set_states(const option_entry *e, const char *value) {
+    unsigned *states = e->context;
+    for (const char *at = value; *at != '\0'; at += *at == ',') {
         const size_t n = strcspn(at, ",");
         int state = 0;
         while (state < SHEARD_N_JOB_STATES &&
@@ -45,7 +26,7 @@ static int set_states(const char *text, unsigned *states) {
         }
         if (state == SHEARD_N_JOB_STATES) {
             message_fail("queued, running, waiting, done, failed, cancelled, retracted",
-                         "--state %s: \"%.*s\" is no state of a job", text, (int)n, at);
+                         "--state %s: \"%.*s\" is no state of a job", value, (int)n, at);
             return EXIT_CODE_USAGE;
         }
         *states |= 1U << state;
@@ -55,101 +36,62 @@ static int set_states(const char *text, unsigned *states) {
 }
 
 /* A user's name or number, or "me". */
-static int set_owner(const char *text, int64_t *owner) {
-    if (strcmp(text, "me") == 0) {
-        *owner = getuid();
+static enum exit_code set_owner(const option_entry *e, const char *value) {
+    int64_t *owner = e->context;
+    const bool me = strcmp(value, "me") == 0;
+    const struct passwd *user = me ? NULL : getpwnam(value);
+    if (me || user != NULL) {
+        *owner = me ? getuid() : user->pw_uid;
         return EXIT_CODE_DONE;
     }
-    const struct passwd *user = getpwnam(text);
-    if (user != NULL) {
-        *owner = user->pw_uid;
-        return EXIT_CODE_DONE;
-    }
-    if (*text < '0' || *text > '9') {
-        message_fail("give a name, a number, or \"me\"", "--user %s: there is no such user", text);
+    if (*value < '0' || *value > '9') {
+        message_fail("give a name, a number, or \"me\"", "--user %s: there is no such user", value);
         return EXIT_CODE_USAGE;
     }
-    return options_int("user", text, 0, UINT32_MAX, owner);
+    return options_integer(e->name, value, 0, UINT32_MAX, owner);
 }
 
-static int handle(int value, void *context) {
-    jobs_options *j = context;
-    switch (value) {
-    case OPT_STATE:
-        return set_states(optarg, &j->params.jobs.states);
-    case OPT_USER:
-        return set_owner(optarg, &j->params.jobs.owner);
-    case OPT_LIMIT:
-        return options_int("limit", optarg, 1, INT64_MAX, &j->limit);
-    case OPT_FIELD:
-        j->params.jobs.field = optarg;
-        return EXIT_CODE_DONE;
-    case OPT_CURSOR:
-        j->params.jobs.cursor = optarg;
-        return EXIT_CODE_DONE;
-    default:
-        j->brief = true;
-        return EXIT_CODE_DONE;
-    }
-}
-
-static void show_page(const jobs_options *j, const sheard_msg_job_page *page, text_table *table) {
-    const int64_t now = human_now_ms();
-    for (size_t i = 0; i < page->n_jobs && !j->service.json; i++) {
-        if (j->brief) {
+static size_t show(const page_list *l, const sheard_reply *reply, const char **next) {
+    const sheard_msg_job_page *page = &reply->jobs;
+    const int64_t now = clock_ms(CLOCK_REALTIME);
+    for (size_t i = 0; i < page->n_jobs && !l->service.json; i++) {
+        if (l->brief) {
             printf("%" PRId64 "\n", page->jobs[i].id);
         } else {
-            job_table_add(table, &page->jobs[i], now);
+            job_table_add(l->table, &page->jobs[i], now);
         }
     }
+    *next = page->cursor;
+    return page->n_jobs;
 }
 
-/* All pages, up to the limit. *cursor becomes the one of the next page, or NULL: the caller's. */
-static int list(jobs_options *j, text_table *table, char **cursor) {
-    int code = EXIT_CODE_DONE;
-    bool empty = false; /* a page: no progress would be made */
-    do {
-        sheard_reply reply = {0};
-        j->params.jobs.limit = j->limit < SHEARD_MSG_JOBS_PAGE ? j->limit : SHEARD_MSG_JOBS_PAGE;
-        code = service_answer(&j->service, SHEARD_METHOD_JOBS, &j->params, &reply);
-        free(*cursor);
-        *cursor = NULL;
-        if (code == SHEAR_OK) {
-            show_page(j, &reply.jobs, table);
-            j->limit -= (int64_t)reply.jobs.n_jobs;
-            empty = reply.jobs.n_jobs == 0;
-            *cursor = reply.jobs.cursor != NULL ? strdup(reply.jobs.cursor) : NULL;
-            j->params.jobs.cursor = *cursor;
-            sheard_reply_deinit(&reply, SHEARD_METHOD_JOBS);
-        }
-    } while (code == SHEAR_OK && *cursor != NULL && !empty && j->limit > 0);
-    return code;
-}
-
-static int run(int argc, char **argv) {
-    jobs_options j = {.limit = DEFAULT_LIMIT};
-    sheard_params_init(&j.params, SHEARD_METHOD_JOBS);
-    int code =
-        service_parse_operands(&cmd_jobs, argc, argv, options, handle, &j, &j.service, "", 0, 0);
-    code = code != SHEAR_OK ? code : service_open(&j.service);
-    if (code != SHEAR_OK) {
+static enum exit_code run(const command *self, int argc, char **argv) {
+    CLEANUP(page_list_deinit)
+    page_list l = {.what = "jobs",
+                   .hint = ", --limit lists more",
+                   .method = SHEARD_METHOD_JOBS,
+                   .page_max = SHEARD_MSG_JOBS_PAGE,
+                   .limit = DEFAULT_LIMIT,
+                   .show = show};
+    sheard_msg_jobs *p = &l.params.jobs;
+    sheard_params_init(&l.params, l.method);
+    l.page_limit = &p->limit;
+    l.cursor = &p->cursor;
+    const option_entry options[] = {
+        {.name = "state", .set = set_states, .context = &p->states},
+        {.name = "field", .text = &p->field},
+        {.name = "user", .set = set_owner, .context = &p->owner},
+        {.name = "limit", .integer = &l.limit, .min = 1, .max = INT64_MAX},
+        {.name = "cursor", .text = &p->cursor},
+        {.name = "brief", .flag = &l.brief},
+        SERVICE_OPTIONS(&l.service),
+        {0}};
+    const enum exit_code code = service_start(self, argc, argv, options, &l.service, "", 0, 0);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
-    char *cursor = NULL;
-    text_table *table = job_table_new();
-    code = list(&j, table, &cursor);
-    if (code == SHEAR_OK && !j.service.json && !j.brief) {
-        code = text_table_print(table, stdout);
-    }
-    fflush(stdout);
-    if (code == SHEAR_OK && cursor != NULL && !j.service.json) {
-        message_note("there are more jobs: --cursor %s goes on with them, --limit lists more",
-                     cursor);
-    }
-    text_table_free(table);
-    free(cursor);
-    service_close(&j.service);
-    return code;
+    l.table = job_table_new();
+    return page_list_print(&l);
 }
 
 const command cmd_jobs = {
@@ -167,6 +109,6 @@ const command cmd_jobs = {
              "  --limit N               at most so many (default 50)\n"
              "  --cursor TEXT           go on where an earlier list ended\n"
              "  --brief                 only the numbers of the jobs\n" SERVICE_OPTIONS_HELP
-             "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,147 +1,105 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl measure: field files in, the shear of each field out. */
-#include "cmdline/command.h"
-#include "cmdline/options.h"
-#include "cmdline/part_options.h"
-#include "cmdline/settings_options.h"
-#include "cmdline/settings_parse.h"
+/* shearctl measure: files in, the shear of each field out. */
+#include "base/cleanup.h"
 #include "local/catalog_path.h"
 #include "local/measure_group.h"
-#include "local/measure_input.h"
 #include "local/result_text.h"
 #include "sheard/report.h"
 #include "terminal/message.h"
 #include "terminal/progress.h"
 
+#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MAX_THREADS = 1024, MAX_JACKKNIFE = 100000 };
-enum { OPT_THREADS = 256, OPT_CATALOG, OPT_FORCE, OPT_JACKKNIFE, OPT_FIELD, OPT_JSON, OPT_QUIET };
 
-static const struct option own_options[] = {
-    {"threads", required_argument, NULL, OPT_THREADS},
-    {"catalog", required_argument, NULL, OPT_CATALOG},
-    {"force", no_argument, NULL, OPT_FORCE},
-    {"jackknife", required_argument, NULL, OPT_JACKKNIFE},
-    {"field", required_argument, NULL, OPT_FIELD},
-    {"json", no_argument, NULL, OPT_JSON},
-    {"quiet", no_argument, NULL, OPT_QUIET},
-    PART_OPTIONS,
-};
-enum { N_OWN = sizeof own_options / sizeof own_options[0] };
-
-static int handle(int value, const char *argument, void *context) {
-    measure_options *o = context;
-    int64_t number = 0;
-    int code = EXIT_CODE_DONE;
-    if (part_options_is(value)) {
-        part_options_set(&o->parts, value, argument);
-        return EXIT_CODE_DONE;
-    }
-    switch (value) {
-    case OPT_THREADS:
-        code = options_int("threads", argument, 1, MAX_THREADS, &number);
-        o->threads = (int)number;
-        break;
-    case OPT_JACKKNIFE:
-        code = options_int("jackknife", argument, 2, MAX_JACKKNIFE, &number);
-        o->jackknife = (int)number;
-        break;
-    case OPT_CATALOG:
-        o->catalog = argument;
-        break;
-    case OPT_FIELD:
-        o->field = argument;
-        break;
-    case OPT_FORCE:
-        o->force = true;
-        break;
-    case OPT_JSON:
-        o->json = true;
-        break;
-    default:
-        o->quiet = true;
-        break;
-    }
-    return code;
-}
-
-static int check_options(measure_options *o, char **files, int n_files) {
-    const int code = part_options_settle(&o->parts, &cmd_measure, files, n_files);
-    if (code != SHEAR_OK) {
+static enum exit_code check(const command *self, measure_options *o, char **files, int n_files) {
+    const enum exit_code code = part_options_settle(&o->parts, self, files, n_files);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
-    if (o->jackknife != 0 && o->settings.estimator != SHEAR_ESTIMATOR_MEAN) {
+    if (o->jackknife != 0 && o->settings.values.estimator != SHEAR_ESTIMATOR_MEAN) {
         message_fail("leave one of the two out", "--jackknife is for --estimator mean only");
         return EXIT_CODE_USAGE;
     }
-    if (o->field != NULL && !o->field[0]) {
+    if (o->field != NULL && o->field[0] == '\0') {
         message_fail(NULL, "--field: the name is empty");
         return EXIT_CODE_USAGE;
     }
     return EXIT_CODE_DONE;
 }
 
-static int parse(int argc, char **argv, measure_options *o) {
-    settings_parser p = {.self = &cmd_measure,
-                         .own = own_options,
-                         .n_own = N_OWN,
-                         .handle = handle,
-                         .context = o,
-                         .settings = &o->settings};
-    const int code = settings_parse(&p, argc, argv);
-    return code != SHEAR_OK ? code : check_options(o, argv + optind, argc - optind);
+static enum exit_code parse(const command *self, int argc, char **argv, measure_options *o) {
+    const option_entry options[] = {
+        {.name = "threads", .integer = &o->threads, .min = 1, .max = MAX_THREADS},
+        {.name = "catalog", .text = &o->catalog},
+        {.name = "force", .flag = &o->force},
+        {.name = "jackknife", .integer = &o->jackknife, .min = 2, .max = MAX_JACKKNIFE},
+        {.name = "field", .text = &o->field},
+        {.name = "json", .flag = &o->json},
+        {.name = "quiet", .flag = &o->quiet},
+        PART_OPTIONS(&o->parts),
+        {0}};
+    shear_settings_init(&o->settings.values);
+    enum exit_code code = options_parse(self, argc, argv, options, &o->settings);
+    if (code == EXIT_CODE_DONE) {
+        code = options_check_settings(&o->settings);
+    }
+    return code != EXIT_CODE_DONE ? code : check(self, o, argv + optind, argc - optind);
 }
 
-static int print_json(const measure_group *g, const measure_options *o) {
-    shear_error err = {0};
-    char *text = NULL;
-    sheard_report_file *files = calloc(g->n, sizeof *files);
-    if (files == NULL) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
-    }
-    sheard_report report = {
-        .field = g->field,
-        .result = &g->result,
-        .settings = &o->settings,
-        .plan = &measure_group_first(g)->report.plan,
-        .files = files,
-        .warnings = (const char *const *)g->warnings.text,
-        .n_warnings = g->warnings.n,
-        .estimators = &g->estimators,
-        .seconds = g->seconds,
-    };
-    const measure_input *top = measure_group_top(g);
-    report.top_file = top != NULL ? top->path : NULL;
-    report.has_truth = measure_group_truth(g, &report.true_g1, &report.true_g2);
+/* Those of the group that were measured. */
+static size_t list_files(const measure_group *g, sheard_report_file *files) {
+    size_t n = 0;
     for (size_t i = 0; i < g->n; i++) {
         const measure_input *input = g->inputs[i];
         if (input->measured) {
             const shear_run_report *run = &input->report;
-            files[report.n_files++] = (sheard_report_file){
+            files[n++] = (sheard_report_file){
                 input->path,        input->checksum, input->info.name, run->result.n_stamps,
                 run->result.n_used, &run->plan,      run->seconds};
         }
     }
-    int code = sheard_report_json(&text, &report, &err);
-    if (code != SHEAR_OK) {
-        message_error(&err);
-    } else {
-        puts(text);
-    }
-    free(text);
-    free(files);
-    return code != SHEAR_OK ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+    return n;
 }
 
-static int show(const measure_group *g, const measure_options *o) {
-    int code = EXIT_CODE_DONE;
+static enum exit_code print_json(const measure_group *g, const measure_options *o) {
+    shear_error err = {0};
+    CLEANUP(release_free) char *text = NULL;
+    CLEANUP(release_free) sheard_report_file *files = calloc(g->n, sizeof *files);
+    if (files == NULL) {
+        return message_no_memory();
+    }
+    const measure_input *top = measure_group_top(g);
+    sheard_report report = {
+        .field = g->field,
+        .result = &g->result,
+        .settings = &o->settings.values,
+        .plan = &measure_group_first(g)->report.plan,
+        .files = files,
+        .n_files = list_files(g, files),
+        .warnings = (const char *const *)g->warnings.text,
+        .n_warnings = g->warnings.n,
+        .estimators = &g->estimators,
+        .seconds = g->seconds,
+        .top_file = top != NULL ? top->path : NULL,
+    };
+    report.has_truth = measure_group_truth(g, &report.true_g1, &report.true_g2);
+    if (sheard_report_json(&text, &report, &err) != SHEAR_OK) {
+        message_error(&err);
+        return EXIT_CODE_OTHER;
+    }
+    puts(text);
+    return EXIT_CODE_DONE;
+}
+
+static enum exit_code show(const measure_group *g, const measure_options *o) {
+    enum exit_code code = EXIT_CODE_DONE;
     if (o->json) {
         code = print_json(g, o);
     } else {
-        result_text_print(g, &o->settings, stdout);
+        result_text_print(g, &o->settings.values, stdout);
     }
     fflush(stdout); /* a field's result is out before the next one is measured */
     if (!o->quiet) {
@@ -164,34 +122,30 @@ static void warn_duplicates(measure_input *inputs, size_t n, measure_group *grou
     }
 }
 
-static int measure_groups(measure_input *inputs, size_t n, const measure_options *o) {
+static enum exit_code measure_groups(measure_input *inputs, size_t n, const measure_options *o) {
     measure_group *groups = NULL;
     size_t n_groups = 0;
-    int shown = EXIT_CODE_DONE;
+    enum exit_code shown = EXIT_CODE_DONE;
     if (!measure_groups_new(inputs, n, &groups, &n_groups)) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+        return message_no_memory();
     }
     warn_duplicates(inputs, n, groups, n_groups);
     for (size_t i = 0; i < n_groups && !progress_interrupted(); i++) {
-        if (measure_group_run(&groups[i], o) && show(&groups[i], o) != 0) {
+        if (measure_group_run(&groups[i], o) && show(&groups[i], o) != EXIT_CODE_DONE) {
             shown = EXIT_CODE_OTHER;
         }
     }
     measure_groups_free(groups, n_groups);
-    if (progress_interrupted() || shown != 0) {
-        return EXIT_CODE_OTHER;
-    }
-    return measure_inputs_exit_code(inputs, n);
+    return progress_interrupted() || shown != EXIT_CODE_DONE ? EXIT_CODE_OTHER
+                                                             : measure_inputs_exit_code(inputs, n);
 }
 
-static int measure_inputs(const shear_input *sources, const char *const *names, size_t n,
-                          const measure_options *o) {
-    int code = EXIT_CODE_DONE;
+static enum exit_code measure_inputs(const shear_input *sources, const char *const *names, size_t n,
+                                     const measure_options *o) {
+    enum exit_code code = EXIT_CODE_DONE;
     measure_input *inputs = calloc(n, sizeof *inputs);
     if (inputs == NULL) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+        return message_no_memory();
     }
     for (size_t i = 0; i < n; i++) {
         inputs[i].source = &sources[i];
@@ -201,48 +155,41 @@ static int measure_inputs(const shear_input *sources, const char *const *names, 
     if (o->catalog != NULL) {
         code = catalog_paths_resolve(inputs, n, o->catalog, o->force);
     }
-    if (code == SHEAR_OK) {
+    if (code == EXIT_CODE_DONE) {
         code = measure_groups(inputs, n, o);
     }
     measure_inputs_free(inputs, n);
     return code;
 }
 
-static int measure_files(char **paths, size_t n, const measure_options *o) {
-    shear_input *sources = calloc(n, sizeof *sources);
+static enum exit_code measure_files(char **paths, size_t n, const measure_options *o) {
+    CLEANUP(release_free) shear_input *sources = calloc(n, sizeof *sources);
     if (sources == NULL) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+        return message_no_memory();
     }
     for (size_t i = 0; i < n; i++) {
         sources[i] = shear_input_of_file(paths[i]);
     }
-    const int code = measure_inputs(sources, (const char *const *)paths, n, o);
-    free(sources);
-    return code;
+    return measure_inputs(sources, (const char *const *)paths, n, o);
 }
 
-static int measure_parts(const measure_options *o) {
+static enum exit_code measure_parts(const measure_options *o) {
     char text[SHEAR_INPUT_TEXT_SIZE];
-    part_input parts;
+    CLEANUP(part_input_deinit) part_input parts = {0};
     shear_error err = {0};
-    int code = part_input_init(&parts, &o->parts, false, &err);
+    const int code = part_input_init(&parts, &o->parts, false, &err);
     if (code != SHEAR_OK) {
         message_error(&err);
-        code = code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
-    } else {
-        const char *name = shear_input_text(&parts.input, text, sizeof text);
-        code = measure_inputs(&parts.input, &name, 1, o);
+        return code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
     }
-    part_input_deinit(&parts);
-    return code;
+    const char *name = shear_input_text(&parts.input, text, sizeof text);
+    return measure_inputs(&parts.input, &name, 1, o);
 }
 
-static int run(int argc, char **argv) {
-    measure_options o = {0};
-    shear_settings_init(&o.settings);
-    int code = parse(argc, argv, &o);
-    if (code != SHEAR_OK) {
+static enum exit_code run(const command *self, int argc, char **argv) {
+    measure_options o = {.threads = 0};
+    const enum exit_code code = parse(self, argc, argv, &o);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     return part_options_any(&o.parts) ? measure_parts(&o)

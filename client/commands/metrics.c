@@ -2,12 +2,13 @@
 /* shearctl metrics. */
 #include "remote/service_query.h"
 
-static void print(const sheard_reply *reply) {
+static void print(const sheard_reply *reply, const service *s) {
+    (void)s;
     fputs(reply->metrics.text, stdout);
 }
 
-static int run(int argc, char **argv) {
-    return service_query(&cmd_metrics, SHEARD_METHOD_METRICS, print, argc, argv);
+static enum exit_code run(const command *self, int argc, char **argv) {
+    return service_query(self, argc, argv, SHEARD_METHOD_METRICS, print);
 }
 
 const command cmd_metrics = {
@@ -16,6 +17,6 @@ const command cmd_metrics = {
     .usage = "usage: shearctl metrics [OPTION...]\n"
              "\n"
              "Print the metrics of the service in the text format of Prometheus.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,98 +1,58 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl mock: a field file of mock galaxies whose shear is known. */
 #include "shear_mocks/mock.h"
-#include "cmdline/command.h"
 #include "cmdline/options.h"
 #include "terminal/message.h"
 #include "terminal/progress.h"
 
+#include <assert.h>
 #include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
-enum { MAX_THREADS = 1024, MAX_OPTIONS = 64 };
-enum { OPT_THREADS = 256, OPT_FORCE, OPT_QUIET, OPT_TABLE = 1024 };
+enum { MAX_THREADS = 1024, MAX_OPTIONS = 64, N_OWN = 3 };
 
 typedef struct mock_options {
     shear_mock_spec spec;
-    shear_mock_write_options write;
+    int64_t threads;
+    bool force, quiet;
     const char *path;
-    bool quiet;
 } mock_options;
 
-static const struct option own_options[] = {
-    {"threads", required_argument, NULL, OPT_THREADS},
-    {"force", no_argument, NULL, OPT_FORCE},
-    {"quiet", no_argument, NULL, OPT_QUIET},
-};
-enum { N_OWN = sizeof own_options / sizeof own_options[0] };
+static enum exit_code set_mock(const option_entry *e, const char *value) {
+    shear_error err = {0};
+    if (shear_mock_set(e->context, e->name, value, &err) != SHEAR_OK) {
+        message_error(&err);
+        return EXIT_CODE_USAGE;
+    }
+    return EXIT_CODE_DONE;
+}
 
-/* Ours, then those of the table, then the all-zero entry. */
-static void fill_options(struct option *options, size_t room) {
+static enum exit_code parse(const command *self, int argc, char **argv, mock_options *o) {
     size_t n = 0;
     const shear_mock_option *table = shear_mock_options(&n);
-    memset(options, 0, room * sizeof *options);
-    memcpy(options, own_options, sizeof own_options);
-    for (size_t i = 0; i < n && N_OWN + i + 1 < room; i++) {
-        options[N_OWN + i] = (struct option){
-            table[i].name, table[i].metavar != NULL ? required_argument : no_argument, NULL,
-            OPT_TABLE + (int)i};
+    option_entry options[MAX_OPTIONS] = {
+        {.name = "threads", .integer = &o->threads, .min = 1, .max = MAX_THREADS},
+        {.name = "force", .flag = &o->force},
+        {.name = "quiet", .flag = &o->quiet}};
+    assert(N_OWN + n < MAX_OPTIONS);
+    for (size_t i = 0; i < n; i++) {
+        options[N_OWN + i] = (option_entry){.name = table[i].name,
+                                            .set = set_mock,
+                                            .context = &o->spec,
+                                            .bare = table[i].metavar == NULL};
     }
-}
-
-static int handle(int value, mock_options *o) {
-    if (value >= OPT_TABLE) {
-        size_t n = 0;
-        shear_error err = {0};
-        const char *name = shear_mock_options(&n)[value - OPT_TABLE].name;
-        if (shear_mock_set(&o->spec, name, optarg, &err) != 0) {
-            message_error(&err);
-            return EXIT_CODE_USAGE;
-        }
-        return EXIT_CODE_DONE;
-    }
-    int64_t threads = 0;
-    int code = EXIT_CODE_DONE;
-    switch (value) {
-    case OPT_THREADS:
-        code = options_int("threads", optarg, 1, MAX_THREADS, &threads);
-        o->write.threads = (int)threads;
-        break;
-    case OPT_FORCE:
-        o->write.overwrite = true;
-        break;
-    default:
-        o->quiet = true;
-        break;
-    }
-    return code;
-}
-
-static int parse(int argc, char **argv, mock_options *o) {
-    struct option options[MAX_OPTIONS];
-    fill_options(options, MAX_OPTIONS);
-    opterr = 0;
-    int value = 0;
-    while ((value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
-        if (value == '?' || value == ':') {
-            return options_bad(&cmd_mock, value, argv, options);
-        }
-        int code = handle(value, o);
-        if (code != SHEAR_OK) {
-            return code;
-        }
+    const enum exit_code code = options_parse(self, argc, argv, options, NULL);
+    if (code != EXIT_CODE_DONE) {
+        return code;
     }
     if (argc - optind != 1) {
-        message_fail("\"shearctl help mock\"", "mock: expected one output file, got %d",
-                     argc - optind);
-        return EXIT_CODE_USAGE;
+        return options_fail(self, "expected one output file, got %d", argc - optind);
     }
     o->path = argv[optind];
     return EXIT_CODE_DONE;
 }
 
-static const char *turned(int rotate) {
+static const char *rotations(int rotate) {
     switch (rotate) {
     case 2:
         return ", each at 0 and 90 degrees";
@@ -112,46 +72,42 @@ static void print_report(const mock_options *o, const shear_mock_info *info) {
            message_clean(o->path, path, sizeof path), info->n_stamps, s->nx, s->ny, megabytes);
     printf("true shear g1 = %g, g2 = %g; %" PRId64 " %s galaxies%s\n", s->g1, s->g2,
            info->n_galaxies, s->galaxy == SHEAR_MOCK_IRREGULAR ? "irregular" : "regular",
-           turned(s->rotate));
+           rotations(s->rotate));
 }
 
-/* The exit code of a failed write: the options were good, so the rest is the system's. */
-static int exit_code(int code) {
-    return code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
-}
-
-static int write_field(mock_options *o, const shear_mock *m) {
-    shear_error err = {0};
+static int write_field(const mock_options *o, const shear_mock *m, shear_error *err) {
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin("mock");
-    o->write.progress = progress_callback;
-    o->write.context = bar;
-    int code = shear_mock_write(m, o->path, &o->write, &err);
+    const shear_mock_write_options how = {.threads = (int)o->threads,
+                                          .overwrite = o->force,
+                                          .progress = progress_callback,
+                                          .context = bar};
+    const int code = shear_mock_write(m, o->path, &how, err);
     progress_end(bar);
-    if (code != SHEAR_OK) {
-        message_error(&err);
-        return exit_code(code);
+    if (code == SHEAR_OK) {
+        print_report(o, shear_mock_get_info(m));
     }
-    print_report(o, shear_mock_get_info(m));
-    return EXIT_CODE_DONE;
+    return code;
 }
 
-static int run(int argc, char **argv) {
-    mock_options o = {0};
+static enum exit_code run(const command *self, int argc, char **argv) {
+    mock_options o = {.quiet = false};
     shear_error err = {0};
     shear_mock *m = NULL;
     shear_mock_spec_init(&o.spec);
-    int code = parse(argc, argv, &o);
-    if (code != SHEAR_OK) {
-        return code;
+    const enum exit_code parsed = parse(self, argc, argv, &o);
+    if (parsed != EXIT_CODE_DONE) {
+        return parsed;
     }
-    code = shear_mock_new(&m, &o.spec, &err);
+    int code = shear_mock_new(&m, &o.spec, &err);
+    if (code == SHEAR_OK) {
+        code = write_field(&o, m, &err);
+        shear_mock_free(m);
+    }
     if (code != SHEAR_OK) {
         message_error(&err);
-        return exit_code(code);
+        return code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;
     }
-    code = write_field(&o, m);
-    shear_mock_free(m);
-    return code;
+    return EXIT_CODE_DONE;
 }
 
 /* A test holds this text against the table: every option, with the default that it has there. */

@@ -1,80 +1,54 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl plot: a picture of a field file or of a result catalog. */
 #include "plot/plot.h"
-#include "cmdline/command.h"
+#include "base/cleanup.h"
+#include "base/text.h"
 #include "cmdline/options.h"
-#include "cmdline/settings_options.h"
-#include "cmdline/settings_parse.h"
 #include "local/measure_input.h"
 #include "terminal/message.h"
 
+#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-enum { OPT_OUT = 256, OPT_STAMP, OPT_STAMPS, OPT_FORCE };
-
-static const struct option own_options[] = {
-    {"output", required_argument, NULL, OPT_OUT},
-    {"stamp", required_argument, NULL, OPT_STAMP},
-    {"stamps", required_argument, NULL, OPT_STAMPS},
-    {"force", no_argument, NULL, OPT_FORCE},
-};
-enum { N_OWN = sizeof own_options / sizeof own_options[0] };
 
 typedef struct plot_command {
     const char *path;
     const char *out; /* or NULL: by the input's name */
     bool force;
-    bool stamps_given, settings_given; /* only good for a field file */
+    bool stamps_given; /* good for a field file alone, as settings are */
+    option_settings settings;
     plot_options options;
 } plot_command;
 
-static int handle(int value, const char *argument, void *context) {
-    plot_command *c = context;
-    int64_t number = 0;
-    int code = EXIT_CODE_DONE;
-    switch (value) {
-    case OPT_STAMP:
-        code = options_int("stamp", argument, 0, INT64_MAX, &number);
-        c->options.stamp = number;
-        c->stamps_given = true;
-        break;
-    case OPT_STAMPS:
-        code = options_int("stamps", argument, 1, PLOT_MAX_STAMPS, &number);
-        c->options.n_stamps = (int)number;
-        c->stamps_given = true;
-        break;
-    case OPT_FORCE:
-        c->force = true;
-        break;
-    default:
-        c->out = argument;
-        break;
+static enum exit_code parse(const command *self, int argc, char **argv, plot_command *c) {
+    const option_entry options[] = {{.name = "output", .letter = 'o', .text = &c->out},
+                                    {.name = "stamp",
+                                     .integer = &c->options.stamp,
+                                     .max = INT64_MAX,
+                                     .given = &c->stamps_given},
+                                    {.name = "stamps",
+                                     .integer = &c->options.n_stamps,
+                                     .min = 1,
+                                     .max = PLOT_MAX_STAMPS,
+                                     .given = &c->stamps_given},
+                                    {.name = "force", .flag = &c->force},
+                                    {0}};
+    shear_settings_init(&c->settings.values);
+    enum exit_code code = options_parse(self, argc, argv, options, &c->settings);
+    if (code == EXIT_CODE_DONE) {
+        code = options_check_settings(&c->settings);
     }
+    if (code == EXIT_CODE_DONE && argc - optind != 1) {
+        return options_fail(self, "expected one file, got %d", argc - optind);
+    }
+    c->options.settings = &c->settings.values;
+    c->path = argv[optind];
     return code;
 }
 
-static int check_options(plot_command *c, int argc, char **argv) {
-    if (argc - optind != 1) {
-        message_fail("\"shearctl help plot\"", "plot: expected one file, got %d", argc - optind);
-        return EXIT_CODE_USAGE;
-    }
-    c->path = argv[optind];
-    return EXIT_CODE_DONE;
-}
-
-static int parse(int argc, char **argv, plot_command *c) {
-    settings_parser p = {.self = &cmd_plot,
-                         .own = own_options,
-                         .n_own = N_OWN,
-                         .letters = "o:",
-                         .handle = handle,
-                         .context = c,
-                         .settings = &c->options.settings};
-    const int code = settings_parse(&p, argc, argv);
-    c->settings_given = p.given;
-    return code != SHEAR_OK ? code : check_options(c, argc, argv);
+static bool are_settings_given(const option_settings *s) {
+    return memchr(s->given, true, sizeof s->given) != NULL;
 }
 
 /* The input's base name without .gz, .fz, .fits, in the current directory, ".png" added. The
@@ -95,8 +69,8 @@ static char *default_output(const char *path) {
 }
 
 /* Options that a catalog has no use for are a misunderstanding, to be told of. */
-static int refuse_field_options(const plot_command *c) {
-    if (c->stamps_given || c->settings_given) {
+static enum exit_code refuse_field_options(const plot_command *c) {
+    if (c->stamps_given || are_settings_given(&c->settings)) {
         message_fail("plot the field file to see its stamps, or leave these options out",
                      "%s is a catalog: it has no stamps, and was measured with settings of its "
                      "own",
@@ -106,7 +80,8 @@ static int refuse_field_options(const plot_command *c) {
     return EXIT_CODE_DONE;
 }
 
-static int draw_catalog(shear_figure **figure, const plot_command *c, const shear_error *as_field) {
+static enum exit_code draw_catalog(shear_figure **figure, const plot_command *c,
+                                   const shear_error *as_field) {
     shear_error err = {0};
     shear_catalog_table *table = NULL;
     if (shear_catalog_read(&table, c->path, &err) != 0) {
@@ -119,8 +94,8 @@ static int draw_catalog(shear_figure **figure, const plot_command *c, const shea
                      as_field->message, err.message);
         return EXIT_CODE_INPUT;
     }
-    int code = refuse_field_options(c);
-    if (code == SHEAR_OK && plot_catalog(figure, table, &err) != 0) {
+    enum exit_code code = refuse_field_options(c);
+    if (code == EXIT_CODE_DONE && plot_catalog(figure, table, &err) != 0) {
         message_error(&err);
         code = measure_failure_of(err.code, false);
     }
@@ -129,7 +104,7 @@ static int draw_catalog(shear_figure **figure, const plot_command *c, const shea
 }
 
 /* What opens decides what the file is. */
-static int draw(shear_figure **figure, const plot_command *c) {
+static enum exit_code draw(shear_figure **figure, const plot_command *c) {
     shear_error err = {0};
     shear_field *field = NULL;
     if (shear_field_open(&field, c->path, &err) == SHEAR_E_FORMAT) {
@@ -153,38 +128,38 @@ static bool is_input(const char *out, const char *path) {
            a.st_ino == b.st_ino;
 }
 
-static int save(shear_figure *figure, const plot_command *c) {
+/* The picture's path is printed. Returns an exit code, with an error printed. */
+static enum exit_code save(shear_figure *figure, const plot_command *c) {
     shear_error err = {0};
-    char *out = c->out != NULL ? strdup(c->out) : default_output(c->path);
-    int code = EXIT_CODE_OTHER;
+    char shown[4200];
+    CLEANUP(release_free) char *out = c->out != NULL ? strdup(c->out) : default_output(c->path);
     if (out == NULL) {
-        message_fail(NULL, "out of memory");
-    } else if (is_input(out, c->path)) {
-        message_fail("-o names another file", "%s is the input itself", out);
-        code = EXIT_CODE_USAGE;
-    } else if (shear_figure_save(figure, out, c->force, &err) != 0) {
-        if (err.code == SHEAR_E_EXISTS) {
-            message_fail("--force replaces it, -o names another", "%s", err.message);
-        } else {
-            message_error(&err);
-        }
-    } else {
-        char shown[4200];
-        code = puts(message_clean(out, shown, sizeof shown)) < 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+        return message_no_memory();
     }
-    free(out);
-    return code;
+    if (is_input(out, c->path)) {
+        message_fail("-o names another file", "%s is the input itself", out);
+        return EXIT_CODE_USAGE;
+    }
+    const int code = shear_figure_save(figure, out, c->force, &err);
+    if (code == SHEAR_E_EXISTS) {
+        message_fail("--force replaces it, -o names another", "%s", err.message);
+        return EXIT_CODE_OTHER;
+    }
+    if (code != SHEAR_OK) {
+        message_error(&err);
+        return EXIT_CODE_OTHER;
+    }
+    return puts(message_clean(out, shown, sizeof shown)) < 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
-static int run(int argc, char **argv) {
+static enum exit_code run(const command *self, int argc, char **argv) {
     plot_command c = {.options = {.stamp = -1, .n_stamps = PLOT_DEFAULT_STAMPS}};
-    shear_settings_init(&c.options.settings);
-    int code = parse(argc, argv, &c);
     shear_figure *figure = NULL;
-    if (code == SHEAR_OK) {
+    enum exit_code code = parse(self, argc, argv, &c);
+    if (code == EXIT_CODE_DONE) {
         code = draw(&figure, &c);
     }
-    if (code == SHEAR_OK) {
+    if (code == EXIT_CODE_DONE) {
         code = save(figure, &c);
     }
     shear_figure_free(figure);

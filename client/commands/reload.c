@@ -2,7 +2,6 @@
 /* shearctl reload. */
 #include "remote/service_query.h"
 #include "terminal/message.h"
-#include "terminal/style.h"
 
 static void print_list(const char *title, const char *const *names, size_t n) {
     for (size_t i = 0; i < n; i++) {
@@ -11,7 +10,8 @@ static void print_list(const char *title, const char *const *names, size_t n) {
     }
 }
 
-static void print(const sheard_reply *reply) {
+static void print(const sheard_reply *reply, const service *s) {
+    (void)s;
     const sheard_msg_reloaded *r = &reply->reload;
     print_list("changed:", r->changed, r->n_changed);
     print_list("needs a restart:", r->restart, r->n_restart);
@@ -21,8 +21,8 @@ static void print(const sheard_reply *reply) {
     }
 }
 
-static int run(int argc, char **argv) {
-    return service_query(&cmd_reload, SHEARD_METHOD_RELOAD, print, argc, argv);
+static enum exit_code run(const command *self, int argc, char **argv) {
+    return service_query(self, argc, argv, SHEARD_METHOD_RELOAD, print);
 }
 
 const command cmd_reload = {
@@ -33,6 +33,6 @@ const command cmd_reload = {
              "Have the service read its configuration again. Where something is wrong in it, the "
              "old one stays in\n"
              "force and the errors are told. Administrators only.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl retract: see job_action.h. */
-#include "remote/job_action.h"
+/* shearctl retract. */
+#include "remote/service_query.h"
 
-static int run(int argc, char **argv) {
-    return job_action_run(&cmd_retract, SHEARD_METHOD_RETRACT, argc, argv);
+static void print(const sheard_reply *reply, const service *s) {
+    (void)s;
+    service_query_print_job(&reply->retract);
+}
+
+static enum exit_code run(const command *self, int argc, char **argv) {
+    return service_query_jobs(self, argc, argv, "jobs", SHEARD_METHOD_RETRACT, print);
 }
 
 const command cmd_retract = {
@@ -17,6 +22,6 @@ const command cmd_retract = {
         "as if they had never been. The same files may be submitted again; dropped ones stay in "
         "done/. Only\n"
         "the owner of a job and administrators may.\n"
-        "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+        "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

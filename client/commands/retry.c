@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shearctl retry: see job_action.h. */
-#include "remote/job_action.h"
+/* shearctl retry. */
+#include "remote/service_query.h"
 
-static int run(int argc, char **argv) {
-    return job_action_run(&cmd_retry, SHEARD_METHOD_RETRY, argc, argv);
+static void print(const sheard_reply *reply, const service *s) {
+    (void)s;
+    service_query_print_job(&reply->retry);
+}
+
+static enum exit_code run(const command *self, int argc, char **argv) {
+    return service_query_jobs(self, argc, argv, "jobs", SHEARD_METHOD_RETRY, print);
 }
 
 const command cmd_retry = {
@@ -13,6 +18,6 @@ const command cmd_retry = {
              "\n"
              "Queue jobs again that failed or were cancelled. Only the owner of a job and "
              "administrators may.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,30 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl shutdown: stop the service. */
+#include "base/cleanup.h"
 #include "remote/service.h"
-#include "terminal/human.h"
-#include "terminal/message.h"
-
-#include <inttypes.h>
-
-enum { OPT_NOW = 256, OPT_TIMEOUT };
-
-static const struct option options[] = {
-    {"now", no_argument, NULL, OPT_NOW},
-    {"timeout", required_argument, NULL, OPT_TIMEOUT},
-    SERVICE_OPTIONS,
-    {NULL, 0, NULL, 0},
-};
-
-static int handle(int value, void *context) {
-    sheard_msg_shutdown *what = context;
-    if (value == OPT_NOW) {
-        what->mode = SHEARD_SHUTDOWN_NOW;
-    } else if (!human_parse_duration(optarg, &what->timeout_s)) {
-        message_fail(NULL, "--timeout %s: expected a time, as 90, 500ms, 5min, 2h", optarg);
-        return EXIT_CODE_USAGE;
-    }
-    return EXIT_CODE_DONE;
-}
+#include "remote/status_text.h"
 
 /* Is the socket systemd's? A client that asks now and then would undo the stop. */
 static bool is_activated(service *s) {
@@ -37,31 +15,33 @@ static bool is_activated(service *s) {
     return activated;
 }
 
-static int run(int argc, char **argv) {
-    service s;
+static enum exit_code run(const command *self, int argc, char **argv) {
+    CLEANUP(service_close) service s = {0};
     sheard_params p;
     sheard_reply reply = {0};
+    bool now = false;
     sheard_params_init(&p, SHEARD_METHOD_SHUTDOWN);
-    int code = service_parse_operands(&cmd_shutdown, argc, argv, options, handle, &p.shutdown, &s,
-                                      "", 0, 0);
-    code = code != SHEAR_OK ? code : service_open(&s);
-    if (code != SHEAR_OK) {
+    const option_entry options[] = {{.name = "now", .flag = &now},
+                                    {.name = "timeout", .seconds = &p.shutdown.timeout_s},
+                                    SERVICE_OPTIONS(&s),
+                                    {0}};
+    enum exit_code code = service_start(self, argc, argv, options, &s, "", 0, 0);
+    if (code != EXIT_CODE_DONE) {
         return code;
+    }
+    if (now) {
+        p.shutdown.mode = SHEARD_SHUTDOWN_NOW;
     }
     const bool comes_back = !s.json && is_activated(&s);
     code = service_answer(&s, SHEARD_METHOD_SHUTDOWN, &p, &reply);
-    if (code == SHEAR_OK && !s.json) {
-        printf("%s: %" PRId64 " jobs running, %" PRId64 " wait for the next start\n",
-               sheard_server_state_name(reply.shutdown.state), reply.shutdown.running,
-               reply.shutdown.queued);
-    }
-    if (code == SHEAR_OK && comes_back) {
-        puts(
-            "systemd keeps the socket: the next client, or dropped file, starts the service again; "
-            "\"systemctl stop sheard.service\" stops both");
+    if (code == EXIT_CODE_DONE && !s.json) {
+        status_text_stopping(&reply.shutdown, stdout);
+        if (comes_back) {
+            puts("systemd keeps the socket: the next client, or dropped file, starts the service "
+                 "again; \"systemctl stop sheard.service\" stops both");
+        }
     }
     sheard_reply_deinit(&reply, SHEARD_METHOD_SHUTDOWN);
-    service_close(&s);
     return code;
 }
 
@@ -77,6 +57,6 @@ const command cmd_shutdown = {
              "\n"
              "  --now                   do not wait\n"
              "  --timeout TIME          wait no longer than this (as 90, 500ms, "
-             "5min)\n" SERVICE_OPTIONS_HELP "\n" EXIT_CODES_SERVICE ".\n",
+             "5min)\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,107 +1,37 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl submit: files to the service, as jobs. */
-#include "cmdline/options.h"
+#include "base/cleanup.h"
 #include "remote/follow.h"
 #include "remote/job_text.h"
 #include "remote/submission.h"
-#include "terminal/human.h"
 #include "terminal/message.h"
 
+#include <getopt.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum { OPT_FIELD = 256, OPT_PRIORITY, OPT_KEY, OPT_FORCE, OPT_WAIT, OPT_TIMEOUT, OPT_QUIET };
-
-static const struct option own_options[] = {
-    {"field", required_argument, NULL, OPT_FIELD},
-    {"priority", required_argument, NULL, OPT_PRIORITY},
-    {"key", required_argument, NULL, OPT_KEY},
-    {"force", no_argument, NULL, OPT_FORCE},
-    PART_OPTIONS,
-    {"wait", no_argument, NULL, OPT_WAIT},
-    {"timeout", required_argument, NULL, OPT_TIMEOUT},
-    {"quiet", no_argument, NULL, OPT_QUIET},
-    SERVICE_OPTIONS,
-};
-enum { N_OWN = sizeof own_options / sizeof own_options[0] };
-
 typedef struct submit_state {
     submission_options what;
-    bool wait, quiet;
-    double timeout_s;
+    follow_options how; /* to wait */
+    bool wait;
     service service;
     int64_t *ids; /* [n_ids] accepted */
     size_t n_ids;
     size_t refused;
-    int first_code; /* of the first that was refused */
+    enum exit_code first_code; /* of the first that was refused */
 } submit_state;
 
-static int set_setting(int value, submit_state *o) {
-    shear_error err = {0};
-    if (settings_options_handle(value, optarg, &o->what.settings, o->what.given, &err) != 0) {
-        message_error(&err);
-        return EXIT_CODE_USAGE;
-    }
-    return EXIT_CODE_DONE;
-}
-
-static int set_timeout(submit_state *o) {
-    if (!human_parse_duration(optarg, &o->timeout_s)) {
-        message_fail(NULL, "--timeout %s: expected a time, as 90, 500ms, 5min, 2h", optarg);
-        return EXIT_CODE_USAGE;
-    }
-    return EXIT_CODE_DONE;
-}
-
-static int handle(int value, void *context) {
-    submit_state *o = context;
-    submission_options *what = &o->what;
-    if (settings_options_is(value)) {
-        return set_setting(value, o);
-    }
-    if (part_options_is(value)) {
-        part_options_set(&what->parts, value, optarg);
-        return EXIT_CODE_DONE;
-    }
-    switch (value) {
-    case OPT_PRIORITY:
-        what->has_priority = true;
-        return options_int("priority", optarg, -SHEARD_MSG_PRIORITY_MAX, SHEARD_MSG_PRIORITY_MAX,
-                           &what->priority);
-    case OPT_TIMEOUT:
-        return set_timeout(o);
-    case OPT_FORCE:
-        what->force = true;
-        return EXIT_CODE_DONE;
-    case OPT_WAIT:
-        o->wait = true;
-        return EXIT_CODE_DONE;
-    case OPT_QUIET:
-        o->quiet = true;
-        return EXIT_CODE_DONE;
-    default:
-        *(value == OPT_FIELD ? &what->field : &what->key) = optarg;
-        return EXIT_CODE_DONE;
-    }
-}
-
-static int contradiction(const char *text) {
-    message_fail("\"shearctl help submit\"", "submit: %s", text);
-    return EXIT_CODE_USAGE;
-}
-
-static int check(submit_state *o, char **files, int n) {
-    const int code = part_options_settle(&o->what.parts, &cmd_submit, files, n);
-    if (code != SHEAR_OK) {
+static enum exit_code check(const command *self, submit_state *o, char **files, int n) {
+    const enum exit_code code = part_options_settle(&o->what.parts, self, files, n);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     if (o->what.key != NULL && n > 1) {
-        return contradiction("a --key stands for one job: give one file with it");
+        return options_fail(self, "a --key stands for one job: give one file with it");
     }
-    if (!isnan(o->timeout_s) && !o->wait) {
-        return contradiction("--timeout needs --wait");
+    if (!isnan(o->how.timeout_s) && !o->wait) {
+        return options_fail(self, "--timeout needs --wait");
     }
     return EXIT_CODE_DONE;
 }
@@ -113,31 +43,34 @@ static void print_accepted(const sheard_msg_submitted *submitted) {
     printf("job %" PRId64 " %s%s: %s\n", job->id, sheard_job_state_name(job->state),
            submitted->known ? " (known by its key)" : "",
            message_clean(job_source_text(job, source, sizeof source), clean, sizeof clean));
-    fflush(stdout);
 }
 
-static void refuse(submit_state *o, int code) {
+static void refuse(submit_state *o, enum exit_code code) {
     o->first_code = o->refused == 0 ? code : o->first_code;
     o->refused++;
+}
+
+static void accept(submit_state *o, const sheard_msg_submitted *submitted, const char *text) {
+    o->ids[o->n_ids++] = submitted->job.id;
+    if (!o->service.json) {
+        print_accepted(submitted);
+    } else if (!o->wait) {
+        puts(text);
+    }
+    fflush(stdout);
 }
 
 /* Send one. False: nothing more can be sent. */
 static bool send_one(submit_state *o, const submission *what, const char *name) {
     sheard_rpc_error error = {0};
     sheard_reply reply = {0};
-    char *text = NULL;
-    const int status = connection_call(o->service.connection, SHEARD_METHOD_SUBMIT, &what->params,
-                                       o->service.reply_timeout_s, &reply, &text, &error);
+    CLEANUP(release_free) char *text = NULL;
+    const enum connection_status status =
+        connection_call(o->service.connection, SHEARD_METHOD_SUBMIT, &what->params,
+                        o->service.reply_timeout_s, &reply, &text, &error);
     if (status == CONNECTION_OK) {
-        o->ids[o->n_ids++] = reply.submit.job.id;
-        if (!o->service.json) {
-            print_accepted(&reply.submit);
-        } else if (!o->wait) {
-            puts(text);
-            fflush(stdout);
-        }
+        accept(o, &reply.submit, text);
         sheard_reply_deinit(&reply, SHEARD_METHOD_SUBMIT);
-        free(text);
         return true;
     }
     char said[sizeof error.message];
@@ -151,53 +84,41 @@ static bool send_one(submit_state *o, const submission *what, const char *name) 
 static void send_all(submit_state *o, char **names, size_t n) {
     bool going = true;
     for (size_t i = 0; going && i < n; i++) {
-        submission what;
-        const int code = submission_init(&what, names[i], &o->what);
-        if (code != SHEAR_OK) {
+        CLEANUP(submission_deinit) submission what = {0};
+        const enum exit_code code = submission_init(&what, names[i], &o->what);
+        if (code != EXIT_CODE_DONE) {
             refuse(o, code);
         } else {
             going = send_one(o, &what, names[i]);
         }
-        submission_deinit(&what);
         if (!going && i + 1 < n) {
             message_fail(NULL, "%zu more files were not submitted", n - i - 1);
         }
     }
 }
 
-static void ended(void *context, const sheard_msg_job *job) {
-    job_results_add(context, job);
-    job_complain(job);
-}
-
 /* With --json: each job as `shearctl show` gives it. */
-static int print_jobs(submit_state *o) {
-    int code = EXIT_CODE_DONE;
-    for (size_t i = 0; code == SHEAR_OK && i < o->n_ids; i++) {
-        sheard_params p = {.id = {.id = o->ids[i]}};
+static enum exit_code print_jobs(submit_state *o) {
+    enum exit_code code = EXIT_CODE_DONE;
+    for (size_t i = 0; code == EXIT_CODE_DONE && i < o->n_ids; i++) {
+        const sheard_params p = {.id = {.id = o->ids[i]}};
         code = service_answer(&o->service, SHEARD_METHOD_JOB, &p, NULL);
     }
     return code;
 }
 
-static int wait_for_all(submit_state *o) {
-    text_table *table = job_results_new();
-    follow_options how = {.timeout_s = o->timeout_s, .quiet = o->quiet, .context = table};
-    how.ended = o->service.json ? NULL : ended;
-    int code = follow_jobs(&o->service, o->ids, o->n_ids, &how);
-    if (o->service.json && code != EXIT_CODE_OTHER && code != EXIT_CODE_UNREACHABLE) {
-        const int printed = print_jobs(o);
-        code = printed != 0 ? printed : code;
-    } else if (text_table_rows(table) > 0 && text_table_print(table, stdout) != 0) {
-        code = EXIT_CODE_OTHER;
+static enum exit_code wait_for_all(submit_state *o) {
+    const enum exit_code code = follow_jobs(&o->service, o->ids, o->n_ids, &o->how);
+    if (!o->service.json || code == EXIT_CODE_OTHER || code == EXIT_CODE_UNREACHABLE) {
+        return code;
     }
-    text_table_free(table);
-    return code;
+    const enum exit_code printed = print_jobs(o);
+    return printed != EXIT_CODE_DONE ? printed : code;
 }
 
-static int submit(submit_state *o, char **names, size_t n) {
-    int code = service_open(&o->service);
-    if (code != SHEAR_OK) {
+static enum exit_code submit(submit_state *o, char **names, size_t n) {
+    enum exit_code code = service_open(&o->service);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     send_all(o, names, n);
@@ -210,30 +131,45 @@ static int submit(submit_state *o, char **names, size_t n) {
     return o->n_ids == 0 ? o->first_code : code == EXIT_CODE_DONE ? EXIT_CODE_PARTLY : code;
 }
 
-static int run(int argc, char **argv) {
+/* Fill in *o from the command line. */
+static enum exit_code parse(const command *self, int argc, char **argv, submit_state *o) {
+    submission_options *what = &o->what;
+    const option_entry options[] = {{.name = "field", .text = &what->field},
+                                    {.name = "priority",
+                                     .integer = &what->priority,
+                                     .min = -SHEARD_MSG_PRIORITY_MAX,
+                                     .max = SHEARD_MSG_PRIORITY_MAX,
+                                     .given = &what->has_priority},
+                                    {.name = "key", .text = &what->key},
+                                    {.name = "force", .flag = &what->force},
+                                    PART_OPTIONS(&what->parts),
+                                    {.name = "wait", .flag = &o->wait},
+                                    {.name = "timeout", .seconds = &o->how.timeout_s},
+                                    {.name = "quiet", .flag = &o->how.quiet},
+                                    SERVICE_OPTIONS(&o->service),
+                                    {0}};
+    service_init(&o->service);
+    shear_settings_init(&what->settings.values);
+    const enum exit_code code = options_parse(self, argc, argv, options, &what->settings);
+    return code != EXIT_CODE_DONE ? code : check(self, o, argv + optind, argc - optind);
+}
+
+static enum exit_code run(const command *self, int argc, char **argv) {
     static char *no_name[] = {NULL};
-    struct option options[N_OWN + SETTINGS_OPTIONS_MAX + 1];
-    submit_state o = {.timeout_s = NAN};
-    for (size_t i = 0; i < N_OWN; i++) {
-        options[i] = own_options[i];
-    }
-    settings_options_fill(options + N_OWN, SETTINGS_OPTIONS_MAX + 1);
-    shear_settings_init(&o.what.settings);
-    int code = service_parse(&cmd_submit, argc, argv, options, handle, &o, &o.service);
-    code = code != SHEAR_OK ? code : check(&o, argv + optind, argc - optind);
-    if (code != SHEAR_OK) {
+    submit_state o = {.how = {.timeout_s = NAN}};
+    enum exit_code code = parse(self, argc, argv, &o);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     const bool by_parts = part_options_any(&o.what.parts);
     const size_t n = by_parts ? 1 : (size_t)(argc - optind);
-    o.ids = calloc(n, sizeof *o.ids);
-    if (o.ids == NULL) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+    CLEANUP(release_free) int64_t *ids = calloc(n, sizeof *ids);
+    if (ids == NULL) {
+        return message_no_memory();
     }
+    o.ids = ids;
     code = submit(&o, by_parts ? no_name : argv + optind, n);
     service_close(&o.service);
-    free(o.ids);
     return code;
 }
 

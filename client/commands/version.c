@@ -5,10 +5,10 @@
 #include "cmdline/command.h"
 #include "terminal/message.h"
 
-static int run(int argc, char **argv) {
+static enum exit_code run(const command *self, int argc, char **argv) {
     (void)argv;
     if (argc > 1) {
-        message_fail(NULL, "version: expected no arguments");
+        message_fail(NULL, "%s: expected no arguments", self->name);
         return EXIT_CODE_USAGE;
     }
     printf("shearctl %s\nlibshear    %s\n%s", SHEAR_VERSION_STRING, shear_version(), BUILD_INFO);

@@ -1,79 +1,39 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl wait: until jobs are finished. */
+#include "base/cleanup.h"
 #include "remote/follow.h"
 #include "remote/job_text.h"
-#include "terminal/human.h"
 #include "terminal/message.h"
 
+#include <getopt.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum { OPT_TIMEOUT = 256, OPT_QUIET };
-
-static const struct option options[] = {
-    {"timeout", required_argument, NULL, OPT_TIMEOUT},
-    {"quiet", no_argument, NULL, OPT_QUIET},
-    SERVICE_OPTIONS,
-    {NULL, 0, NULL, 0},
-};
-
-static int handle(int value, void *context) {
-    follow_options *o = context;
-    if (value == OPT_QUIET) {
-        o->quiet = true;
-    } else if (!human_parse_duration(optarg, &o->timeout_s)) {
-        message_fail(NULL, "--timeout %s: expected a time, as 90, 500ms, 5min, 2h", optarg);
-        return EXIT_CODE_USAGE;
-    }
-    return EXIT_CODE_DONE;
-}
-
-/* A row on standard output, and what went wrong on standard error. */
-static void ended(void *context, const sheard_msg_job *job) {
-    job_results_add(context, job);
-    job_complain(job);
-}
-
-static int wait_for(service *s, const int64_t *ids, size_t n, follow_options *o) {
-    text_table *table = job_results_new();
-    o->print = true;
-    o->context = table;
-    o->ended = s->json ? NULL : ended;
-    int code = service_open(s);
-    if (code == SHEAR_OK) {
-        code = follow_jobs(s, ids, n, o);
-    }
-    if (text_table_rows(table) > 0 && text_table_print(table, stdout) != 0) {
-        code = EXIT_CODE_OTHER;
-    }
-    text_table_free(table);
-    service_close(s);
-    return code;
-}
-
-static int run(int argc, char **argv) {
-    service s;
-    follow_options o = {.timeout_s = NAN};
-    int code =
-        service_parse_operands(&cmd_wait, argc, argv, options, handle, &o, &s, "jobs", 1, INT_MAX);
-    if (code != SHEAR_OK) {
+static enum exit_code run(const command *self, int argc, char **argv) {
+    CLEANUP(service_close) service s = {0};
+    follow_options o = {.timeout_s = NAN, .answers = true};
+    const option_entry options[] = {{.name = "timeout", .seconds = &o.timeout_s},
+                                    {.name = "quiet", .flag = &o.quiet},
+                                    SERVICE_OPTIONS(&s),
+                                    {0}};
+    enum exit_code code = service_parse(self, argc, argv, options, &s, "jobs", 1, INT_MAX);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     const size_t n = (size_t)(argc - optind);
-    int64_t *ids = calloc(n, sizeof *ids);
+    CLEANUP(release_free) int64_t *ids = calloc(n, sizeof *ids);
     if (ids == NULL) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+        return message_no_memory();
     }
-    for (size_t i = 0; code == SHEAR_OK && i < n; i++) {
+    for (size_t i = 0; i < n; i++) {
         code = service_job_id(argv[optind + (int)i], &ids[i]);
+        if (code != EXIT_CODE_DONE) {
+            return code;
+        }
     }
-    if (code == SHEAR_OK) {
-        code = wait_for(&s, ids, n, &o);
-    }
-    free(ids);
-    return code;
+    code = service_open(&s);
+    return code != EXIT_CODE_DONE ? code : follow_jobs(&s, ids, n, &o);
 }
 
 const command cmd_wait = {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl watch: the service, live. */
-#include "cmdline/options.h"
+#include "base/cleanup.h"
+#include "base/clock.h"
 #include "remote/watch_view.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
@@ -9,16 +10,7 @@
 
 #include <stdlib.h>
 
-enum { OPT_INTERVAL = 256, OPT_COUNT, OPT_JOBS };
 enum { DEFAULT_JOBS = 8, MAX_JOBS = 50 };
-
-static const struct option options[] = {
-    {"interval", required_argument, NULL, OPT_INTERVAL},
-    {"count", required_argument, NULL, OPT_COUNT},
-    {"jobs", required_argument, NULL, OPT_JOBS},
-    SERVICE_OPTIONS,
-    {NULL, 0, NULL, 0},
-};
 
 typedef struct watch_options {
     service service;
@@ -27,17 +19,10 @@ typedef struct watch_options {
     int64_t jobs;
 } watch_options;
 
-static int handle(int value, void *context) {
-    watch_options *w = context;
-    if (value == OPT_COUNT) {
-        return options_int("count", optarg, 1, INT64_MAX, &w->count);
-    }
-    if (value == OPT_JOBS) {
-        return options_int("jobs", optarg, 1, MAX_JOBS, &w->jobs);
-    }
-    if (!human_parse_duration(optarg, &w->interval_s) || w->interval_s < 0.05 ||
-        w->interval_s > 86400.0) {
-        message_fail(NULL, "--interval %s: expected a time from 50ms to 1d", optarg);
+static enum exit_code set_interval(const option_entry *e, const char *value) {
+    double *seconds = e->context;
+    if (!human_parse_duration(value, seconds) || *seconds < 0.05 || *seconds > 86400.0) {
+        message_fail(NULL, "--interval %s: expected a time from 50ms to 1d", value);
         return EXIT_CODE_USAGE;
     }
     return EXIT_CODE_DONE;
@@ -45,27 +30,30 @@ static int handle(int value, void *context) {
 
 /* ---- Lines, where there is no terminal ---- */
 
-static int print_one(watch_options *w) {
-    watch_view view;
+static enum exit_code print_one(watch_options *w) {
+    CLEANUP(watch_view_deinit) watch_view view = {0};
     sheard_rpc_error error = {0};
-    int code = service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
-    if (code == SHEAR_OK && w->service.json) {
-        watch_view_json(&view, stdout);
-    } else if (code == SHEAR_OK) {
-        code = watch_view_print(&view, stdout, false, 0);
-        putchar('\n');
-        fflush(stdout);
+    const enum exit_code code =
+        service_say(watch_view_init(&view, &w->service, w->jobs, &error), &error);
+    if (code != EXIT_CODE_DONE) {
+        return code;
     }
-    watch_view_deinit(&view);
-    return code;
+    if (w->service.json) {
+        watch_view_json(&view, stdout);
+        return EXIT_CODE_DONE;
+    }
+    const enum exit_code printed = watch_view_print(&view, stdout, false, 0);
+    putchar('\n');
+    fflush(stdout);
+    return printed;
 }
 
-static int print_many(watch_options *w) {
-    int code = service_open(&w->service);
-    for (int64_t i = 1; code == SHEAR_OK; i++) {
+static enum exit_code print_many(watch_options *w) {
+    enum exit_code code = service_open(&w->service);
+    for (int64_t i = 1; code == EXIT_CODE_DONE; i++) {
         code = print_one(w);
-        if (code != SHEAR_OK || i == w->count || ferror(stdout) != 0 ||
-            screen_sleep(w->interval_s)) {
+        if (i == w->count || ferror(stdout) != 0 ||
+            (code == EXIT_CODE_DONE && screen_sleep(w->interval_s))) {
             break;
         }
     }
@@ -74,76 +62,78 @@ static int print_many(watch_options *w) {
 
 /* ---- The screen ---- */
 
-/* One picture, or why there is none, as text. */
+/* Ask for a picture and print it. Not connected, or no longer: connect first. */
+static enum connection_status print_view(watch_options *w, FILE *out, sheard_rpc_error *error) {
+    service *s = &w->service;
+    if (s->connection == NULL) {
+        const enum connection_status status =
+            connection_open(&s->connection, s->socket, s->reply_timeout_s, error);
+        if (status != CONNECTION_OK) {
+            return status;
+        }
+    }
+    CLEANUP(watch_view_deinit) watch_view view = {0};
+    const enum connection_status status = watch_view_init(&view, s, w->jobs, error);
+    if (status == CONNECTION_OK) {
+        watch_view_print(&view, out, style_on(stdout), 0);
+    } else {
+        service_close(s);
+    }
+    return status;
+}
+
+/* A picture as text, or why there is none. */
 static void compose(watch_options *w, FILE *out) {
     char time[HUMAN_SIZE];
+    char text[512];
     sheard_rpc_error error = {0};
-    watch_view view;
-    int status = CONNECTION_OK;
-    if (w->service.connection == NULL) {
-        status = connection_open(&w->service.connection, w->service.socket,
-                                 w->service.reply_timeout_s, &error);
-    }
-    if (status == CONNECTION_OK) {
-        status = watch_view_init(&view, &w->service, w->jobs, &error);
-        if (status == CONNECTION_OK) {
-            watch_view_print(&view, out, style_on(stdout), 0);
-        } else {
-            service_close(&w->service); /* and try again */
-        }
-        watch_view_deinit(&view);
-    }
-    if (status != CONNECTION_OK) {
-        char text[512];
+    if (print_view(w, out, &error) != CONNECTION_OK) {
         fprintf(out, "%s\n", message_clean(error.message, text, sizeof text));
         fprintf(out, "%s\n", message_clean(error.advice, text, sizeof text));
     }
-    fprintf(out, "\n%s   q ends\n", human_time(human_now_ms(), w->service.utc, time));
+    fprintf(out, "\n%s   q ends\n", human_time(clock_ms(CLOCK_REALTIME), w->service.utc, time));
 }
 
+/* Returns false when memory is out. */
 static bool draw(watch_options *w) {
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (out == NULL) {
         return false;
     }
     compose(w, out);
-    const bool good = fclose(out) == 0 && text != NULL;
-    if (good) {
-        screen_draw(text);
+    if (fclose(out) != 0 || text == NULL) {
+        return false;
     }
-    free(text);
-    return good;
+    screen_draw(text);
+    return true;
 }
 
-static int live(watch_options *w) {
-    int code = service_open(&w->service);
-    if (code != SHEAR_OK) {
+static enum exit_code live(watch_options *w) {
+    const enum exit_code code = service_open(&w->service);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     screen_begin();
-    for (int64_t i = 1;; i++) {
-        if (!draw(w)) {
-            code = EXIT_CODE_OTHER;
-            break;
-        }
-        if (i == w->count || screen_wait(w->interval_s)) {
-            break;
-        }
+    bool drawn = draw(w);
+    for (int64_t i = 1; drawn && i != w->count && !screen_wait(w->interval_s); i++) {
+        drawn = draw(w);
     }
     screen_end();
-    if (code != SHEAR_OK) {
-        message_fail(NULL, "out of memory");
-    }
-    return code;
+    return drawn ? EXIT_CODE_DONE : message_no_memory();
 }
 
-static int run(int argc, char **argv) {
+static enum exit_code run(const command *self, int argc, char **argv) {
     watch_options w = {.interval_s = 1.0, .jobs = DEFAULT_JOBS};
-    int code =
-        service_parse_operands(&cmd_watch, argc, argv, options, handle, &w, &w.service, "", 0, 0);
-    if (code != SHEAR_OK) {
+    const option_entry options[] = {
+        {.name = "interval", .set = set_interval, .context = &w.interval_s},
+        {.name = "count", .integer = &w.count, .min = 1, .max = INT64_MAX},
+        {.name = "jobs", .integer = &w.jobs, .min = 1, .max = MAX_JOBS},
+        SERVICE_OPTIONS(&w.service),
+        {0}};
+    enum exit_code code = service_parse(self, argc, argv, options, &w.service, "", 0, 0);
+    if (code != EXIT_CODE_DONE) {
         return code;
     }
     code = !w.service.json && screen_possible() ? live(&w) : print_many(&w);
@@ -165,6 +155,6 @@ const command cmd_watch = {
              "  --interval TIME         time between two pictures (default 1s)\n"
              "  --count N               end after so many pictures\n"
              "  --jobs N                jobs in each list (default 8)\n" SERVICE_OPTIONS_HELP
-             "\n" EXIT_CODES_SERVICE ".\n",
+             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
 };

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The directories of the service, with our own eyes: are they there, can they be written to, is
  * there room, do their clocks agree. */
-#include "doctor/doctor.h"
+#include "base/cleanup.h"
+#include "base/clock.h"
+#include "base/io.h"
+#include "doctor/internal.h"
 #include "terminal/human.h"
 
 #include <errno.h>
@@ -20,25 +23,25 @@ static const int64_t too_little_bytes = INT64_C(100) << 20;
 static const double clock_tolerance_s = 2.0; /* some file systems have whole seconds */
 enum { CIFS_MAGIC = (int)0xFF534D42 };       /* not in linux/magic.h of all versions */
 
-void doctor_say_room(doctor *d, const char *subject, const char *path, int64_t left) {
+void doctor_report_space(doctor *d, const char *subject, const char *path, int64_t left) {
     char bytes[HUMAN_SIZE];
     human_bytes(left, bytes);
     if (left < little_bytes) {
-        doctor_say(d, subject, left < too_little_bytes ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
-                   "make room on that disk", "%s: only %s free", path, bytes);
+        doctor_report(d, subject, left < too_little_bytes ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
+                      "make room on that disk", "%s: only %s free", path, bytes);
     } else {
-        doctor_say(d, subject, SHEARD_CHECK_OK, NULL, "%s: %s free", path, bytes);
+        doctor_ok(d, subject, "%s: %s free", path, bytes);
     }
 }
 
 static void check_room(doctor *d, const char *subject, const char *path) {
     struct statvfs fs;
     if (statvfs(path, &fs) != 0) {
-        doctor_say(d, subject, SHEARD_CHECK_WARN, "run doctor as root or as the service's user",
-                   "%s cannot be looked at: %s", path, strerror(errno));
+        doctor_warn(d, subject, "run doctor as root or as the service's user",
+                    "%s cannot be looked at: %s", path, strerror(errno));
         return;
     }
-    doctor_say_room(d, subject, path, (int64_t)fs.f_bavail * (int64_t)fs.f_frsize);
+    doctor_report_space(d, subject, path, (int64_t)fs.f_bavail * (int64_t)fs.f_frsize);
 }
 
 /* The database's write-ahead log needs shared memory that no network file system has. */
@@ -49,23 +52,23 @@ void doctor_check_local(doctor *d, const char *path) {
     }
     if (fs.f_type == NFS_SUPER_MAGIC || fs.f_type == SMB_SUPER_MAGIC ||
         (int)fs.f_type == CIFS_MAGIC) {
-        doctor_say(d, "state", SHEARD_CHECK_FAIL, "put state_dir on a local disk",
-                   "%s is on a network file system", path);
+        doctor_fail(d, "state", "put state_dir on a local disk", "%s is on a network file system",
+                    path);
     }
 }
 
 static bool check_directory(doctor *d, const char *subject, const char *path, struct stat *st) {
     if (stat(path, st) != 0) {
         const bool hidden = errno == EACCES;
-        doctor_say(d, subject, hidden ? SHEARD_CHECK_WARN : SHEARD_CHECK_FAIL,
-                   hidden ? "run doctor as root or as the service's user"
+        doctor_report(d, subject, hidden ? SHEARD_CHECK_WARN : SHEARD_CHECK_FAIL,
+                      hidden
+                          ? "run doctor as root or as the service's user"
                           : "start the service once as its own user, or: systemd-tmpfiles --create",
-                   "%s: %s", path, strerror(errno));
+                      "%s: %s", path, strerror(errno));
         return false;
     }
     if (!S_ISDIR(st->st_mode)) {
-        doctor_say(d, subject, SHEARD_CHECK_FAIL, "move it out of the way", "%s is not a directory",
-                   path);
+        doctor_fail(d, subject, "move it out of the way", "%s is not a directory", path);
         return false;
     }
     return true;
@@ -87,16 +90,14 @@ static void check_folders(doctor *d) {
             continue;
         }
         if (st.st_dev != spool.st_dev) {
-            doctor_say(d, "spool", SHEARD_CHECK_FAIL,
-                       "all four folders must be on the disk of the spool",
-                       "%s is on another file system", path);
-        } else if (doctor_try_write(d, "spool", path)) {
+            doctor_fail(d, "spool", "all four folders must be on the disk of the spool",
+                        "%s is on another file system", path);
+        } else if (doctor_test_write(d, "spool", path)) {
             good++;
         }
     }
     if (good == sizeof names / sizeof *names) {
-        doctor_say(d, "spool", SHEARD_CHECK_OK, NULL,
-                   "incoming, active, done and failed are there, and can be written to");
+        doctor_ok(d, "spool", "incoming, active, done and failed are there, and can be written to");
     }
 }
 
@@ -125,20 +126,18 @@ static void check_lock(doctor *d) {
     const bool there = stat(path, &st) == 0;
     const bool locked = there && is_locked(&st);
     if (!there && errno != ENOENT) {
-        doctor_say(d, "lock", SHEARD_CHECK_WARN, "run doctor as root or as the service's user",
-                   "%s cannot be looked at: %s", path, strerror(errno));
+        doctor_warn(d, "lock", "run doctor as root or as the service's user",
+                    "%s cannot be looked at: %s", path, strerror(errno));
     } else if (!locked && d->reached) {
-        doctor_say(d, "lock", SHEARD_CHECK_WARN,
-                   "does the service that answers use another configuration?",
-                   "nobody holds the lock of the spool, though the service runs");
+        doctor_warn(d, "lock", "does the service that answers use another configuration?",
+                    "nobody holds the lock of the spool, though the service runs");
     } else if (locked && !d->reached) {
-        doctor_say(d, "lock", SHEARD_CHECK_WARN,
-                   "look for a service that is stuck or has another socket: systemctl status "
-                   "sheard",
-                   "the spool is locked, though no service answers");
+        doctor_warn(d, "lock",
+                    "look for a service that is stuck or has another socket: systemctl status "
+                    "sheard",
+                    "the spool is locked, though no service answers");
     } else {
-        doctor_say(d, "lock", SHEARD_CHECK_OK, NULL, "the spool is %s",
-                   locked ? "locked by its service" : "not locked");
+        doctor_ok(d, "lock", "the spool is %s", locked ? "locked by its service" : "not locked");
     }
 }
 
@@ -147,48 +146,43 @@ void doctor_check_clock(doctor *d) {
     char path[4400];
     struct stat st;
     snprintf(path, sizeof path, "%s/incoming", d->spool);
-    const int fd = doctor_scratch_file(path);
+    CLEANUP(release_fd) const int fd = io_open_nameless(path);
     if (fd < 0 || write(fd, "x", 1) != 1 || fstat(fd, &st) != 0) {
-        doctor_say(d, "clock", SHEARD_CHECK_WARN, "run doctor as someone who may drop files",
-                   "the clock of the spool's file system cannot be read: %s", strerror(errno));
-    } else {
-        const int64_t theirs_ms = (int64_t)st.st_mtim.tv_sec * 1000 + st.st_mtim.tv_nsec / 1000000;
-        const double off = (double)(human_now_ms() - theirs_ms) / 1000.0;
-        const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
-        doctor_say(d, "clock", good ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
-                   good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",
-                   "the spool's file system is %.1f s %s this machine's clock",
-                   off < 0 ? -off : off, off < 0 ? "before" : "behind");
+        doctor_warn(d, "clock", "run doctor as someone who may drop files",
+                    "the clock of the spool's file system cannot be read: %s", strerror(errno));
+        return;
     }
-    if (fd >= 0) {
-        close(fd);
-    }
+    const int64_t theirs_ms = (int64_t)st.st_mtim.tv_sec * 1000 + st.st_mtim.tv_nsec / 1000000;
+    const double off = (double)(clock_ms(CLOCK_REALTIME) - theirs_ms) / 1000.0;
+    const bool good = off < clock_tolerance_s && off > -clock_tolerance_s;
+    doctor_report(d, "clock", good ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
+                  good ? NULL : "synchronise the clocks (NTP), or make settle_time longer",
+                  "the spool's file system is %.1f s %s this machine's clock", off < 0 ? -off : off,
+                  off < 0 ? "before" : "behind");
 }
 
 static void check_root(doctor *d, const char *path) {
     struct stat st;
     const int error = stat(path, &st) != 0 ? errno : S_ISDIR(st.st_mode) ? 0 : ENOTDIR;
     if (error != 0) {
-        doctor_say(d, "data root", SHEARD_CHECK_WARN,
-                   "mount it, or make it; jobs beneath it wait until it is there", "%s: %s", path,
-                   strerror(error));
+        doctor_warn(d, "data root", "mount it, or make it; jobs beneath it wait until it is there",
+                    "%s: %s", path, strerror(error));
     } else if (access(path, R_OK | X_OK) != 0) {
-        doctor_say(d, "data root", SHEARD_CHECK_WARN, "ask for read permission on it",
-                   "%s: you may not read it, so no file in it will be measured for you", path);
+        doctor_warn(d, "data root", "ask for read permission on it",
+                    "%s: you may not read it, so no file in it will be measured for you", path);
     } else {
-        doctor_say(d, "data root", SHEARD_CHECK_OK, NULL, "%s is readable for you", path);
+        doctor_ok(d, "data root", "%s is readable for you", path);
     }
 }
 
-void doctor_say_no_roots(doctor *d) {
-    doctor_say(d, "data root", SHEARD_CHECK_WARN,
-               "set [access] data_roots, if files are to be submitted by name",
-               "none: files are taken from the watch folder alone");
+void doctor_report_no_roots(doctor *d) {
+    doctor_warn(d, "data root", "set [access] data_roots, if files are to be submitted by name",
+                "none: files are taken from the watch folder alone");
 }
 
 static void check_roots(doctor *d) {
     if (d->roots == NULL || !*d->roots) {
-        doctor_say_no_roots(d);
+        doctor_report_no_roots(d);
         return;
     }
     for (char *at = d->roots; at;) {
@@ -205,8 +199,8 @@ void doctor_check_disks(doctor *d) {
     struct stat st;
     if (d->state_dir != NULL && check_directory(d, "state", d->state_dir, &st)) {
         check_room(d, "state", d->state_dir);
-        if (doctor_try_write(d, "state", d->state_dir)) {
-            doctor_say(d, "state", SHEARD_CHECK_OK, NULL, "%s can be written to", d->state_dir);
+        if (doctor_test_write(d, "state", d->state_dir)) {
+            doctor_ok(d, "state", "%s can be written to", d->state_dir);
         }
         doctor_check_local(d, d->state_dir);
     }

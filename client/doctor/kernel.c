@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the service needs of the kernel for its readers' sandbox. */
-#include "doctor/doctor.h"
+#include "doctor/internal.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -14,10 +14,10 @@ static void check_seccomp(doctor *d) {
     const int fd = open("/proc/sys/kernel/seccomp/actions_avail", O_RDONLY | O_CLOEXEC);
     const ssize_t n = fd < 0 ? -1 : read(fd, actions, sizeof actions - 1);
     const bool good = n > 0 && strstr(actions, "kill_process") != NULL;
-    doctor_say(d, "seccomp", good ? SHEARD_CHECK_OK : SHEARD_CHECK_FAIL,
-               good ? NULL : "use a kernel with CONFIG_SECCOMP_FILTER",
-               good ? "system calls of readers can be filtered"
-                    : "system calls of readers cannot be filtered: files will not be read");
+    doctor_report(d, "seccomp", good ? SHEARD_CHECK_OK : SHEARD_CHECK_FAIL,
+                  good ? NULL : "use a kernel with CONFIG_SECCOMP_FILTER",
+                  good ? "system calls of readers can be filtered"
+                       : "system calls of readers cannot be filtered: files will not be read");
     if (fd >= 0) {
         close(fd);
     }
@@ -27,16 +27,15 @@ static void check_landlock(doctor *d) {
     const long version =
         syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION);
     if (version > 0) {
-        doctor_say(d, "landlock", SHEARD_CHECK_OK, NULL,
-                   "readers can be kept from the file system (version %ld)", version);
+        doctor_ok(d, "landlock", "readers can be kept from the file system (version %ld)", version);
     } else {
-        doctor_say(d, "landlock", SHEARD_CHECK_WARN,
-                   "boot with landlock among the security modules (lsm=landlock,...)",
-                   "no Landlock (%s): seccomp alone guards the readers", strerror(errno));
+        doctor_warn(d, "landlock",
+                    "boot with landlock among the security modules (lsm=landlock,...)",
+                    "no Landlock (%s): seccomp alone guards the readers", strerror(errno));
     }
 }
 
-void doctor_check_system(doctor *d) {
+void doctor_check_kernel(doctor *d) {
     check_seccomp(d);
     check_landlock(d);
 }

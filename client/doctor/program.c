@@ -2,7 +2,7 @@
 /* The daemon's program and its configuration. The program itself is asked: the configuration's
  * rules are its own. */
 #include "doctor/conf_text.h"
-#include "doctor/doctor.h"
+#include "doctor/internal.h"
 #include "doctor/run_program.h"
 #include "shear/version.h"
 
@@ -34,15 +34,14 @@ static void check_version(doctor *d, const char *program) {
     char *text = NULL;
     const int code = ask(NULL, program, "--version", &text);
     if (code != 0 || text == NULL) {
-        doctor_say(d, "program", SHEARD_CHECK_FAIL, "install sheard again",
-                   "%s cannot be run (exit code %d)", program, code);
+        doctor_fail(d, "program", "install sheard again", "%s cannot be run (exit code %d)",
+                    program, code);
     } else if (strstr(text, SHEAR_VERSION_STRING) == NULL) {
-        doctor_say(d, "program", SHEARD_CHECK_WARN,
-                   "install shearctl and sheard of the same release", "%s is %.*s, shearctl is %s",
-                   program, (int)strcspn(text, "\n"), text, SHEAR_VERSION_STRING);
+        doctor_warn(d, "program", "install shearctl and sheard of the same release",
+                    "%s is %.*s, shearctl is %s", program, (int)strcspn(text, "\n"), text,
+                    SHEAR_VERSION_STRING);
     } else {
-        doctor_say(d, "program", SHEARD_CHECK_OK, NULL, "%s, %.*s", program,
-                   (int)strcspn(text, "\n"), text);
+        doctor_ok(d, "program", "%s, %.*s", program, (int)strcspn(text, "\n"), text);
     }
     free(text);
 }
@@ -54,9 +53,9 @@ void doctor_check_config(doctor *d) {
         return;
     }
     if (d->told && access(d->config, R_OK) != 0) {
-        doctor_say(d, "config", SHEARD_CHECK_WARN, "run doctor as root",
-                   "%s, which the service uses, cannot be read by you: %s", d->config,
-                   strerror(errno));
+        doctor_warn(d, "config", "run doctor as root",
+                    "%s, which the service uses, cannot be read by you: %s", d->config,
+                    strerror(errno));
         return;
     }
     const int code = ask(d->config, d->program, "--check-config", &text);
@@ -64,15 +63,15 @@ void doctor_check_config(doctor *d) {
     const char *name = d->config != NULL ? d->config : "the configuration";
     if (code != 0) {
         const char *why = line_with(said, "error", NULL, line, sizeof line);
-        doctor_say(d, "config", SHEARD_CHECK_FAIL,
-                   "correct the file; sheard --check-config tells all that is wrong in it",
-                   "%s is not valid: %s", name, why != NULL ? why : "no reason was given");
+        doctor_fail(d, "config",
+                    "correct the file; sheard --check-config tells all that is wrong in it",
+                    "%s is not valid: %s", name, why != NULL ? why : "no reason was given");
     } else if (line_with(said, "warning", d->told ? "data_roots" : NULL, line, sizeof line) !=
                NULL) {
         /* of the data roots, the service's own word comes later */
-        doctor_say(d, "config", SHEARD_CHECK_WARN, "sheard --check-config tells more", "%s", line);
+        doctor_warn(d, "config", "sheard --check-config tells more", "%s", line);
     } else {
-        doctor_say(d, "config", SHEARD_CHECK_OK, NULL, "%s is valid", name);
+        doctor_ok(d, "config", "%s is valid", name);
     }
     free(text);
 }
@@ -94,9 +93,8 @@ static void read_config(doctor *d) {
 void doctor_check_program(doctor *d) {
     d->program = run_program_find("sheard");
     if (d->program == NULL) {
-        doctor_say(d, "program", SHEARD_CHECK_WARN,
-                   "install sheard, or run doctor where the service runs",
-                   "sheard is not installed here: its configuration cannot be looked at");
+        doctor_warn(d, "program", "install sheard, or run doctor where the service runs",
+                    "sheard is not installed here: its configuration cannot be looked at");
         return;
     }
     check_version(d, d->program);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "doctor/run_program.h"
+#include "base/clock.h"
 
 #include "remote/socket_io.h"
 
@@ -21,12 +22,12 @@ extern char **environ;
 
 /* False: the time is over. What does not fit into buf is thrown away. */
 static bool collect(int fd, char *buf, size_t size) {
-    const double deadline = socket_io_now() + PATIENCE_S;
+    const double deadline = clock_s(CLOCK_MONOTONIC) + PATIENCE_S;
     char rest[4096];
     size_t used = 0;
     for (;;) {
         struct pollfd p = {.fd = fd, .events = POLLIN};
-        const double left_ms = 1000.0 * (deadline - socket_io_now());
+        const double left_ms = 1000.0 * (deadline - clock_s(CLOCK_MONOTONIC));
         const int ready = left_ms > 0.0 ? poll(&p, 1, (int)left_ms + 1) : 0;
         if (ready == 0) {
             return false;

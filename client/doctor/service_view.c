@@ -2,7 +2,7 @@
 /* What the service that answers sees of its directories, and whether it can measure: its own word,
  * for it may have another configuration, other rights, and other file systems than we (PrivateTmp,
  * ProtectHome). */
-#include "doctor/doctor.h"
+#include "doctor/internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static char *copy(const char *text) {
     return text != NULL ? strdup(text) : NULL;
 }
 
-void doctor_take_paths(doctor *d) {
+void doctor_use_paths(doctor *d) {
     const sheard_msg_status *s = &d->status.status;
     if (s->config == NULL || s->state_dir == NULL) {
         return; /* of an older release: it does not tell */
@@ -29,40 +29,38 @@ void doctor_take_paths(doctor *d) {
     if (d->config == NULL) {
         d->config = s->config;
     } else if (strcmp(d->config, s->config) != 0) {
-        doctor_say(d, "config", SHEARD_CHECK_WARN,
-                   "leave --config out to look at the one of the service that answers",
-                   "the service that answers was configured by %s", s->config);
+        doctor_warn(d, "config",
+                    "leave --config out to look at the one of the service that answers",
+                    "the service that answers was configured by %s", s->config);
     }
 }
 
 static void tell_root(doctor *d, const sheard_msg_root *r) {
     if (r->missing) {
-        doctor_say(d, "data root", SHEARD_CHECK_WARN,
-                   "mount it, or make it, where the service sees it (home-data.conf, where it is "
-                   "beneath /home); jobs beneath it wait",
-                   "%s", r->reason != NULL ? r->reason : r->path);
+        doctor_warn(d, "data root",
+                    "mount it, or make it, where the service sees it (home-data.conf, where it is "
+                    "beneath /home); jobs beneath it wait",
+                    "%s", r->reason != NULL ? r->reason : r->path);
     } else if (access(r->path, R_OK | X_OK) != 0) {
-        doctor_say(d, "data root", SHEARD_CHECK_WARN, "ask for read permission on it",
-                   "%s is there for the service, but you may not read it, so no file in it will "
-                   "be measured for you",
-                   r->path);
+        doctor_warn(d, "data root", "ask for read permission on it",
+                    "%s is there for the service, but you may not read it, so no file in it will "
+                    "be measured for you",
+                    r->path);
     } else {
-        doctor_say(d, "data root", SHEARD_CHECK_OK, NULL,
-                   "%s is there for the service, and readable for you", r->path);
+        doctor_ok(d, "data root", "%s is there for the service, and readable for you", r->path);
     }
 }
 
 static void tell_disk(doctor *d, const sheard_msg_disk *disk) {
     if (disk->problem != NULL) {
-        doctor_say(d, disk->use, SHEARD_CHECK_FAIL,
-                   "see that it is there, and that the service may write to it", "%s: %s",
-                   disk->path, disk->problem);
+        doctor_fail(d, disk->use, "see that it is there, and that the service may write to it",
+                    "%s: %s", disk->path, disk->problem);
     } else {
-        doctor_say_room(d, disk->use, disk->path, disk->free_bytes);
+        doctor_report_space(d, disk->use, disk->path, disk->free_bytes);
     }
 }
 
-void doctor_check_told(doctor *d) {
+void doctor_check_view(doctor *d) {
     const sheard_msg_status *s = &d->status.status;
     for (size_t i = 0; i < s->n_disks; i++) {
         tell_disk(d, &s->disks[i]);
@@ -75,7 +73,7 @@ void doctor_check_told(doctor *d) {
         tell_root(d, &s->roots[i]);
     }
     if (s->n_roots == 0) {
-        doctor_say_no_roots(d);
+        doctor_report_no_roots(d);
     }
 }
 
@@ -83,41 +81,40 @@ void doctor_check_told(doctor *d) {
 
 static void tell_probe(doctor *d, const sheard_msg_probed *p) {
     if (!p->ok) {
-        doctor_say(d, "probe", SHEARD_CHECK_FAIL, p->advice,
-                   "the service cannot measure a tiny field of its own: %s%s%s%s",
-                   p->message != NULL ? p->message : "no reason was given",
-                   p->code != NULL ? " [" : "", p->code != NULL ? p->code : "",
-                   p->code != NULL ? "]" : "");
+        doctor_fail(
+            d, "probe", p->advice, "the service cannot measure a tiny field of its own: %s%s%s%s",
+            p->message != NULL ? p->message : "no reason was given", p->code != NULL ? " [" : "",
+            p->code != NULL ? p->code : "", p->code != NULL ? "]" : "");
         return;
     }
-    doctor_say(d, "probe", SHEARD_CHECK_OK, NULL,
-               "the service measures: g1 %+.5f (is %+.5f), g2 %+.5f (is %+.5f), %.2f s", p->g1,
-               p->true_g1, p->g2, p->true_g2, p->seconds);
-    doctor_say(d, "sandbox", p->landlock ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
-               p->landlock ? NULL
-                           : "boot with landlock among the security modules (lsm=landlock,...)",
-               "%s%s",
-               p->landlock ? "the service's readers have system calls filtered and the file "
-                             "system closed (seccomp, Landlock)"
-                           : "no Landlock: seccomp alone guards the service's readers",
-               p->namespaces ? ", and see no other process (namespaces)" : "");
+    doctor_ok(d, "probe", "the service measures: g1 %+.5f (is %+.5f), g2 %+.5f (is %+.5f), %.2f s",
+              p->g1, p->true_g1, p->g2, p->true_g2, p->seconds);
+    doctor_report(d, "sandbox", p->landlock ? SHEARD_CHECK_OK : SHEARD_CHECK_WARN,
+                  p->landlock ? NULL
+                              : "boot with landlock among the security modules (lsm=landlock,...)",
+                  "%s%s",
+                  p->landlock ? "the service's readers have system calls filtered and the file "
+                                "system closed (seccomp, Landlock)"
+                              : "no Landlock: seccomp alone guards the service's readers",
+                  p->namespaces ? ", and see no other process (namespaces)" : "");
 }
 
 bool doctor_check_probe(doctor *d) {
     sheard_rpc_error error = {0};
     sheard_reply reply = {0};
-    const int status = connection_call(d->service.connection, SHEARD_METHOD_PROBE, NULL,
-                                       d->service.reply_timeout_s, &reply, NULL, &error);
+    const enum connection_status status =
+        connection_call(d->service.connection, SHEARD_METHOD_PROBE, NULL,
+                        d->service.reply_timeout_s, &reply, NULL, &error);
     if (status == CONNECTION_OK) {
         tell_probe(d, &reply.probe);
         sheard_reply_deinit(&reply, SHEARD_METHOD_PROBE);
         return true;
     }
     const bool old = status == CONNECTION_REFUSED && error.code == SHEARD_RPC_UNKNOWN_METHOD;
-    doctor_say(d, "probe", old ? SHEARD_CHECK_WARN : SHEARD_CHECK_FAIL,
-               old ? "install one release, and restart the service" : error.advice,
-               old ? "the service is too old to be asked whether it can measure"
-                   : "the service does not tell whether it can measure: %s",
-               error.message);
+    doctor_report(d, "probe", old ? SHEARD_CHECK_WARN : SHEARD_CHECK_FAIL,
+                  old ? "install one release, and restart the service" : error.advice,
+                  old ? "the service is too old to be asked whether it can measure"
+                      : "the service does not tell whether it can measure: %s",
+                  error.message);
     return false;
 }

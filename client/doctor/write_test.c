@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* May the service write there? It is tried, by whoever the service would run as: that a directory
  * exists, and what its mode looks like, tells little. */
-#include "doctor/doctor.h"
+#include "doctor/internal.h"
+
+#include "base/io.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <grp.h>
 #include <pwd.h>
 #include <stdio.h>
@@ -16,20 +17,7 @@
 
 static const char service_user[] = "sheard";
 
-int doctor_scratch_file(const char *directory) {
-    char path[4400];
-    int fd = open(directory, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
-    if (fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR)) {
-        snprintf(path, sizeof path, "%s/.doctor-XXXXXX", directory);
-        fd = mkostemp(path, O_CLOEXEC);
-        if (fd >= 0) {
-            unlink(path);
-        }
-    }
-    return fd;
-}
-
-/* The user that root looks for: NULL where that is ourselves. */
+/* The user that root looks for: NULL if that is us. */
 static const struct passwd *other_user(void) {
     return geteuid() == 0 ? getpwnam(service_user) : NULL;
 }
@@ -47,7 +35,7 @@ static int try_as(const struct passwd *user, const char *directory) {
     const pid_t pid = fork();
     if (pid == 0) {
         const bool good = user == NULL || become(user);
-        _exit(good && doctor_scratch_file(directory) >= 0 ? 0 : errno & 0xff);
+        _exit(good && io_open_nameless(directory) >= 0 ? 0 : errno & 0xff);
     }
     if (pid < 0 || waitpid(pid, &status, 0) != pid || !WIFEXITED(status)) {
         return ECHILD;
@@ -55,7 +43,7 @@ static int try_as(const struct passwd *user, const char *directory) {
     return WEXITSTATUS(status);
 }
 
-bool doctor_try_write(doctor *d, const char *subject, const char *directory) {
+bool doctor_test_write(doctor *d, const char *subject, const char *directory) {
     struct stat st = {0};
     const struct passwd *user = other_user();
     const int error = try_as(user, directory);
@@ -70,10 +58,10 @@ bool doctor_try_write(doctor *d, const char *subject, const char *directory) {
                     "systemd-tmpfiles --create"
                   : "if the service is to run as somebody else, run doctor as that user or as root",
              user != NULL ? user->pw_name : service_user, directory);
-    doctor_say(d, subject,
-               ours || error == EROFS || error == ENOSPC ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
-               remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
-               user != NULL ? user->pw_name : "you", strerror(error),
-               owner != NULL ? owner->pw_name : "nobody who is known");
+    doctor_report(d, subject,
+                  ours || error == EROFS || error == ENOSPC ? SHEARD_CHECK_FAIL : SHEARD_CHECK_WARN,
+                  remedy, "%s: %s may not write there (%s); it belongs to %s", directory,
+                  user != NULL ? user->pw_name : "you", strerror(error),
+                  owner != NULL ? owner->pw_name : "nobody who is known");
     return false;
 }

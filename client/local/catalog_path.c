@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/catalog_path.h"
 
-#include "cmdline/command.h"
 #include "terminal/message.h"
 
 #include <errno.h>
@@ -64,8 +63,8 @@ static bool reads_file(const shear_input *input, const struct stat *st) {
 }
 
 /* The catalog's place is there already: may it be replaced? */
-static int check_existing(const char *path, const struct stat *st, const measure_input *inputs,
-                          size_t n, bool force) {
+static enum exit_code check_existing(const char *path, const struct stat *st,
+                                     const measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
         if (reads_file(inputs[i].source, st)) {
             message_fail(NULL, "--catalog %s: that is one of the input files", path);
@@ -95,11 +94,10 @@ static int unwritable(const char *directory) {
     return access(directory, W_OK | X_OK) == 0 ? 0 : errno;
 }
 
-static int check_parent(const char *path) {
+static enum exit_code check_parent(const char *path) {
     char *copy = strdup(path); /* dirname may write to it */
     if (copy == NULL) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+        return message_no_memory();
     }
     const char *parent = dirname(copy);
     int why = unwritable(parent);
@@ -111,18 +109,19 @@ static int check_parent(const char *path) {
     return why != 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
 }
 
-static int check_path(const char *path, const measure_input *inputs, size_t n, bool force) {
+static enum exit_code check_path(const char *path, const measure_input *inputs, size_t n,
+                                 bool force) {
     struct stat st;
     if (stat(path, &st) == 0) {
-        int code = check_existing(path, &st, inputs, n, force);
-        if (code != SHEAR_OK) {
+        const enum exit_code code = check_existing(path, &st, inputs, n, force);
+        if (code != EXIT_CODE_DONE) {
             return code;
         }
     }
     return check_parent(path);
 }
 
-static int check_all(const measure_input *inputs, size_t n, bool force) {
+static enum exit_code check_all(const measure_input *inputs, size_t n, bool force) {
     for (size_t i = 0; i < n; i++) {
         if (inputs[i].catalog == NULL) {
             continue;
@@ -135,15 +134,15 @@ static int check_all(const measure_input *inputs, size_t n, bool force) {
                 return EXIT_CODE_USAGE;
             }
         }
-        int code = check_path(inputs[i].catalog, inputs, n, force);
-        if (code != SHEAR_OK) {
+        const enum exit_code code = check_path(inputs[i].catalog, inputs, n, force);
+        if (code != EXIT_CODE_DONE) {
             return code;
         }
     }
     return EXIT_CODE_DONE;
 }
 
-int catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool force) {
+enum exit_code catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool force) {
     bool directory = is_directory(out);
     size_t length = strlen(out);
     if (!directory && (n > 1 || length == 0 || out[length - 1] == '/')) {
@@ -157,8 +156,7 @@ int catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool
         if (measure_input_is_wanted(&inputs[i])) {
             inputs[i].catalog = directory ? path_in(out, base_path(inputs[i].source)) : strdup(out);
             if (inputs[i].catalog == NULL) {
-                message_fail(NULL, "out of memory");
-                return EXIT_CODE_OTHER;
+                return message_no_memory();
             }
         }
     }

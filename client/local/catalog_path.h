@@ -10,6 +10,6 @@
  * input, the file itself. No input is overwritten, no two inputs share a catalog, and nothing
  * that exists is replaced without `force`. Returns EXIT_CODE_DONE, or the exit code of the error
  * that it has printed. */
-int catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool force);
+enum exit_code catalog_paths_resolve(measure_input *inputs, size_t n, const char *out, bool force);
 
 #endif

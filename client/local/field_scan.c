@@ -28,7 +28,7 @@ typedef struct scan_state {
     weight_check weights;
     shear_block_sums under_way;
     shear_field_sums *sums;
-    sheard_verdict *v;
+    sheard_validation_report *v;
 } scan_state;
 
 typedef struct pixel_statistics {
@@ -79,7 +79,7 @@ static void levels_add(noise_levels *l, const pixel_statistics *noise) {
     l->var += noise->var;
 }
 
-static void levels_tell(const noise_levels *l, sheard_verdict *v) {
+static void levels_tell(const noise_levels *l, sheard_validation_report *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
     v->noise_mean = l->first + mean; /* 0/0 where there are none */
@@ -232,8 +232,8 @@ static void tell_for(shear_result *r, enum shear_estimator estimator) {
     }
 }
 
-int field_scan(shear_field *field, const shear_plan *plan, progress *bar, sheard_verdict *v,
-               shear_error *err) {
+int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
+               sheard_validation_report *v, shear_error *err) {
     const shear_field_info *info = shear_field_get_info(field);
     const shear_plan_info *resolved = shear_plan_get_info(plan);
     scan_state s = {.plan = plan, .v = v};

@@ -11,7 +11,7 @@
 /* Fill in scanned, n_measurable, flags, negative, lowest_pixel, the noise's members, measured and
  * result of *v for the file that `plan` was made for. Nothing is measured where a log method meets
  * negative pixels. Memory is bounded by a block of stamps. */
-int field_scan(shear_field *field, const shear_plan *plan, progress *bar, sheard_verdict *v,
-               shear_error *err);
+int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
+               sheard_validation_report *v, shear_error *err);
 
 #endif

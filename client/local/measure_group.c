@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/measure_group.h"
 
-#include "cmdline/command.h"
 #include "local/weight_check.h"
 #include "sheard/advice.h"
 #include "sheard/no_shear.h"
@@ -95,7 +94,7 @@ static void run_input(measure_input *input, const measure_options *o, const gath
     shear_error err = {0};
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(input->path);
     shear_run_options run = {
-        .threads = o->threads,
+        .threads = (int)o->threads,
         .catalog_path = input->catalog,
         .overwrite = o->force,
         .terms = to->terms,
@@ -103,7 +102,7 @@ static void run_input(measure_input *input, const measure_options *o, const gath
         .progress = progress_callback,
         .context = bar,
     };
-    int code = shear_run_input(input->source, &o->settings, &run, to->sums, to->jack,
+    int code = shear_run_input(input->source, &o->settings.values, &run, to->sums, to->jack,
                                &input->report, &err);
     progress_end(bar);
     if (code != SHEAR_OK) {
@@ -139,11 +138,11 @@ static int64_t count_stamps(const measure_group *g) {
 static int gathering_init(gathering *to, const measure_group *g, const measure_options *o,
                           shear_error *err) {
     int code = shear_field_sums_new(&to->sums, err);
-    if (code == SHEAR_OK && estimators_wanted(count_stamps(g), o->settings.estimator)) {
+    if (code == SHEAR_OK && estimators_wanted(count_stamps(g), o->settings.values.estimator)) {
         code = shear_symmetry_new(&to->terms, err);
     }
     if (code == SHEAR_OK && o->jackknife != 0) {
-        code = shear_jackknife_new(&to->jack, o->jackknife, err);
+        code = shear_jackknife_new(&to->jack, (int)o->jackknife, err);
     }
     return code;
 }
@@ -172,7 +171,7 @@ static int run_all(measure_group *g, const measure_options *o, measure_input **o
     int code = gathering_init(&to, g, o, err);
     if (code == SHEAR_OK) {
         *done = run_inputs(order, g->n, o, &to);
-        code = shear_estimate(o->settings.estimator, to.sums, to.terms, &g->result, err);
+        code = shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err);
     }
     if (code == SHEAR_OK) {
         if (to.terms != NULL) {
@@ -269,7 +268,7 @@ bool measure_group_run(measure_group *g, const measure_options *o) {
     measure_input **order = order_of(g, o->jackknife > 0);
     int code = order != NULL ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
     if (code == SHEAR_OK && o->jackknife != 0) {
-        code = check_blocks(g, o->jackknife, &err);
+        code = check_blocks(g, (int)o->jackknife, &err);
     }
     if (code == SHEAR_OK) {
         code = run_all(g, o, order, &done, &err);

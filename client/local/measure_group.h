@@ -7,14 +7,13 @@
 #include "local/estimators.h"
 #include "local/measure_input.h"
 #include "local/warnings.h"
-#include "shear/settings.h"
 #include "shear/sums.h"
 
 /* What the command line asks for. */
 typedef struct measure_options {
-    shear_settings settings;
-    int threads;         /* 0 = all cores */
-    int jackknife;       /* groups; 0 = delta method */
+    option_settings settings;
+    int64_t threads;     /* 0: all cores */
+    int64_t jackknife;   /* groups; 0: delta method */
     const char *catalog; /* or NULL */
     const char *field;   /* or NULL */
     part_options parts;

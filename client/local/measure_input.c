@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/measure_input.h"
 
-#include "cmdline/command.h"
 #include "terminal/message.h"
 
 #include <stdlib.h>
@@ -64,7 +63,7 @@ bool measure_input_is_wanted(const measure_input *input) {
     return input->failure == 0 && !input->duplicate;
 }
 
-int measure_failure_of(int shear_code, bool writing) {
+enum exit_code measure_failure_of(int shear_code, bool writing) {
     switch (shear_code) {
     case SHEAR_OK:
         return EXIT_CODE_DONE;
@@ -82,7 +81,7 @@ int measure_failure_of(int shear_code, bool writing) {
     }
 }
 
-int measure_inputs_exit_code(const measure_input *inputs, size_t n) {
+enum exit_code measure_inputs_exit_code(const measure_input *inputs, size_t n) {
     size_t done = 0;
     size_t failed[EXIT_CODE_PARTLY] = {0}; /* by reason */
     for (size_t i = 0; i < n; i++) {

@@ -6,6 +6,7 @@
 
 #include "shear/field.h"
 #include "shear/run.h"
+#include "terminal/exit_code.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,7 +14,8 @@
 typedef struct measure_input {
     const shear_input *source; /* kept by the caller */
     const char *path;          /* in messages and reports: shear_input_text */
-    int failure; /* EXIT_CODE_DONE so far, or why the file failed; then an error has been printed */
+    enum exit_code
+        failure; /* EXIT_CODE_DONE so far, or why the file failed; then an error has been printed */
     bool duplicate;        /* content and field of an earlier file: not measured */
     const char *field;     /* what it counts to: --field, or info.name */
     shear_field_info info; /* as opened */
@@ -33,8 +35,8 @@ bool measure_input_is_wanted(const measure_input *input);
 
 /* The exit code that an error of libshear about this file deserves. `writing`: the file was good
  * before, and we wrote. */
-int measure_failure_of(int shear_code, bool writing);
+enum exit_code measure_failure_of(int shear_code, bool writing);
 /* The exit code of the whole. */
-int measure_inputs_exit_code(const measure_input *inputs, size_t n);
+enum exit_code measure_inputs_exit_code(const measure_input *inputs, size_t n);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/method_text.h"
 
-#include "remote/report_text.h"
 #include "shear/stamp.h"
+#include "terminal/text_line.h"
 
 #include <inttypes.h>
 #include <string.h>
@@ -20,8 +20,8 @@ static void print_pixels(const method_lines *m, FILE *out) {
     if (m->oversample > 1) {
         snprintf(fine, sizeof fine, " to %d x", m->oversample);
     }
-    shear_text_line(out, "method", "interpolation %s%s, R_PSF %s, beta %s", m->interpolation, fine,
-                    m->r_psf, m->beta);
+    text_line(out, "method", "interpolation %s%s, R_PSF %s, beta %s", m->interpolation, fine,
+              m->r_psf, m->beta);
 }
 
 static const char *source_of_core(const method_lines *m) {
@@ -32,15 +32,15 @@ static const char *source_of_core(const method_lines *m) {
 
 static void print_filter(const method_lines *m, FILE *out) {
     if (!filters(m)) {
-        shear_text_line(out, "filter", "none%s",
-                        is_filter(m->asked_filter, SHEAR_FILTER_AUTO)
-                            ? " (no core leaves the galaxies whole, or too few stamps tell)"
-                            : "");
+        text_line(out, "filter", "none%s",
+                  is_filter(m->asked_filter, SHEAR_FILTER_AUTO)
+                      ? " (no core leaves the galaxies whole, or too few stamps tell)"
+                      : "");
     } else if (m->core_per_stamp) {
-        shear_text_line(out, "filter", "core by each stamp's R_GAL, width %.4g px", m->width_px);
+        text_line(out, "filter", "core by each stamp's R_GAL, width %.4g px", m->width_px);
     } else {
-        shear_text_line(out, "filter", "core %s (%s), width %.4g px", m->core, source_of_core(m),
-                        m->width_px);
+        text_line(out, "filter", "core %s (%s), width %.4g px", m->core, source_of_core(m),
+                  m->width_px);
     }
 }
 
@@ -48,18 +48,17 @@ static void print_background(const method_lines *m, FILE *out) {
     const char *words = !filters(m)          ? "left in: without a filter it changes nothing"
                         : m->background_kept ? "kept: it ends at the filter's edge"
                                              : "the noise stamps' level is taken off both stamps";
-    shear_text_line(out, "background", "%s", words);
+    text_line(out, "background", "%s", words);
 }
 
 static void print_artefacts(const method_lines *m, FILE *out) {
     if (m->artefacts_kept) {
-        shear_text_line(out, "artefacts", "not looked for (artefacts = keep)");
+        text_line(out, "artefacts", "not looked for (artefacts = keep)");
     } else if (m->artefacts == 0) {
-        shear_text_line(out, "artefacts", "none found");
+        text_line(out, "artefacts", "none found");
     } else if (m->artefacts > 0) {
-        shear_text_line(out, "artefacts",
-                        "%" PRId64 " %s with a pixel that no sky can make: left out", m->artefacts,
-                        m->artefacts == 1 ? "stamp" : "stamps");
+        text_line(out, "artefacts", "%" PRId64 " %s with a pixel that no sky can make: left out",
+                  m->artefacts, m->artefacts == 1 ? "stamp" : "stamps");
     }
 }
 

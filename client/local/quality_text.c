@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/quality_text.h"
 
-#include "remote/report_text.h"
 #include "sheard/advice.h"
+#include "terminal/text_line.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -19,15 +19,15 @@ static const char *place_of(const char *band) {
 /* Why nothing was read off. */
 static void print_unchecked(const quality_lines *q, FILE *out) {
     if (q->r_psf_px < 1.0) {
-        shear_text_line(out, "level",
-                        "noise taken as that of the noise stamps: cannot be checked where R_PSF is "
-                        "below 1 px");
+        text_line(out, "level",
+                  "noise taken as that of the noise stamps: cannot be checked where R_PSF is "
+                  "below 1 px");
     } else if (strcmp(q->interpolation, "none") != 0) {
-        shear_text_line(out, "level",
-                        "noise taken as that of the noise stamps: cannot be checked where stamps "
-                        "are interpolated");
+        text_line(out, "level",
+                  "noise taken as that of the noise stamps: cannot be checked where stamps "
+                  "are interpolated");
     } else {
-        shear_text_line(out, "level", "noise taken as that of the noise stamps, as asked for");
+        text_line(out, "level", "noise taken as that of the noise stamps, as asked for");
     }
 }
 
@@ -44,8 +44,8 @@ static void print_level(const quality_lines *q, FILE *out) {
         snprintf(words, sizeof words, "; without it %s",
                  sheard_advice_without_level(q->noise_effect, effect, sizeof effect));
     }
-    shear_text_line(out, "level", "noise %.4f +- %.2g times the noise stamps' variance%s%s",
-                    q->noise_level, q->noise_level_err, place_of(q->noise_band), words);
+    text_line(out, "level", "noise %.4f +- %.2g times the noise stamps' variance%s%s",
+              q->noise_level, q->noise_level_err, place_of(q->noise_band), words);
 }
 
 quality_lines quality_text_of(const shear_result *r, const shear_plan_info *plan) {
@@ -69,13 +69,13 @@ void quality_text_print(const quality_lines *q, FILE *out) {
     }
     print_level(q, out);
     if (q->top_stamp >= 0 && isfinite(q->top_share)) {
-        shear_text_line(out, "influence",
-                        "%" PRId64 " stamps count as %.1f equal ones; stamp %" PRId64
-                        "%s%s counts most, with %.3g %% of the sum of w D",
-                        q->n_used, q->n_eff, q->top_stamp, q->top_file != NULL ? " of " : "",
-                        q->top_file != NULL ? q->top_file : "", 100.0 * q->top_share);
+        text_line(out, "influence",
+                  "%" PRId64 " stamps count as %.1f equal ones; stamp %" PRId64
+                  "%s%s counts most, with %.3g %% of the sum of w D",
+                  q->n_used, q->n_eff, q->top_stamp, q->top_file != NULL ? " of " : "",
+                  q->top_file != NULL ? q->top_file : "", 100.0 * q->top_share);
     } else {
-        shear_text_line(out, "influence", "%" PRId64 " stamps count as %.1f equal ones", q->n_used,
-                        q->n_eff);
+        text_line(out, "influence", "%" PRId64 " stamps count as %.1f equal ones", q->n_used,
+                  q->n_eff);
     }
 }

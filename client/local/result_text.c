@@ -3,51 +3,15 @@
 
 #include "local/method_text.h"
 #include "local/quality_text.h"
-#include "remote/report_text.h"
+#include "local/value_text.h"
 #include "sheard/advice.h"
 #include "sheard/no_shear.h"
 #include "terminal/message.h"
+#include "terminal/text_line.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
-
-/* Shears are compared at the level of 1e-5 even where one field tells less. */
-enum { MIN_DECIMALS = 5, MAX_DECIMALS = 12 };
-
-/* Decimals that show two digits of the error. */
-static int decimals_of(double error) {
-    if (!isfinite(error) || error <= 0.0) {
-        return 6;
-    }
-    int decimals = 1 - (int)floor(log10(error));
-    return decimals < MIN_DECIMALS   ? MIN_DECIMALS
-           : decimals > MAX_DECIMALS ? MAX_DECIMALS
-                                     : decimals;
-}
-
-char *value_text(double value, double error, char *buf, size_t size) {
-    int decimals = decimals_of(error);
-    snprintf(buf, size, "%+.*f +- %.*f", decimals, value, decimals, error);
-    return buf;
-}
-
-static void row(FILE *out, const char *name, const char *text) {
-    fprintf(out, "  %-10s %s\n", name, text);
-}
-
-/* "400 of 403 used (2 galaxy_not_finite, 1 masked)"; a stamp may carry several flags. */
-static void print_stamps(const shear_result *r, FILE *out) {
-    fprintf(out, "  %-10s %" PRId64 " of %" PRId64 " used", "stamps", r->n_used, r->n_stamps);
-    const char *before = " (";
-    for (int bit = 0; bit < SHEAR_N_FLAGS; bit++) {
-        if (r->flagged[bit] > 0) {
-            fprintf(out, "%s%" PRId64 " %s", before, r->flagged[bit], shear_flag_name(bit));
-            before = ", ";
-        }
-    }
-    fprintf(out, "%s\n", before[0] == ',' ? ")" : "");
-}
 
 /* "1.6 px", or "1.5 to 1.7 px" where the files differ. `member` is the offset of a double in
  * shear_plan_info. */
@@ -62,25 +26,18 @@ static char *range(const measure_group *g, size_t member, char *buf, size_t size
             high = fmax(high, value);
         }
     }
-    if (high > low) {
-        snprintf(buf, size, "%.4g to %.4g px", low, high);
-    } else {
-        snprintf(buf, size, "%.4g px", low);
-    }
-    return buf;
+    return value_text_length(low, high, buf, size);
 }
 
 static void print_component(const char *name, double g, double error, bool has_truth, double truth,
                             FILE *out) {
     char value[96];
-    char line[256];
     value_text(g, error, value, sizeof value);
     if (has_truth) {
-        snprintf(line, sizeof line, "%s   truth %+.*f   pull %+.2f", value, decimals_of(error),
-                 truth, (g - truth) / error);
-        row(out, name, line);
+        text_line(out, name, "%s   truth %+.*f   pull %+.2f", value, value_text_decimals(error),
+                  truth, (g - truth) / error);
     } else {
-        row(out, name, value);
+        text_line(out, name, "%s", value);
     }
 }
 
@@ -88,37 +45,32 @@ static void print_shear(const measure_group *g, FILE *out) {
     const shear_result *r = &g->result;
     double true_g1 = 0.0;
     double true_g2 = 0.0;
-    char line[128];
-    bool has_truth = measure_group_truth(g, &true_g1, &true_g2);
+    const bool has_truth = measure_group_truth(g, &true_g1, &true_g2);
     print_component("g1", r->g1, r->g1_err, has_truth, true_g1, out);
     print_component("g2", r->g2, r->g2_err, has_truth, true_g2, out);
-    snprintf(line, sizeof line, "%.3g (correlation %+.2f)", r->cov12,
-             r->cov12 / (r->g1_err * r->g2_err));
-    row(out, "cov12", line);
-    row(out, "estimator", shear_estimator_name(r->estimator));
+    text_line(out, "cov12", "%.3g (correlation %+.2f)", r->cov12,
+              r->cov12 / (r->g1_err * r->g2_err));
+    text_line(out, "estimator", "%s", shear_estimator_name(r->estimator));
     if (r->jackknife != 0) {
-        snprintf(line, sizeof line, "jackknife over %d groups of blocks", r->jackknife);
-        row(out, "errors", line);
+        text_line(out, "errors", "jackknife over %d groups of blocks", r->jackknife);
     } else {
-        row(out, "errors", shear_text_method(shear_error_method(r)));
+        text_line(out, "errors", "%s", value_text_error_method(shear_error_method(r)));
     }
 }
 
 /* Both estimators, a line each, and which of them is more precise. */
 static void print_estimators(const sheard_report_estimators *e, FILE *out) {
+    char g1[96];
+    char g2[96];
+    char words[160];
     for (int i = 0; i < e->n; i++) {
         const shear_result *r = &e->of[i];
-        char g1[96];
-        char g2[96];
-        char line[256];
-        snprintf(line, sizeof line, "g1 %s, g2 %s",
-                 value_text(r->g1, r->g1_err, g1, sizeof g1),
-                 value_text(r->g2, r->g2_err, g2, sizeof g2));
-        row(out, shear_estimator_name(r->estimator), line);
+        text_line(out, shear_estimator_name(r->estimator), "g1 %s, g2 %s",
+                  value_text(r->g1, r->g1_err, g1, sizeof g1),
+                  value_text(r->g2, r->g2_err, g2, sizeof g2));
     }
     if (e->n > 0) {
-        char words[160];
-        row(out, "precision", estimators_words(e, words, sizeof words));
+        text_line(out, "precision", "%s", estimators_words(e, words, sizeof words));
     }
 }
 
@@ -143,34 +95,37 @@ static void print_method(const measure_group *g, const shear_settings *settings,
     method_text_print(&m, out);
 }
 
+/* Why there is no shear. */
+static void print_no_shear(const measure_group *g, FILE *out) {
+    sheard_cause cause = {.words = sheard_no_shear_brief(&g->result)};
+    sheard_cause_of(&g->result, &measure_group_first(g)->report.plan, &cause);
+    text_line(out, "g1", "not measured");
+    text_line(out, "g2", "not measured");
+    text_line(out, "reason", "%s", cause.words);
+}
+
 void result_text_print(const measure_group *g, const shear_settings *settings, FILE *out) {
     const measure_input *first = measure_group_first(g);
     const measure_input *top = measure_group_top(g);
+    const size_t n = count_measured(g);
     char name[256];
-    char line[128];
     fprintf(out, "field %s\n", message_clean(g->field, name, sizeof name));
-    if (count_measured(g) > 1) {
-        snprintf(line, sizeof line, "%zu", count_measured(g));
-        row(out, "files", line);
+    if (n > 1) {
+        text_line(out, "files", "%zu", n);
     } else {
-        row(out, "file", message_clean(first->path, name, sizeof name));
+        text_line(out, "file", "%s", message_clean(first->path, name, sizeof name));
     }
-    print_stamps(&g->result, out);
+    value_text_print_stamps(g->result.n_used, g->result.n_stamps, g->result.flagged, out);
     print_method(g, settings, out);
     if (g->result.valid) {
         quality_lines q = quality_text_of(&g->result, &first->report.plan);
-        q.top_file = count_measured(g) > 1 && top != NULL ? top->path : NULL;
+        q.top_file = n > 1 && top != NULL ? top->path : NULL;
         quality_text_print(&q, out);
         print_shear(g, out);
         print_estimators(&g->estimators, out);
     } else {
-        row(out, "g1", "not measured");
-        row(out, "g2", "not measured");
-        sheard_cause cause = {.words = sheard_no_shear_brief(&g->result)};
-        sheard_cause_of(&g->result, &first->report.plan, &cause);
-        row(out, "reason", cause.words);
+        print_no_shear(g, out);
     }
-    snprintf(line, sizeof line, "%.0f stamps/s (%.2f s)", (double)g->result.n_stamps / g->seconds,
-             g->seconds);
-    row(out, "rate", line);
+    text_line(out, "rate", "%.0f stamps/s (%.2f s)", (double)g->result.n_stamps / g->seconds,
+              g->seconds);
 }

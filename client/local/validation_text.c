@@ -121,7 +121,7 @@ static void print_weights(const sheard_validation_report *v, FILE *out) {
     }
 }
 
-void validation_text_print(const sheard_verdict *v, FILE *out) {
+void validation_text_print(const sheard_validation_report *v, FILE *out) {
     char clean[1024];
     fprintf(out, "file %s\n", message_clean(v->path, clean, sizeof clean));
     if (v->field != NULL) {

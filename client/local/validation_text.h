@@ -8,6 +8,6 @@
 
 #include <stdio.h>
 
-void validation_text_print(const sheard_verdict *v, FILE *out);
+void validation_text_print(const sheard_validation_report *v, FILE *out);
 
 #endif

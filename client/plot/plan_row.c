@@ -201,8 +201,8 @@ static int draw_spectra(shear_figure *f, const shear_grid *grid, const stamp_rea
                                             stamp->index, err);
 }
 
-int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b, const plot_stamp *stamp,
-                    shear_error *err) {
+int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
+                    const plot_stamp *stamp, shear_error *err) {
     static const double widths[4] = {1.0, 1.0, 1.55, 0.85};
     const shear_grid grid = {
         .area = area, .rows = 1, .columns = 4, .gap_x = 16.0, .column_weights = widths};

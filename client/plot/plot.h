@@ -12,8 +12,8 @@ enum { PLOT_MAX_STAMPS = 12, PLOT_DEFAULT_STAMPS = 4 };
 
 typedef struct plot_options {
     int64_t stamp; /* the one stamp to show, or -1: n_stamps of the usable, evenly spaced */
-    int n_stamps;
-    shear_settings settings; /* of the measurement that the sheet shows */
+    int64_t n_stamps;
+    const shear_settings *settings; /* of the measurement that the sheet shows */
 } plot_options;
 
 /* Draw the sheet of a field file: its stamps step by step, its PSF, the plan. *figure is the

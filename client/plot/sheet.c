@@ -52,7 +52,7 @@ int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *op
     int64_t index[PLOT_MAX_STAMPS];
     int n = 0;
     *figure = NULL;
-    int code = stamp_reader_init(&bench, field, &options->settings, err);
+    int code = stamp_reader_init(&bench, field, options->settings, err);
     if (code == SHEAR_OK) {
         code = plot_stamps_choose(&bench, options, index, &n, err);
     }

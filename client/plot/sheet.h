@@ -15,8 +15,8 @@ int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const sta
                      const plot_stamp *stamp, shear_error *err);
 /* The PSF, its transfer, the spectra's profiles and the plan, beside each other. `stamp` is the one
  * that was read last. */
-int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b, const plot_stamp *stamp,
-                    shear_error *err);
+int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
+                    const plot_stamp *stamp, shear_error *err);
 
 /* Where the modes of an inspection lie: k in radians per galaxy pixel. */
 plot_lattice sheet_modes(const stamp_reader *b, const shear_inspection *steps);

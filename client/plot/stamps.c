@@ -11,7 +11,7 @@
 enum { MAX_TRIES = 64 };
 
 int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,
-                    shear_error *err) {
+                      shear_error *err) {
     *b = (stamp_reader){.field = field, .info = shear_field_get_info(field)};
     int code = shear_plan_for_field(&b->plan, settings, field, err);
     if (code == SHEAR_OK) {
@@ -75,7 +75,7 @@ int plot_stamps_choose(stamp_reader *b, const plot_options *options, int64_t ind
         index[(*n)++] = options->stamp;
         return SHEAR_OK;
     }
-    const int parts = total < options->n_stamps ? (int)total : options->n_stamps;
+    const int parts = (int)(total < options->n_stamps ? total : options->n_stamps);
     for (int k = 0; k < parts; k++) {
         int64_t found = -1;
         const int code = find_usable(b, part_start(total, parts, k),

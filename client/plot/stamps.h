@@ -17,7 +17,7 @@ typedef struct stamp_reader {
 } stamp_reader;
 
 int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,
-                    shear_error *err);
+                      shear_error *err);
 void stamp_reader_deinit(stamp_reader *b);
 
 /* The stamps that the options ask for; *n becomes their number, at least 1. Where none of the file

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/connection.h"
+#include "base/clock.h"
 
 #include "remote/socket_io.h"
 #include "shear/version.h"
@@ -51,26 +52,29 @@ void connection_close(connection *c) {
 }
 
 /* An error of the protocol's layer: no memory is ours, the rest is what the peer sent. */
-static int bad_message(const sheard_rpc_error *error) {
+static enum connection_status bad_message(const sheard_rpc_error *error) {
     return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_MISMATCH;
 }
 
-static int bad_line(int event, sheard_rpc_error *error) {
+static enum connection_status bad_line(int event, sheard_rpc_error *error) {
     switch (event) {
     case SHEARD_FRAME_NOMEM:
-        return connection_fail(error, CONNECTION_FAILED, NULL, "out of memory for the service's answer");
+        return connection_fail(error, CONNECTION_FAILED, NULL,
+                               "out of memory for the service's answer");
     case SHEARD_FRAME_NUL:
-        return connection_fail(error, CONNECTION_MISMATCH, "use a client and a service of one release",
-                         "the service's answer is not text");
+        return connection_fail(error, CONNECTION_MISMATCH,
+                               "use a client and a service of one release",
+                               "the service's answer is not text");
     default:
         return connection_fail(error, CONNECTION_MISMATCH, "ask for less with --limit",
-                         "the service's answer is longer than %zu bytes",
-                         sheard_rpc_reply_limits.line);
+                               "the service's answer is longer than %zu bytes",
+                               sheard_rpc_reply_limits.line);
     }
 }
 
 /* The next message of any kind. */
-static int receive(connection *c, double deadline, sheard_message *m, sheard_rpc_error *error) {
+static enum connection_status receive(connection *c, double deadline, sheard_message *m,
+                                      sheard_rpc_error *error) {
     for (;;) {
         const char *line = NULL;
         size_t n = 0;
@@ -83,7 +87,7 @@ static int receive(connection *c, double deadline, sheard_message *m, sheard_rpc
             return bad_line(event, error);
         }
         c->at = c->input;
-        const int status =
+        const enum connection_status status =
             socket_io_receive(c->fd, c->input, sizeof c->input, &c->left, deadline, error);
         if (status != CONNECTION_OK) {
             return status;
@@ -93,10 +97,10 @@ static int receive(connection *c, double deadline, sheard_message *m, sheard_rpc
 
 /* The answer to request `id`; notifications on the way go to the listener. An error without an id
  * is about the connection (too many of them, the service stops) and is an answer, too. */
-static int receive_answer(connection *c, int64_t id, double deadline, sheard_message *m,
-                          sheard_rpc_error *error) {
+static enum connection_status receive_answer(connection *c, int64_t id, double deadline,
+                                             sheard_message *m, sheard_rpc_error *error) {
     for (;;) {
-        const int status = receive(c, deadline, m, error);
+        const enum connection_status status = receive(c, deadline, m, error);
         if (status != CONNECTION_OK) {
             return status;
         }
@@ -110,15 +114,15 @@ static int receive_answer(connection *c, int64_t id, double deadline, sheard_mes
         } else {
             sheard_message_deinit(m);
             return connection_fail(error, CONNECTION_MISMATCH,
-                             "use a client and a service of one release",
-                             "the service answers what was not asked");
+                                   "use a client and a service of one release",
+                                   "the service answers what was not asked");
         }
         sheard_message_deinit(m);
     }
 }
 
-static int take_answer(const sheard_message *m, int method, sheard_reply *reply, char **text,
-                       sheard_rpc_error *error) {
+static enum connection_status read_answer(const sheard_message *m, int method, sheard_reply *reply,
+                                          char **text, sheard_rpc_error *error) {
     if (m->kind == SHEARD_MESSAGE_ERROR) {
         *error = m->error;
         return CONNECTION_REFUSED;
@@ -135,8 +139,8 @@ static int take_answer(const sheard_message *m, int method, sheard_reply *reply,
     return CONNECTION_OK;
 }
 
-static int send_request(connection *c, int method, const sheard_params *params, double deadline,
-                        sheard_rpc_error *error) {
+static enum connection_status send_request(connection *c, int method, const sheard_params *params,
+                                           double deadline, sheard_rpc_error *error) {
     char *line = NULL;
     size_t n = 0;
     const sheard_rpc_id id = {.type = SHEARD_ID_INTEGER, .integer = ++c->last_id};
@@ -144,41 +148,43 @@ static int send_request(connection *c, int method, const sheard_params *params, 
         /* What the service would refuse is refused here, in the same words. */
         return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_REFUSED;
     }
-    const int status = socket_io_send(c->fd, line, n, deadline, error);
+    const enum connection_status status = socket_io_send(c->fd, line, n, deadline, error);
     free(line);
     return status;
 }
 
-int connection_call(connection *c, int method, const sheard_params *params, double timeout_s,
-                    sheard_reply *reply, char **text, sheard_rpc_error *error) {
-    const double deadline = socket_io_now() + timeout_s;
+enum connection_status connection_call(connection *c, int method, const sheard_params *params,
+                                       double timeout_s, sheard_reply *reply, char **text,
+                                       sheard_rpc_error *error) {
+    const double deadline = clock_s(CLOCK_MONOTONIC) + timeout_s;
     sheard_message m = {.notice = -1};
-    int status = send_request(c, method, params, deadline, error);
+    enum connection_status status = send_request(c, method, params, deadline, error);
     if (status != CONNECTION_OK) {
         return status;
     }
     status = receive_answer(c, c->last_id, deadline, &m, error);
     if (status == CONNECTION_OK) {
-        status = take_answer(&m, method, reply, text, error);
+        status = read_answer(&m, method, reply, text, error);
         sheard_message_deinit(&m);
     }
     return status;
 }
 
-static int greet(connection *c, const char *path, double timeout_s, sheard_rpc_error *error) {
+static enum connection_status greet(connection *c, const char *path, double timeout_s,
+                                    sheard_rpc_error *error) {
     sheard_params params;
     sheard_params_init(&params, SHEARD_METHOD_HELLO);
     params.hello = (sheard_msg_hello){.oldest = SHEARD_PROTOCOL_OLDEST,
                                       .newest = SHEARD_PROTOCOL_VERSION,
                                       .client = "shearctl " SHEAR_VERSION_STRING};
-    const int status =
+    const enum connection_status status =
         connection_call(c, SHEARD_METHOD_HELLO, &params, timeout_s, &c->welcome, NULL, error);
     if (status == CONNECTION_MISMATCH) {
         char why[300];
         snprintf(why, sizeof why, "%.290s", error->message);
         return connection_fail(error, status, "is this the socket of sheard?",
-                         "what listens at %s is not a service that this client knows: %s", path,
-                         why);
+                               "what listens at %s is not a service that this client knows: %s",
+                               path, why);
     }
     if (status == CONNECTION_REFUSED && error->code == SHEARD_RPC_UNSUPPORTED_VERSION) {
         return CONNECTION_MISMATCH;
@@ -186,26 +192,27 @@ static int greet(connection *c, const char *path, double timeout_s, sheard_rpc_e
     const int64_t version = c->welcome.hello.protocol;
     if (status == CONNECTION_OK &&
         (version < SHEARD_PROTOCOL_OLDEST || version > SHEARD_PROTOCOL_VERSION)) {
-        return connection_fail(error, CONNECTION_MISMATCH,
-                         "use a client and a service of the same release",
-                         "the service speaks version %" PRId64 " of the protocol, this client %d "
-                         "to %d",
-                         version, SHEARD_PROTOCOL_OLDEST, SHEARD_PROTOCOL_VERSION);
+        return connection_fail(
+            error, CONNECTION_MISMATCH, "use a client and a service of the same release",
+            "the service speaks version %" PRId64 " of the protocol, this client %d "
+            "to %d",
+            version, SHEARD_PROTOCOL_OLDEST, SHEARD_PROTOCOL_VERSION);
     }
     return status;
 }
 
-int connection_open(connection **out, const char *path, double timeout_s, sheard_rpc_error *error) {
-    const double deadline = socket_io_now() + timeout_s;
+enum connection_status connection_open(connection **out, const char *path, double timeout_s,
+                                       sheard_rpc_error *error) {
+    const double deadline = clock_s(CLOCK_MONOTONIC) + timeout_s;
     *out = NULL;
     connection *c = calloc(1, sizeof *c);
     if (c == NULL) {
         return connection_fail(error, CONNECTION_FAILED, NULL, "out of memory");
     }
     sheard_frame_init(&c->frame, sheard_rpc_reply_limits.line);
-    int status = socket_io_connect(path, deadline, &c->fd, error);
+    enum connection_status status = socket_io_connect(path, deadline, &c->fd, error);
     if (status == CONNECTION_OK) {
-        status = greet(c, path, deadline - socket_io_now(), error);
+        status = greet(c, path, deadline - clock_s(CLOCK_MONOTONIC), error);
     }
     if (status != CONNECTION_OK) {
         connection_close(c);

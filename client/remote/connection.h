@@ -2,25 +2,14 @@
 /* connection.h: a conversation with the service (docs/protocol.md).
  *
  * Functions that return an enum connection_status leave message and advice in *error (never NULL)
- * where it is not CONNECTION_OK. Every wait ends: at its timeout, or when progress.h has caught a
+ * if it is not CONNECTION_OK. Every wait ends: at its timeout, or when progress.h has caught a
  * signal. Nothing is printed here. */
 #ifndef CLIENT_REMOTE_CONNECTION_H
 #define CLIENT_REMOTE_CONNECTION_H
 
-#include "sheard/rpc.h"
+#include "remote/connection_status.h"
 
 #define CONNECTION_DEFAULT_SOCKET "/run/sheard/sheard.sock"
-
-enum connection_status {
-    CONNECTION_OK = 0,
-    CONNECTION_REFUSED,     /* the service answered with an error; error->code tells */
-    CONNECTION_UNREACHABLE, /* no service there, or it is gone */
-    CONNECTION_DENIED,      /* we may not connect */
-    CONNECTION_MISMATCH,    /* whoever answers does not speak our protocol */
-    CONNECTION_SILENT,      /* nothing came in time */
-    CONNECTION_INTERRUPTED, /* progress_interrupted() */
-    CONNECTION_FAILED       /* our own fault: no memory, a parameter that cannot be sent */
-};
 
 typedef struct connection connection;
 
@@ -28,7 +17,8 @@ typedef struct connection connection;
 typedef void connection_listener(void *context, const sheard_message *notice);
 
 /* Connect, say hello and check the version, all within `timeout_s`. *c is NULL on errors. */
-int connection_open(connection **c, const char *path, double timeout_s, sheard_rpc_error *error);
+enum connection_status connection_open(connection **c, const char *path, double timeout_s,
+                                       sheard_rpc_error *error);
 void connection_close(connection *c); /* NULL is accepted */
 
 /* What the service said to hello. */
@@ -39,8 +29,9 @@ void connection_listen(connection *c, connection_listener *listener, void *conte
 /* Ask and wait for the answer. `params` as in sheard_request_line. Any of *reply (to be given to
  * sheard_reply_deinit) and *text (the result as it came, one line, to be freed) may be NULL. After
  * anything but OK and REFUSED the connection is of no more use. */
-int connection_call(connection *c, int method, const sheard_params *params, double timeout_s,
-                    sheard_reply *reply, char **text, sheard_rpc_error *error);
+enum connection_status connection_call(connection *c, int method, const sheard_params *params,
+                                       double timeout_s, sheard_reply *reply, char **text,
+                                       sheard_rpc_error *error);
 
 /* "/run/sheard/sheard.sock", or what the environment variable SHEARD_SOCKET says. */
 const char *connection_default_path(void);

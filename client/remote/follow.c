@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/follow.h"
 
-#include "remote/socket_io.h"
+#include "remote/job_text.h"
+
+#include "base/cleanup.h"
+#include "base/clock.h"
 #include "terminal/message.h"
 #include "terminal/progress.h"
 
@@ -22,7 +25,8 @@ typedef struct follow_state {
     progress *progress;
     bool notified; /* notifications come */
     double deadline;
-    follow_tally tally;
+    follow_counts counts;
+    text_table *ended; /* of how they ended; not with service.json */
 } follow_state;
 
 static void show(const follow_state *f) {
@@ -69,86 +73,106 @@ static void subscribe(follow_state *f, const int64_t *ids) {
     }
 }
 
-static void count(follow_state *f, const sheard_msg_waited *waited) {
+/* Jobs that are finished, or not in time. */
+static void add_ended(follow_state *f, const sheard_msg_waited *waited) {
     for (size_t i = 0; i < waited->n_jobs; i++) {
         const sheard_msg_job *job = &waited->jobs[i];
-        f->tally.done += job->state == SHEARD_JOB_DONE;
-        f->tally.failed += job->state == SHEARD_JOB_FAILED;
-        f->tally.cancelled +=
-            job->state == SHEARD_JOB_CANCELLED || job->state == SHEARD_JOB_RETRACTED;
-        f->tally.unfinished += !sheard_job_state_is_final(job->state);
-        if (f->options->ended != NULL) {
-            f->options->ended(f->options->context, job);
+        follow_counts_add(&f->counts, job->state);
+        if (!f->service->json) {
+            job_results_add(f->ended, job);
+            job_complain(job);
         }
     }
 }
 
-/* One wait request. *again: neither are the jobs finished nor is the time over. */
-static int wait_once(follow_state *f, const int64_t *ids, size_t n, bool *again) {
+/* What a wait request was answered. Returns whether to ask again: neither are the jobs finished nor
+ * is the time over. */
+static bool note_answer(follow_state *f, const sheard_msg_waited *waited, const char *text) {
+    for (size_t i = 0; i < waited->n_jobs; i++) {
+        follow_note_job(f->entries, f->n, &waited->jobs[i]);
+    }
+    show(f);
+    if (waited->timed_out && clock_s(CLOCK_MONOTONIC) < f->deadline) {
+        return true;
+    }
+    if (f->options->answers && f->service->json) {
+        puts(text);
+    }
+    add_ended(f, waited);
+    return false;
+}
+
+/* One wait request; *again becomes what note_answer says. */
+static enum exit_code wait_once(follow_state *f, const int64_t *ids, size_t n, bool *again) {
     sheard_rpc_error error = {0};
     sheard_reply reply = {0};
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     sheard_params p;
     const double slice = progress_visible(f->progress) && !f->notified ? poll_s : slice_s;
-    const double left = fmax(0.0, f->deadline - socket_io_now());
+    const double left = fmax(0.0, f->deadline - clock_s(CLOCK_MONOTONIC));
     sheard_params_init(&p, SHEARD_METHOD_WAIT);
     p.wait = (sheard_msg_wait){.ids = ids, .n_ids = n, .timeout_s = fmin(slice, left)};
-    const int status =
+    const enum connection_status status =
         connection_call(f->service->connection, SHEARD_METHOD_WAIT, &p,
                         p.wait.timeout_s + f->service->reply_timeout_s, &reply, &text, &error);
-    *again = false;
-    if (status == CONNECTION_OK) {
-        for (size_t i = 0; i < reply.wait.n_jobs; i++) {
-            follow_note_job(f->entries, f->n, &reply.wait.jobs[i]);
-        }
-        show(f);
-        *again = reply.wait.timed_out && socket_io_now() < f->deadline;
-        if (!*again) {
-            if (f->options->print && f->service->json) {
-                puts(text);
-            }
-            count(f, &reply.wait);
-        }
-        sheard_reply_deinit(&reply, SHEARD_METHOD_WAIT);
-    }
-    free(text);
     if (status == CONNECTION_INTERRUPTED) {
         message_fail("shearctl wait goes on waiting, shearctl cancel stops the jobs",
                      "interrupted; the jobs go on");
         return EXIT_CODE_OTHER;
     }
+    if (status == CONNECTION_OK) {
+        *again = note_answer(f, &reply.wait, text);
+        sheard_reply_deinit(&reply, SHEARD_METHOD_WAIT);
+    }
     return service_say(status, &error);
 }
 
-static int wait_all(follow_state *f, const int64_t *ids) {
-    int code = EXIT_CODE_DONE;
-    for (size_t first = 0; code == SHEAR_OK && first < f->n; first += SHEARD_MSG_LIST_MAX) {
+static enum exit_code wait_all(follow_state *f, const int64_t *ids) {
+    for (size_t first = 0; first < f->n; first += SHEARD_MSG_LIST_MAX) {
         bool again = true;
-        while (code == SHEAR_OK && again) {
-            code = wait_once(f, ids + first, chunk_at(f, first), &again);
+        while (again) {
+            const enum exit_code code = wait_once(f, ids + first, chunk_at(f, first), &again);
+            if (code != EXIT_CODE_DONE) {
+                return code;
+            }
         }
     }
-    return code != SHEAR_OK ? code : follow_exit_code(&f->tally);
+    return follow_exit_code(&f->counts);
 }
 
-int follow_jobs(service *s, const int64_t *ids, size_t n, const follow_options *options) {
-    follow_state f = {.service = s, .options = options, .n = n};
-    f.deadline = isnan(options->timeout_s) ? (double)INFINITY : socket_io_now() + options->timeout_s;
-    f.entries = calloc(n, sizeof *f.entries);
-    if (f.entries == NULL) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+static enum exit_code wait_with_progress(follow_state *f, const int64_t *ids) {
+    f->progress = f->options->quiet ? progress_begin_quiet() : progress_begin("jobs");
+    if (progress_visible(f->progress)) {
+        subscribe(f, ids);
+    }
+    const enum exit_code code = wait_all(f, ids);
+    connection_listen(f->service->connection, NULL, NULL);
+    progress_end(f->progress);
+    return code;
+}
+
+enum exit_code follow_jobs(service *s, const int64_t *ids, size_t n,
+                           const follow_options *options) {
+    const double now = clock_s(CLOCK_MONOTONIC);
+    CLEANUP(release_free) follow_entry *entries = calloc(n, sizeof *entries);
+    if (entries == NULL) {
+        return message_no_memory();
     }
     for (size_t i = 0; i < n; i++) {
-        f.entries[i] = (follow_entry){.id = ids[i], .progress = {.total = -1, .rate = NAN}};
+        entries[i] = (follow_entry){.id = ids[i], .progress = {.total = -1, .rate = NAN}};
     }
-    f.progress = options->quiet ? progress_begin_quiet() : progress_begin("jobs");
-    if (progress_visible(f.progress)) {
-        subscribe(&f, ids);
+    follow_state f = {
+        .service = s,
+        .options = options,
+        .entries = entries,
+        .n = n,
+        .deadline = isnan(options->timeout_s) ? (double)INFINITY : now + options->timeout_s,
+        .ended = job_results_new(),
+    };
+    enum exit_code code = wait_with_progress(&f, ids);
+    if (text_table_rows(f.ended) > 0 && text_table_print(f.ended, stdout) != EXIT_CODE_DONE) {
+        code = EXIT_CODE_OTHER;
     }
-    const int code = wait_all(&f, ids);
-    connection_listen(s->connection, NULL, NULL);
-    progress_end(f.progress);
-    free(f.entries);
+    text_table_free(f.ended);
     return code;
 }

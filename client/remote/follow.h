@@ -12,13 +12,12 @@
 typedef struct follow_options {
     double timeout_s; /* NAN: as long as it takes */
     bool quiet;       /* no progress bar */
-    bool print;       /* with service.json, print the answers to wait */
-    /* Called for each job in the order of the ids, when all are finished or the time is over. */
-    void (*ended)(void *context, const sheard_msg_job *job);
-    void *context;
+    bool answers;     /* with service.json, print the answers to wait */
 } follow_options;
 
-/* Wait for ids[n]. Returns follow_exit_code; or another one, with an error printed. */
-int follow_jobs(service *s, const int64_t *ids, size_t n, const follow_options *options);
+/* Wait for ids[n], then print a table of how they ended (not with service.json), and on standard
+ * error why those that are not done are not. Returns follow_exit_code; or another one, with an
+ * error printed. */
+enum exit_code follow_jobs(service *s, const int64_t *ids, size_t n, const follow_options *options);
 
 #endif

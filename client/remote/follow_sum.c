@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/follow_sum.h"
 
-#include "cmdline/command.h"
-
 #include <math.h>
 
 follow_totals follow_sum(const follow_entry *entries, size_t n) {
@@ -54,7 +52,14 @@ void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
     }
 }
 
-int follow_exit_code(const follow_tally *t) {
+void follow_counts_add(follow_counts *counts, enum sheard_job_state state) {
+    counts->done += state == SHEARD_JOB_DONE;
+    counts->failed += state == SHEARD_JOB_FAILED;
+    counts->cancelled += state == SHEARD_JOB_CANCELLED || state == SHEARD_JOB_RETRACTED;
+    counts->unfinished += !sheard_job_state_is_final(state);
+}
+
+enum exit_code follow_exit_code(const follow_counts *t) {
     if (t->unfinished > 0) {
         return EXIT_CODE_TIMED_OUT;
     }

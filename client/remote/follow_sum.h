@@ -4,10 +4,11 @@
 #define CLIENT_REMOTE_FOLLOW_SUM_H
 
 #include "sheard/messages.h"
+#include "terminal/exit_code.h"
 
 typedef struct follow_entry {
     int64_t id;
-    int state;
+    enum sheard_job_state state;
     sheard_msg_progress progress;
 } follow_entry;
 
@@ -26,11 +27,12 @@ void follow_note_progress(follow_entry *entries, size_t n, int64_t id,
                           const sheard_msg_progress *progress);
 
 /* How jobs ended. */
-typedef struct follow_tally {
+typedef struct follow_counts {
     size_t done, failed, cancelled, unfinished;
-} follow_tally;
+} follow_counts;
+void follow_counts_add(follow_counts *counts, enum sheard_job_state state);
 
 /* What a command that waited for them exits with. */
-int follow_exit_code(const follow_tally *tally);
+enum exit_code follow_exit_code(const follow_counts *counts);
 
 #endif

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/job_text.h"
 
+#include "local/value_text.h"
 #include "remote/report_text.h"
 #include "sheard/report_summary.h"
 #include "terminal/bar.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
 #include "terminal/style.h"
+#include "terminal/text_line.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -142,8 +144,8 @@ void job_results_add(text_table *t, const sheard_msg_job *job) {
     text_table_cell(t, style_of_state(job->state), "%s%s", sheard_job_state_name(job->state),
                     job->outcome == SHEARD_OUTCOME_DUPLICATE ? " (duplicate)" : "");
     text_table_cell(t, NULL, "%s", or_dash(job->field));
-    text_table_cell(t, NULL, "%s", has ? shear_text_value(s.g1, s.g1_err, text, sizeof text) : "-");
-    text_table_cell(t, NULL, "%s", has ? shear_text_value(s.g2, s.g2_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s", has ? value_text(s.g1, s.g1_err, text, sizeof text) : "-");
+    text_table_cell(t, NULL, "%s", has ? value_text(s.g2, s.g2_err, text, sizeof text) : "-");
     text_table_cell(t, NULL, "%" PRId64, s.n_used);
     text_table_cell(t, NULL, "%" PRId64, s.n_stamps);
     text_table_cell(t, NULL, "%s", job_source_text(job, text, sizeof text));
@@ -162,18 +164,18 @@ static void print_source(const sheard_msg_job *job, FILE *out) {
     } images[] = {
         {"galaxy", &s->galaxy}, {"noise", &s->noise}, {"psf", &s->psf}, {"catalog", &s->catalog}};
     if (job->dropped_name != NULL) {
-        shear_text_line(out, "dropped", "%s", job->dropped_name);
-        shear_text_line(out, "now at", "%s",
-                        job->file_now != NULL ? job->file_now : "- (it was taken away)");
+        text_line(out, "dropped", "%s", job->dropped_name);
+        text_line(out, "now at", "%s",
+                  job->file_now != NULL ? job->file_now : "- (it was taken away)");
     }
     if (s->path != NULL && !is_dropped(job)) {
-        shear_text_line(out, "file", "%s", s->path);
+        text_line(out, "file", "%s", s->path);
     }
     for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
         if (images[i].image->path != NULL) {
             char text[4200];
             image_text(images[i].image, text, sizeof text);
-            shear_text_line(out, images[i].name, "%s", text);
+            text_line(out, images[i].name, "%s", text);
         }
     }
 }
@@ -182,28 +184,28 @@ static void print_failure(const sheard_msg_job *job, bool utc, FILE *out) {
     char time[HUMAN_SIZE];
     if (job->code != NULL) {
         const char *class = sheard_job_class_name(job->job_class);
-        shear_text_line(out, "failure", "%s%s%s%s: %s", job->code, *class ? " (" : "", class,
-                        *class ? ")" : "", or_dash(job->message));
+        text_line(out, "failure", "%s%s%s%s: %s", job->code, *class ? " (" : "", class,
+                  *class ? ")" : "", or_dash(job->message));
     }
     if (job->code != NULL && job->advice != NULL && *job->advice) {
-        shear_text_line(out, "advice", "%s", job->advice);
+        text_line(out, "advice", "%s", job->advice);
     }
     if (job->not_before_ms != 0 && job->state == SHEARD_JOB_WAITING) {
-        shear_text_line(out, "retry", "not before %s", human_time(job->not_before_ms, utc, time));
+        text_line(out, "retry", "not before %s", human_time(job->not_before_ms, utc, time));
     }
 }
 
 static void print_times(const sheard_msg_job *job, bool utc, FILE *out) {
     char time[HUMAN_SIZE];
     char duration[HUMAN_SIZE];
-    shear_text_line(out, "submitted", "%s by %s (%s)", human_time(job->created_ms, utc, time),
-                    or_dash(job->user), sheard_job_origin_name(job->origin));
+    text_line(out, "submitted", "%s by %s (%s)", human_time(job->created_ms, utc, time),
+              or_dash(job->user), sheard_job_origin_name(job->origin));
     if (job->started_ms != 0) {
-        shear_text_line(out, "started", "%s", human_time(job->started_ms, utc, time));
+        text_line(out, "started", "%s", human_time(job->started_ms, utc, time));
     }
     if (job->finished_ms != 0) {
-        shear_text_line(out, "finished", "%s (took %s)", human_time(job->finished_ms, utc, time),
-                        human_duration(took(job, job->finished_ms), duration));
+        text_line(out, "finished", "%s (took %s)", human_time(job->finished_ms, utc, time),
+                  human_duration(took(job, job->finished_ms), duration));
     }
 }
 
@@ -211,11 +213,10 @@ static void print_progress(const sheard_msg_job *job, FILE *out) {
     char bar[48];
     char figures[96];
     if (job_is_before_measuring(job)) {
-        shear_text_line(out, "progress", "%s",
-                        job_phase_text(&job->progress, figures, sizeof figures));
+        text_line(out, "progress", "%s", job_phase_text(&job->progress, figures, sizeof figures));
     } else if (job->state == SHEARD_JOB_RUNNING && job->progress.total >= 0) {
         const double part = bar_part((double)job->progress.done, (double)job->progress.total);
-        shear_text_line(
+        text_line(
             out, "progress", "%s%s", bar_text(part, 32, bar, sizeof bar),
             bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));
     }
@@ -244,23 +245,23 @@ static void print_settings(const char *settings, FILE *out) {
             used += more > 0 ? (size_t)more : 0;
         }
     }
-    shear_text_line(out, "settings", "%s", used != 0 ? text : "all at their defaults");
+    text_line(out, "settings", "%s", used != 0 ? text : "all at their defaults");
 }
 
 static void print_outcome(const sheard_msg_job *job, FILE *out) {
     if (job->outcome == SHEARD_OUTCOME_DUPLICATE) {
-        shear_text_line(out, "outcome",
-                        "duplicate of job %" PRId64 ": not counted again (--force counts it)",
-                        job->duplicate_of);
+        text_line(out, "outcome",
+                  "duplicate of job %" PRId64 ": not counted again (--force counts it)",
+                  job->duplicate_of);
     } else if (job->outcome == SHEARD_OUTCOME_COUNTED) {
-        shear_text_line(out, "outcome", "counted to the field");
+        text_line(out, "outcome", "counted to the field");
     } else if (job->state == SHEARD_JOB_RETRACTED) {
-        shear_text_line(out, "outcome", "was counted, and is taken back");
+        text_line(out, "outcome", "was counted, and is taken back");
     }
     if (job->catalog != NULL) {
-        shear_text_line(out, "catalog", "%s", job->catalog);
+        text_line(out, "catalog", "%s", job->catalog);
     }
-    shear_text_print(job->result, NULL, out);
+    report_text_print(job->result, NULL, out);
 }
 
 static void print_history(const sheard_msg_shown *shown, bool utc, FILE *out) {
@@ -270,12 +271,12 @@ static void print_history(const sheard_msg_shown *shown, bool utc, FILE *out) {
         char duration[HUMAN_SIZE];
         const double s =
             a->ended_ms != 0 ? (double)(a->ended_ms - a->started_ms) / 1000.0 : (double)NAN;
-        const char *ending = sheard_attempt_outcome_name(a->outcome);
-        shear_text_line(out, "attempt", "%" PRId64 ": %s, %s%s%s%s%s", a->number,
-                        human_time(a->started_ms, utc, time), *ending ? ending : "running",
-                        a->ended_ms != 0 ? " after " : "",
-                        a->ended_ms != 0 ? human_duration(s, duration) : "",
-                        a->code != NULL ? ", " : "", a->code != NULL ? a->code : "");
+        const char *outcome = sheard_attempt_outcome_name(a->outcome);
+        text_line(out, "attempt", "%" PRId64 ": %s, %s%s%s%s%s", a->number,
+                  human_time(a->started_ms, utc, time), *outcome != '\0' ? outcome : "running",
+                  a->ended_ms != 0 ? " after " : "",
+                  a->ended_ms != 0 ? human_duration(s, duration) : "", a->code != NULL ? ", " : "",
+                  a->code != NULL ? a->code : "");
     }
 }
 
@@ -286,21 +287,21 @@ void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out) {
             sheard_job_state_name(job->state), style != NULL ? STYLE_END : "",
             job->cancel_asked && !sheard_job_state_is_final(job->state) ? " (being cancelled)"
                                                                         : "");
-    shear_text_line(out, "field", "%s", or_dash(job->field));
+    text_line(out, "field", "%s", or_dash(job->field));
     print_source(job, out);
     print_failure(job, utc, out);
     print_progress(job, out);
     print_outcome(job, out);
     print_times(job, utc, out);
     if (job->priority != 0) {
-        shear_text_line(out, "priority", "%" PRId64, job->priority);
+        text_line(out, "priority", "%" PRId64, job->priority);
     }
     if (job->key != NULL) {
-        shear_text_line(out, "key", "%s", job->key);
+        text_line(out, "key", "%s", job->key);
     }
     print_settings(job->settings, out);
     if (job->checksum != NULL) {
-        shear_text_line(out, "checksum", "%s", job->checksum);
+        text_line(out, "checksum", "%s", job->checksum);
     }
     print_history(shown, utc, out);
 }

@@ -3,59 +3,14 @@
 
 #include "local/method_text.h"
 #include "local/quality_text.h"
-#include "local/result_text.h"
+#include "local/value_text.h"
 #include "sheard/no_shear.h"
 #include "sheard/report_summary.h"
-#include "terminal/message.h"
-#include "terminal/style.h"
+#include "terminal/text_line.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
-
-void shear_text_line(FILE *out, const char *name, const char *format, ...) {
-    char text[4200];
-    char clean[4200];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    fprintf(out, "  %-10s %s\n", name, message_clean(text, clean, sizeof clean));
-}
-
-char *shear_text_value(double value, double error, char *buf, size_t size) {
-    if (!isfinite(value)) {
-        snprintf(buf, size, "-");
-        return buf;
-    }
-    return value_text(value, error, buf, size);
-}
-
-/* "400 of 403 used (2 galaxy_not_finite, 1 masked)" */
-static void print_stamps(const sheard_report_summary *s, FILE *out) {
-    char flags[400] = "";
-    size_t used = 0;
-    for (int bit = 0; bit < SHEAR_N_FLAGS && used < sizeof flags; bit++) {
-        if (s->flagged[bit] > 0) {
-            const int n = snprintf(flags + used, sizeof flags - used, "%s%" PRId64 " %s",
-                                   used != 0 ? ", " : "", s->flagged[bit], shear_flag_name(bit));
-            used += n > 0 ? (size_t)n : 0;
-        }
-    }
-    shear_text_line(out, "stamps", "%" PRId64 " of %" PRId64 " used%s%s%s", s->n_used, s->n_stamps,
-                    used != 0 ? " (" : "", flags, used != 0 ? ")" : "");
-}
-
-/* "2.4 px", or "2.4 to 2.6 px" where files differ. */
-static const char *length(double from, double to, char *buf, size_t size) {
-    if (to > from) {
-        snprintf(buf, size, "%.4g to %.4g px", from, to);
-    } else {
-        snprintf(buf, size, "%.4g px", from);
-    }
-    return buf;
-}
 
 static void print_method(const sheard_report_summary *s, FILE *out) {
     char r_psf[64];
@@ -66,9 +21,9 @@ static void print_method(const sheard_report_summary *s, FILE *out) {
         .interpolation = s->interpolation,
         .filter = s->filter,
         .oversample = (int)s->oversample,
-        .r_psf = length(s->r_psf_px, s->r_psf_to, r_psf, sizeof r_psf),
-        .beta = length(s->beta_px, s->beta_to, beta, sizeof beta),
-        .core = length(s->core_px, s->core_to, core, sizeof core),
+        .r_psf = value_text_length(s->r_psf_px, s->r_psf_to, r_psf, sizeof r_psf),
+        .beta = value_text_length(s->beta_px, s->beta_to, beta, sizeof beta),
+        .core = value_text_length(s->core_px, s->core_to, core, sizeof core),
         .width_px = s->width_px,
         .core_per_stamp = !isfinite(s->core_px),
         .core_found = s->core_found,
@@ -85,19 +40,14 @@ static void print_method(const sheard_report_summary *s, FILE *out) {
 static void print_component(const char *name, double g, double error, double truth, double pull,
                             FILE *out) {
     char value[96];
-    shear_text_value(g, error, value, sizeof value);
+    value_text(g, error, value, sizeof value);
     if (!isfinite(g)) {
-        shear_text_line(out, name, "not measured");
+        text_line(out, name, "not measured");
     } else if (isfinite(truth)) {
-        shear_text_line(out, name, "%s   truth %+.6g   pull %+.2f", value, truth, pull);
+        text_line(out, name, "%s   truth %+.6g   pull %+.2f", value, truth, pull);
     } else {
-        shear_text_line(out, name, "%s", value);
+        text_line(out, name, "%s", value);
     }
-}
-
-const char *shear_text_method(const char *error_method) {
-    return strcmp(error_method, "symmetry") == 0 ? "from the counts of the symmetry"
-                                                 : "delta method";
 }
 
 static void print_quality(const sheard_report_summary *s, FILE *out) {
@@ -120,42 +70,42 @@ static void print_quality(const sheard_report_summary *s, FILE *out) {
 }
 
 static void print_summary(const sheard_report_summary *s, const char *reason, FILE *out) {
-    print_stamps(s, out);
+    value_text_print_stamps(s->n_used, s->n_stamps, s->flagged, out);
     print_method(s, out);
     print_quality(s, out);
     print_component("g1", s->g1, s->g1_err, s->true_g1, s->pull_g1, out);
     print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, out);
     if (reason != NULL) {
-        shear_text_line(out, "reason", "%s", reason);
+        text_line(out, "reason", "%s", reason);
     } else if (s->no_shear[0]) {
         const char *words = sheard_no_shear_words(sheard_no_shear_of(s->no_shear));
-        shear_text_line(out, "reason", "%s", words != NULL ? words : s->no_shear);
+        text_line(out, "reason", "%s", words != NULL ? words : s->no_shear);
     }
     if (isfinite(s->cov12)) {
-        shear_text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
-                        s->cov12 / (s->g1_err * s->g2_err));
+        text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
+                  s->cov12 / (s->g1_err * s->g2_err));
     }
     if (isfinite(s->g1) && s->estimator[0]) {
-        shear_text_line(out, "estimator", "%s", s->estimator);
+        text_line(out, "estimator", "%s", s->estimator);
     }
     if (s->jackknife > 0) {
-        shear_text_line(out, "errors", "jackknife over %" PRId64 " groups of blocks", s->jackknife);
+        text_line(out, "errors", "jackknife over %" PRId64 " groups of blocks", s->jackknife);
     } else if (isfinite(s->g1)) {
-        shear_text_line(out, "errors", "%s", shear_text_method(s->error_method));
+        text_line(out, "errors", "%s", value_text_error_method(s->error_method));
     }
     for (int64_t i = 0; i < s->n_warnings; i++) {
-        shear_text_line(out, "warning", "%s", s->warnings[i]);
+        text_line(out, "warning", "%s", s->warnings[i]);
     }
 }
 
-void shear_text_print(const char *report, const char *reason, FILE *out) {
+void report_text_print(const char *report, const char *reason, FILE *out) {
     sheard_report_summary summary;
     shear_error err = {0};
     if (report == NULL) {
         return;
     }
     if (sheard_report_summary_parse(&summary, report, &err) != 0) {
-        shear_text_line(out, "result", "cannot be shown: %s", err.message);
+        text_line(out, "result", "cannot be shown: %s", err.message);
         return;
     }
     print_summary(&summary, reason, out);

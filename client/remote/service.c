@@ -1,79 +1,44 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/service.h"
 
-#include "cmdline/options.h"
+#include "base/text.h"
 #include "terminal/human.h"
 #include "terminal/message.h"
 
-#include <errno.h>
 #include <stdlib.h>
 
 static const double default_reply_timeout_s = 30.0;
 
-static int set_reply_timeout(const char *text, double *seconds) {
-    if (!human_parse_duration(text, seconds) || *seconds <= 0.0) {
-        message_fail(NULL, "--reply-timeout %s: expected a time, as 30, 500ms, 2min", text);
+enum exit_code service_set_reply_timeout(const option_entry *entry, const char *value) {
+    service *s = entry->context;
+    if (!human_parse_duration(value, &s->reply_timeout_s) || s->reply_timeout_s <= 0.0) {
+        message_fail(NULL, "--reply-timeout %s: expected a time, as 30, 500ms, 2min", value);
         return EXIT_CODE_USAGE;
     }
     return EXIT_CODE_DONE;
 }
 
-static int take(int value, service *s) {
-    switch (value) {
-    case SERVICE_OPT_SOCKET:
-        s->socket = optarg;
-        return EXIT_CODE_DONE;
-    case SERVICE_OPT_JSON:
-        s->json = true;
-        return EXIT_CODE_DONE;
-    case SERVICE_OPT_UTC:
-        s->utc = true;
-        return EXIT_CODE_DONE;
-    default:
-        return set_reply_timeout(optarg, &s->reply_timeout_s);
-    }
-}
-
-int service_parse(const command *self, int argc, char **argv, const struct option *options,
-                  service_handler *handler, void *context, service *s) {
+void service_init(service *s) {
     *s = (service){.socket = connection_default_path(), .reply_timeout_s = default_reply_timeout_s};
-    opterr = 0;
-    int value = 0;
-    int code = EXIT_CODE_DONE;
-    while (code == SHEAR_OK && (value = getopt_long(argc, argv, ":", options, NULL)) != -1) {
-        if (value == '?' || value == ':') {
-            code = options_bad(self, value, argv, options);
-        } else if (value >= SERVICE_OPT_SOCKET && value <= SERVICE_OPT_REPLY_TIMEOUT) {
-            code = take(value, s);
-        } else {
-            code = handler(value, context);
-        }
-    }
-    return code;
 }
 
-int service_parse_operands(const command *self, int argc, char **argv, const struct option *options,
-                           service_handler *handler, void *context, service *s, const char *what,
-                           int min, int max) {
-    const int code = service_parse(self, argc, argv, options, handler, context, s);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    const int n = argc - optind;
-    if (n < min) {
-        message_fail(NULL, "%s: which %s? \"shearctl help %s\" tells more", self->name, what,
-                     self->name);
-        return EXIT_CODE_USAGE;
-    }
-    if (n > max) {
-        message_fail(NULL, "%s: unexpected \"%s\"", self->name, argv[optind + max]);
-        return EXIT_CODE_USAGE;
-    }
-    return EXIT_CODE_DONE;
+enum exit_code service_parse(const command *self, int argc, char **argv,
+                             const option_entry *entries, service *s, const char *what, int min,
+                             int max) {
+    service_init(s);
+    const enum exit_code code = options_parse(self, argc, argv, entries, NULL);
+    return code != EXIT_CODE_DONE ? code : options_count_operands(self, argc, argv, what, min, max);
+}
+
+enum exit_code service_start(const command *self, int argc, char **argv,
+                             const option_entry *entries, service *s, const char *what, int min,
+                             int max) {
+    const enum exit_code code = service_parse(self, argc, argv, entries, s, what, min, max);
+    return code != EXIT_CODE_DONE ? code : service_open(s);
 }
 
 /* An error that the service answered with. */
-static int refused(int code) {
+static enum exit_code code_of_refusal(int code) {
     switch (code) {
     case SHEARD_RPC_BAD_PARAMETER:
     case SHEARD_RPC_MISSING_PARAMETER:
@@ -105,12 +70,12 @@ static int refused(int code) {
     }
 }
 
-int service_exit_code(int status, const sheard_rpc_error *error) {
+enum exit_code service_exit_code(enum connection_status status, const sheard_rpc_error *error) {
     switch (status) {
     case CONNECTION_OK:
         return EXIT_CODE_DONE;
     case CONNECTION_REFUSED:
-        return refused(error->code);
+        return code_of_refusal(error->code);
     case CONNECTION_UNREACHABLE:
     case CONNECTION_DENIED:
     case CONNECTION_MISMATCH:
@@ -121,7 +86,7 @@ int service_exit_code(int status, const sheard_rpc_error *error) {
     }
 }
 
-int service_say(int status, const sheard_rpc_error *error) {
+enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error) {
     if (status != CONNECTION_OK) {
         message_fail(error->advice[0] ? error->advice : NULL, "%s%s%s%s", error->message,
                      status == CONNECTION_REFUSED ? " [" : "",
@@ -131,7 +96,7 @@ int service_say(int status, const sheard_rpc_error *error) {
     return service_exit_code(status, error);
 }
 
-int service_open(service *s) {
+enum exit_code service_open(service *s) {
     sheard_rpc_error error = {0};
     return service_say(connection_open(&s->connection, s->socket, s->reply_timeout_s, &error),
                        &error);
@@ -142,20 +107,22 @@ void service_close(service *s) {
     s->connection = NULL;
 }
 
-int service_call(service *s, int method, const sheard_params *params, sheard_reply *reply) {
+enum exit_code service_call(service *s, int method, const sheard_params *params,
+                            sheard_reply *reply) {
     sheard_rpc_error error = {0};
-    const int status =
+    const enum connection_status status =
         connection_call(s->connection, method, params, s->reply_timeout_s, reply, NULL, &error);
     return service_say(status, &error);
 }
 
-int service_answer(service *s, int method, const sheard_params *params, sheard_reply *reply) {
+enum exit_code service_answer(service *s, int method, const sheard_params *params,
+                              sheard_reply *reply) {
     if (!s->json) {
         return service_call(s, method, params, reply);
     }
     sheard_rpc_error error = {0};
     char *text = NULL;
-    const int status =
+    const enum connection_status status =
         connection_call(s->connection, method, params, s->reply_timeout_s, reply, &text, &error);
     if (status == CONNECTION_OK) {
         puts(text);
@@ -165,34 +132,33 @@ int service_answer(service *s, int method, const sheard_params *params, sheard_r
     return service_say(status, &error);
 }
 
-void service_count(service_tally *tally, int code) {
-    tally->n++;
-    tally->last_code = code;
-    if (code != SHEAR_OK && tally->n_failed++ == 0) {
-        tally->first_code = code;
+void service_outcomes_add(service_outcomes *o, enum exit_code code) {
+    o->n++;
+    o->last = code;
+    if (code != EXIT_CODE_DONE && o->n_failed++ == 0) {
+        o->first = code;
     }
 }
 
-bool service_goes_on(const service_tally *tally) {
-    return tally->last_code != EXIT_CODE_UNREACHABLE;
+bool service_outcomes_go_on(const service_outcomes *o) {
+    return o->last != EXIT_CODE_UNREACHABLE;
 }
 
-int service_tally_code(const service_tally *tally) {
-    return tally->n_failed == 0         ? EXIT_CODE_DONE
-           : !service_goes_on(tally)    ? EXIT_CODE_UNREACHABLE
-           : tally->n_failed < tally->n ? EXIT_CODE_PARTLY
-                                        : tally->first_code;
+enum exit_code service_outcomes_code(const service_outcomes *o) {
+    if (o->n_failed == 0) {
+        return EXIT_CODE_DONE;
+    }
+    if (!service_outcomes_go_on(o)) {
+        return EXIT_CODE_UNREACHABLE;
+    }
+    return o->n_failed < o->n ? EXIT_CODE_PARTLY : o->first;
 }
 
-int service_job_id(const char *text, int64_t *id) {
-    char *end = NULL;
-    errno = 0;
-    const long long value = strtoll(text, &end, 10);
-    if (text[0] < '0' || text[0] > '9' || *end || errno || value < 1) {
+enum exit_code service_job_id(const char *text, int64_t *id) {
+    if (text[0] < '0' || text[0] > '9' || !text_to_int64(text, id) || *id < 1) {
         message_fail("\"shearctl jobs\" lists the jobs and their numbers",
                      "%s is not the number of a job", text);
         return EXIT_CODE_USAGE;
     }
-    *id = value;
     return EXIT_CODE_DONE;
 }

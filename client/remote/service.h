@@ -4,10 +4,10 @@
 #ifndef CLIENT_REMOTE_SERVICE_H
 #define CLIENT_REMOTE_SERVICE_H
 
-#include "cmdline/command.h"
 #include "remote/connection.h"
 
-#include <getopt.h>
+#include "cmdline/options.h"
+
 #include <stdbool.h>
 
 typedef struct service {
@@ -18,63 +18,63 @@ typedef struct service {
     connection *connection;
 } service;
 
-enum {
-    SERVICE_OPT_SOCKET = 2048, /* an option's value of a subcommand is below */
-    SERVICE_OPT_JSON,
-    SERVICE_OPT_UTC,
-    SERVICE_OPT_REPLY_TIMEOUT
-};
-/* For a subcommand's table of options, and for its help. */
-#define SERVICE_OPTIONS                                                                            \
-    {"socket", required_argument, NULL, SERVICE_OPT_SOCKET},                                       \
-        {"json", no_argument, NULL, SERVICE_OPT_JSON},                                             \
-        {"utc", no_argument, NULL, SERVICE_OPT_UTC}, {                                             \
-        "reply-timeout", required_argument, NULL, SERVICE_OPT_REPLY_TIMEOUT                        \
+/* Options of every subcommand that talks to the service, and their help. */
+#define SERVICE_OPTIONS(s)                                                                         \
+    {.name = "socket", .text = &(s)->socket}, {.name = "json", .flag = &(s)->json},                \
+        {.name = "utc", .flag = &(s)->utc}, {                                                      \
+        .name = "reply-timeout", .set = service_set_reply_timeout, .context = (s)                  \
     }
+enum exit_code service_set_reply_timeout(const option_entry *entry, const char *value);
 #define SERVICE_OPTIONS_HELP                                                                       \
     "  --json                  the service's answers as they come, one JSON object a line\n"       \
     "  --utc                   times in UTC instead of local time\n"                               \
     "  --socket PATH           the service's socket (default: SHEARD_SOCKET in the environment,\n" \
     "                          else " CONNECTION_DEFAULT_SOCKET ")\n"                              \
     "  --reply-timeout TIME    give up on a service that is silent for this long (default 30s)\n"
+#define SERVICE_EXIT_CODES_HELP                                                                    \
+    "exit status: 0 done, 2 usage, 3 no such file, job or field, 4 some of several failed,\n"      \
+    "7 the service cannot be reached, 1 anything else"
 
-/* Takes an option of the subcommand's own; returns an exit code, with an error printed. */
-typedef int service_handler(int value, void *context);
-
-/* Fill *s from the command line. `options` holds SERVICE_OPTIONS, the subcommand's own and maybe
- * those of settings. Operands are argv[optind] and on. Returns an exit code. */
-int service_parse(const command *self, int argc, char **argv, const struct option *options,
-                  service_handler *handler, void *context, service *s);
-/* The same, with the number of operands checked: from `min` to `max` of what `what` names. */
-int service_parse_operands(const command *self, int argc, char **argv, const struct option *options,
-                           service_handler *handler, void *context, service *s, const char *what,
-                           int min, int max);
+/* Options at their defaults, not connected. */
+void service_init(service *s);
+/* service_init, and fill *s and what else `entries` name from the command line, with from `min` to
+ * `max` operands of what `what` names. Returns an exit code, with an error printed. */
+enum exit_code service_parse(const command *self, int argc, char **argv,
+                             const option_entry *entries, service *s, const char *what, int min,
+                             int max);
+/* The same, and connect. */
+enum exit_code service_start(const command *self, int argc, char **argv,
+                             const option_entry *entries, service *s, const char *what, int min,
+                             int max);
 
 /* Connect. Returns an exit code, with an error printed. */
-int service_open(service *s);
+enum exit_code service_open(service *s);
 void service_close(service *s);
 
 /* Ask. Returns an exit code, with an error printed; on EXIT_CODE_DONE give *reply to
  * sheard_reply_deinit. */
-int service_call(service *s, int method, const sheard_params *params, sheard_reply *reply);
+enum exit_code service_call(service *s, int method, const sheard_params *params,
+                            sheard_reply *reply);
 /* The same, and print the answer where --json was given. */
-int service_answer(service *s, int method, const sheard_params *params, sheard_reply *reply);
+enum exit_code service_answer(service *s, int method, const sheard_params *params,
+                              sheard_reply *reply);
 
-/* The exit code of a status and its error; service_say prints the error, too. */
-int service_exit_code(int status, const sheard_rpc_error *error);
-int service_say(int status, const sheard_rpc_error *error);
+/* The exit code of an enum connection_status and its error; service_say prints the error, too. */
+enum exit_code service_exit_code(enum connection_status status, const sheard_rpc_error *error);
+enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error);
 
-/* The exit code of a command with several operands: each is tried, and where only some succeed it
- * is EXIT_CODE_PARTLY, else the first failure's. Begin as {0}. */
-typedef struct service_tally {
-    int n, n_failed, first_code, last_code;
-} service_tally;
-void service_count(service_tally *tally, int code);
-/* False when the service is gone: no sense in asking on. */
-bool service_goes_on(const service_tally *tally);
-int service_tally_code(const service_tally *tally);
+/* What a subcommand with several operands exits with: each is tried, and if only some succeed it is
+ * EXIT_CODE_PARTLY, else the first failure's. Begin with {0}. */
+typedef struct service_outcomes {
+    int n, n_failed;
+    enum exit_code first, last; /* the first failure's, the last operand's */
+} service_outcomes;
+void service_outcomes_add(service_outcomes *o, enum exit_code code);
+/* False when the service is gone: it makes no sense to ask on. */
+bool service_outcomes_go_on(const service_outcomes *o);
+enum exit_code service_outcomes_code(const service_outcomes *o);
 
 /* A job's number. Returns an exit code, with an error printed. */
-int service_job_id(const char *text, int64_t *id);
+enum exit_code service_job_id(const char *text, int64_t *id);
 
 #endif

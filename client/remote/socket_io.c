@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/socket_io.h"
+#include "base/clock.h"
 
 #include "terminal/progress.h"
 
@@ -7,7 +8,6 @@
 #include <grp.h>
 #include <math.h>
 #include <poll.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -23,39 +23,23 @@ enum { SLICE_MS = 200, BACKLOG_MS = 20 };
     "start the service (systemctl start sheard), or name its socket with --socket or "             \
     "SHEARD_SOCKET"
 
-double socket_io_now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-int connection_fail(sheard_rpc_error *error, int status, const char *advice, const char *format, ...) {
-    memset(error, 0, sizeof *error);
-    error->code = SHEARD_RPC_UNKNOWN;
-    snprintf(error->advice, sizeof error->advice, "%s", advice != NULL ? advice : "");
-    va_list args;
-    va_start(args, format);
-    vsnprintf(error->message, sizeof error->message, format, args);
-    va_end(args);
-    return status;
-}
-
-static int interrupted(sheard_rpc_error *error) {
+static enum connection_status interrupted(sheard_rpc_error *error) {
     return connection_fail(error, CONNECTION_INTERRUPTED, NULL, "interrupted");
 }
 
 /* Until `events` (or a hang-up) on fd; fd -1: only time passes. */
-static int wait_for(int fd, short events, double deadline, sheard_rpc_error *error) {
+static enum connection_status wait_for(int fd, short events, double deadline,
+                                       sheard_rpc_error *error) {
     for (;;) {
         if (progress_interrupted()) {
             return interrupted(error);
         }
-        const double left_ms = ceil(1000.0 * (deadline - socket_io_now()));
+        const double left_ms = ceil(1000.0 * (deadline - clock_s(CLOCK_MONOTONIC)));
         if (left_ms <= 0.0) {
             return connection_fail(error, CONNECTION_SILENT,
-                             "the service is stuck or very busy: systemctl status sheard; "
-                             "--reply-timeout waits longer",
-                             "the service does not answer");
+                                   "the service is stuck or very busy: systemctl status sheard; "
+                                   "--reply-timeout waits longer",
+                                   "the service does not answer");
         }
         struct pollfd p = {.fd = fd, .events = events};
         const int n = poll(&p, 1, left_ms < SLICE_MS ? (int)left_ms : SLICE_MS);
@@ -63,7 +47,8 @@ static int wait_for(int fd, short events, double deadline, sheard_rpc_error *err
             return CONNECTION_OK;
         }
         if (n < 0 && errno != EINTR) {
-            return connection_fail(error, CONNECTION_FAILED, NULL, "cannot wait: %s", strerror(errno));
+            return connection_fail(error, CONNECTION_FAILED, NULL, "cannot wait: %s",
+                                   strerror(errno));
         }
     }
 }
@@ -80,19 +65,20 @@ static void name_group(const char *path, char *buf, size_t size) {
     }
 }
 
-static int say_why(const char *path, int why, sheard_rpc_error *error) {
+static enum connection_status say_why(const char *path, int why, sheard_rpc_error *error) {
     char group[96];
     char advice[240];
     switch (why) {
     case ENOENT:
     case ENOTDIR:
         return connection_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "there is no socket %s",
-                         path);
+                               path);
     case ECONNREFUSED:
-        return connection_fail(error, CONNECTION_UNREACHABLE,
-                         "the service has stopped: systemctl start sheard; systemctl status sheard "
-                         "tells why",
-                         "nobody listens at the socket %s", path);
+        return connection_fail(
+            error, CONNECTION_UNREACHABLE,
+            "the service has stopped: systemctl start sheard; systemctl status sheard "
+            "tells why",
+            "nobody listens at the socket %s", path);
     case EACCES:
     case EPERM:
         name_group(path, group, sizeof group);
@@ -102,36 +88,37 @@ static int say_why(const char *path, int why, sheard_rpc_error *error) {
                  group);
         return connection_fail(error, CONNECTION_DENIED, advice, "you may not connect to %s", path);
     default:
-        return connection_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START, "cannot connect to %s: %s",
-                         path, strerror(why));
+        return connection_fail(error, CONNECTION_UNREACHABLE, HOW_TO_START,
+                               "cannot connect to %s: %s", path, strerror(why));
     }
 }
 
-int socket_io_connect(const char *path, double deadline, int *fd, sheard_rpc_error *error) {
+enum connection_status socket_io_connect(const char *path, double deadline, int *fd,
+                                         sheard_rpc_error *error) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     *fd = -1;
     if (strlen(path) >= sizeof address.sun_path) {
         return connection_fail(error, CONNECTION_UNREACHABLE, "give a shorter path",
-                         "the path of a socket has at most %zu bytes: %s",
-                         sizeof address.sun_path - 1, path);
+                               "the path of a socket has at most %zu bytes: %s",
+                               sizeof address.sun_path - 1, path);
     }
     memcpy(address.sun_path, path, strlen(path) + 1);
     const int s = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (s < 0) {
         return connection_fail(error, CONNECTION_FAILED, NULL, "cannot make a socket: %s",
-                         strerror(errno));
+                               strerror(errno));
     }
-    int status = CONNECTION_OK;
+    enum connection_status status = CONNECTION_OK;
     while (status == CONNECTION_OK &&
            connect(s, (const struct sockaddr *)&address, sizeof address) != 0) {
         if (errno != EAGAIN && errno != EINTR) {
             status = say_why(path, errno, error);
         } else if (progress_interrupted()) {
             status = interrupted(error);
-        } else if (socket_io_now() >= deadline) {
+        } else if (clock_s(CLOCK_MONOTONIC) >= deadline) {
             status = connection_fail(error, CONNECTION_SILENT,
-                               "the service is stuck or very busy: systemctl status sheard",
-                               "the service does not accept connections at %s", path);
+                                     "the service is stuck or very busy: systemctl status sheard",
+                                     "the service does not accept connections at %s", path);
         } else { /* the listener's backlog is full: there is no event to wait for */
             poll(NULL, 0, BACKLOG_MS);
         }
@@ -144,7 +131,8 @@ int socket_io_connect(const char *path, double deadline, int *fd, sheard_rpc_err
     return CONNECTION_OK;
 }
 
-int socket_io_send(int fd, const char *bytes, size_t n, double deadline, sheard_rpc_error *error) {
+enum connection_status socket_io_send(int fd, const char *bytes, size_t n, double deadline,
+                                      sheard_rpc_error *error) {
     while (n > 0) {
         const ssize_t sent = send(fd, bytes, n, MSG_NOSIGNAL);
         if (sent > 0) {
@@ -153,20 +141,20 @@ int socket_io_send(int fd, const char *bytes, size_t n, double deadline, sheard_
         } else if (errno == EPIPE || errno == ECONNRESET) {
             return CONNECTION_OK;
         } else if (errno == EAGAIN) {
-            const int status = wait_for(fd, POLLOUT, deadline, error);
+            const enum connection_status status = wait_for(fd, POLLOUT, deadline, error);
             if (status != CONNECTION_OK) {
                 return status;
             }
         } else if (errno != EINTR) {
-            return connection_fail(error, CONNECTION_UNREACHABLE, NULL, "cannot write to the service: %s",
-                             strerror(errno));
+            return connection_fail(error, CONNECTION_UNREACHABLE, NULL,
+                                   "cannot write to the service: %s", strerror(errno));
         }
     }
     return CONNECTION_OK;
 }
 
-int socket_io_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
-                 sheard_rpc_error *error) {
+enum connection_status socket_io_receive(int fd, char *buf, size_t size, size_t *n, double deadline,
+                                         sheard_rpc_error *error) {
     for (;;) {
         const ssize_t got = recv(fd, buf, size, 0);
         if (got > 0) {
@@ -174,16 +162,17 @@ int socket_io_receive(int fd, char *buf, size_t size, size_t *n, double deadline
             return CONNECTION_OK;
         }
         if (got == 0 || errno == ECONNRESET) {
-            return connection_fail(error, CONNECTION_UNREACHABLE,
-                             "systemctl status sheard tells whether it was stopped; accepted jobs "
-                             "go on when it is started again",
-                             "the service has closed the connection");
+            return connection_fail(
+                error, CONNECTION_UNREACHABLE,
+                "systemctl status sheard tells whether it was stopped; accepted jobs "
+                "go on when it is started again",
+                "the service has closed the connection");
         }
         if (errno != EAGAIN && errno != EINTR) {
             return connection_fail(error, CONNECTION_UNREACHABLE, NULL,
-                             "cannot read from the service: %s", strerror(errno));
+                                   "cannot read from the service: %s", strerror(errno));
         }
-        const int status = wait_for(fd, POLLIN, deadline, error);
+        const enum connection_status status = wait_for(fd, POLLIN, deadline, error);
         if (status != CONNECTION_OK) {
             return status;
         }

@@ -12,6 +12,8 @@
 void status_text_brief(const sheard_msg_status *s, bool colours, FILE *out);
 /* One of s->problems, with when it is tried again. */
 char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_t size);
+/* What drain and shutdown are answered. */
+void status_text_stopping(const sheard_msg_stopping *s, FILE *out);
 /* Disks, connections and totals. */
 void status_text_rest(const sheard_msg_status *s, bool utc, FILE *out);
 

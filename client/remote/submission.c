@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/submission.h"
 
-#include "cmdline/command.h"
+#include "base/cleanup.h"
+#include "base/text.h"
 #include "cmdline/input_path.h"
 #include "terminal/message.h"
 
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int input_error(const shear_error *err) {
+static enum exit_code input_error(const shear_error *err) {
     message_error(err);
     return err->code == SHEAR_E_SETTING ? EXIT_CODE_USAGE
            : err->code == SHEAR_E_NOMEM ? EXIT_CODE_OTHER
@@ -18,7 +19,7 @@ static int input_error(const shear_error *err) {
 
 /* ---- Job files ---- */
 
-static int read_all(FILE *in, const char *name, char *buf, size_t size, size_t *n) {
+static enum exit_code read_all(FILE *in, const char *name, char *buf, size_t size, size_t *n) {
     *n = fread(buf, 1, size, in);
     if (ferror(in) != 0) {
         message_fail(NULL, "cannot read %s: %s", name, strerror(errno));
@@ -32,7 +33,7 @@ static int read_all(FILE *in, const char *name, char *buf, size_t size, size_t *
     return EXIT_CODE_DONE;
 }
 
-static int parse_job(submission *s, const char *name, const char *text, size_t n) {
+static enum exit_code parse_job(submission *s, const char *name, const char *text, size_t n) {
     sheard_rpc_error error = {0};
     if (sheard_job_file_parse(&s->parsed, text, n, NULL, &error) != 0) {
         message_fail(error.advice[0] ? error.advice : NULL, "%s: %s [%s]", name, error.message,
@@ -42,36 +43,32 @@ static int parse_job(submission *s, const char *name, const char *text, size_t n
     return EXIT_CODE_DONE;
 }
 
-static int read_job_file(submission *s, const char *name) {
-    const bool standard = strcmp(name, "-") == 0;
-    const char *shown = standard ? "standard input" : name;
+static enum exit_code read_job_from(submission *s, FILE *in, const char *shown) {
     const size_t size = SHEARD_MSG_JOB_FILE_MAX + 1;
     size_t n = 0;
-    char *text = malloc(size);
-    FILE *in = standard ? stdin : fopen(name, "re");
-    int code = EXIT_CODE_INPUT;
+    CLEANUP(release_free) char *text = malloc(size);
     if (text == NULL) {
-        message_fail(NULL, "out of memory");
-        code = EXIT_CODE_OTHER;
-    } else if (in == NULL) {
+        return message_no_memory();
+    }
+    const enum exit_code code = read_all(in, shown, text, size, &n);
+    return code != EXIT_CODE_DONE ? code : parse_job(s, shown, text, n);
+}
+
+static enum exit_code read_job_file(submission *s, const char *name) {
+    if (strcmp(name, "-") == 0) {
+        return read_job_from(s, stdin, "standard input");
+    }
+    CLEANUP(release_file) FILE *in = fopen(name, "re");
+    if (in == NULL) {
         message_fail(NULL, "cannot open %s: %s", name, strerror(errno));
-    } else {
-        code = read_all(in, shown, text, size, &n);
+        return EXIT_CODE_INPUT;
     }
-    if (code == SHEAR_OK) {
-        code = parse_job(s, shown, text, n);
-    }
-    if (in != NULL && !standard) {
-        fclose(in);
-    }
-    free(text);
-    s->params.submit = s->parsed; /* which owns the texts */
-    return code;
+    return read_job_from(s, in, name);
 }
 
 /* ---- Options ---- */
 
-static int set_images(submission *s, const submission_options *o) {
+static enum exit_code set_images(submission *s, const submission_options *o) {
     shear_error err = {0};
     sheard_msg_source *source = &s->params.submit.source;
     sheard_msg_image *const images[] = {&source->galaxy, &source->noise, &source->psf,
@@ -86,7 +83,7 @@ static int set_images(submission *s, const submission_options *o) {
     return EXIT_CODE_DONE;
 }
 
-static int set_file(submission *s, const char *name) {
+static enum exit_code set_file(submission *s, const char *name) {
     shear_error err = {0};
     if (input_path_absolute(name, &s->path, &err) != 0) {
         return input_error(&err);
@@ -109,26 +106,20 @@ static const char *find_line(const char *text, const char *name) {
 }
 
 /* The options' settings, and the job file's that no option beats. */
-static void set_settings(submission *s, const submission_options *o) {
+static void set_settings(submission *s, const option_settings *ours) {
     size_t n = 0;
-    size_t used = 0;
     const shear_setting_def *table = shear_settings_table(&n);
-    const char *theirs = s->parsed.settings;
-    for (size_t i = 0; i < n && i < SETTINGS_OPTIONS_MAX && used < sizeof s->settings; i++) {
+    for (size_t i = 0; i < n && i < SETTINGS_OPTIONS_MAX; i++) {
         char value[64];
-        int more = 0;
-        const char *line = find_line(theirs, table[i].name);
-        if (o->given[i]) {
-            shear_settings_format(&o->settings, &table[i], value, sizeof value);
-            more = snprintf(s->settings + used, sizeof s->settings - used, "%s=%s\n", table[i].name,
-                            value);
+        const char *line = find_line(s->parsed.settings, table[i].name);
+        if (ours->given[i]) {
+            shear_settings_format(&ours->values, &table[i], value, sizeof value);
+            text_append(s->settings, sizeof s->settings, "%s=%s\n", table[i].name, value);
         } else if (line != NULL) {
-            more = snprintf(s->settings + used, sizeof s->settings - used, "%.*s\n",
-                            (int)strcspn(line, "\n"), line);
+            text_append(s->settings, sizeof s->settings, "%.*s\n", (int)strcspn(line, "\n"), line);
         }
-        used += more > 0 ? (size_t)more : 0;
     }
-    s->params.submit.settings = used != 0 ? s->settings : NULL;
+    s->params.submit.settings = s->settings[0] != '\0' ? s->settings : NULL;
 }
 
 static void set_options(submission *s, const submission_options *o) {
@@ -138,7 +129,7 @@ static void set_options(submission *s, const submission_options *o) {
     m->priority = o->has_priority ? o->priority : m->priority;
     m->force = m->force || o->force;
     m->wait = false; /* waiting is ours: with progress, and an end to it */
-    set_settings(s, o);
+    set_settings(s, &o->settings);
 }
 
 static bool is_job_file(const char *name) {
@@ -146,18 +137,23 @@ static bool is_job_file(const char *name) {
     return strcmp(name, "-") == 0 || (n > 5 && strcmp(name + n - 5, ".json") == 0);
 }
 
-int submission_init(submission *s, const char *name, const submission_options *o) {
+static enum exit_code set_source(submission *s, const char *name, const submission_options *o) {
+    if (name == NULL) {
+        return set_images(s, o);
+    }
+    if (!is_job_file(name)) {
+        return set_file(s, name);
+    }
+    const enum exit_code code = read_job_file(s, name);
+    s->params.submit = s->parsed; /* which owns the texts */
+    return code;
+}
+
+enum exit_code submission_init(submission *s, const char *name, const submission_options *o) {
     *s = (submission){0};
     sheard_params_init(&s->params, SHEARD_METHOD_SUBMIT);
-    int code = EXIT_CODE_DONE;
-    if (name == NULL) {
-        code = set_images(s, o);
-    } else if (is_job_file(name)) {
-        code = read_job_file(s, name);
-    } else {
-        code = set_file(s, name);
-    }
-    if (code == SHEAR_OK) {
+    const enum exit_code code = set_source(s, name, o);
+    if (code == EXIT_CODE_DONE) {
         set_options(s, o);
     }
     return code;

@@ -4,7 +4,6 @@
 #define CLIENT_REMOTE_SUBMISSION_H
 
 #include "cmdline/part_options.h"
-#include "cmdline/settings_options.h"
 #include "sheard/rpc.h"
 
 #include <stdbool.h>
@@ -15,8 +14,7 @@ typedef struct submission_options {
     const char *field, *key;
     int64_t priority;
     bool has_priority, force;
-    shear_settings settings;
-    bool given[SETTINGS_OPTIONS_MAX]; /* by the index of the setting */
+    option_settings settings;
 } submission_options;
 
 /* One submit request, and what its texts are kept in. */
@@ -31,7 +29,7 @@ typedef struct submission {
 /* From `name`: a field file, a job file (*.json), "-" (a job file on standard input) or NULL (the
  * images of the options). Options beat what a job file says. Returns an exit code, with an error
  * printed; deinit *s either way. */
-int submission_init(submission *s, const char *name, const submission_options *o);
+enum exit_code submission_init(submission *s, const char *name, const submission_options *o);
 void submission_deinit(submission *s);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/watch_view.h"
+#include "base/clock.h"
 
 #include "remote/field_table.h"
 #include "remote/job_text.h"
@@ -15,14 +16,14 @@
 enum { TEXT_STATUS, TEXT_ACTIVE, TEXT_FINISHED, TEXT_FIELDS };
 enum { BAR_WIDTH = 24, FIELD_ROWS = 4 }; /* rows asked for of one field: one a digest */
 
-static int ask(service *s, int method, const sheard_params *p, sheard_reply *reply, char **text,
-               sheard_rpc_error *error) {
+static enum connection_status ask(service *s, int method, const sheard_params *p,
+                                  sheard_reply *reply, char **text, sheard_rpc_error *error) {
     return connection_call(s->connection, method, p, s->reply_timeout_s, reply,
                            s->json ? text : NULL, error);
 }
 
-static int ask_jobs(service *s, unsigned states, int64_t n, sheard_reply *reply, char **text,
-                    sheard_rpc_error *error) {
+static enum connection_status ask_jobs(service *s, unsigned states, int64_t n, sheard_reply *reply,
+                                       char **text, sheard_rpc_error *error) {
     sheard_params p;
     sheard_params_init(&p, SHEARD_METHOD_JOBS);
     p.jobs.states = states;
@@ -41,9 +42,9 @@ static bool is_known(const watch_view *v, const char *const *names, const char *
 
 /* The fields of these jobs. There is no question for one field's line: it is the first of those
  * that begin with its name. */
-static int ask_fields(watch_view *v, const char **names, service *s,
-                      const sheard_msg_job_page *page, sheard_rpc_error *error) {
-    int status = CONNECTION_OK;
+static enum connection_status ask_fields(watch_view *v, const char **names, service *s,
+                                         const sheard_msg_job_page *page, sheard_rpc_error *error) {
+    enum connection_status status = CONNECTION_OK;
     for (size_t i = 0; status == CONNECTION_OK && i < page->n_jobs; i++) {
         const char *name = page->jobs[i].field;
         if (name == NULL || !*name || v->n_fields == WATCH_FIELDS || is_known(v, names, name)) {
@@ -61,13 +62,15 @@ static int ask_fields(watch_view *v, const char **names, service *s,
     return status;
 }
 
-int watch_view_init(watch_view *v, service *s, int64_t n_jobs, sheard_rpc_error *error) {
+enum connection_status watch_view_init(watch_view *v, service *s, int64_t n_jobs,
+                                       sheard_rpc_error *error) {
     const unsigned active = 1U << SHEARD_JOB_RUNNING;
     const unsigned finished = 1U << SHEARD_JOB_DONE | 1U << SHEARD_JOB_FAILED |
                               1U << SHEARD_JOB_CANCELLED | 1U << SHEARD_JOB_RETRACTED;
     const char *names[WATCH_FIELDS] = {NULL};
     *v = (watch_view){.n_fields = 0};
-    int status = ask(s, SHEARD_METHOD_STATUS, NULL, &v->status, &v->text[TEXT_STATUS], error);
+    enum connection_status status =
+        ask(s, SHEARD_METHOD_STATUS, NULL, &v->status, &v->text[TEXT_STATUS], error);
     if (status == CONNECTION_OK) {
         status = ask_jobs(s, active, n_jobs, &v->active, &v->text[TEXT_ACTIVE], error);
     }
@@ -99,7 +102,8 @@ static void title(FILE *out, const char *text, bool colours) {
     fprintf(out, "\n%s%s%s\n", colours ? STYLE_BOLD : "", text, colours ? STYLE_END : "");
 }
 
-static int print_active(const sheard_msg_job_page *page, FILE *out, bool colours, int columns) {
+static enum exit_code print_active(const sheard_msg_job_page *page, FILE *out, bool colours,
+                                   int columns) {
     static const text_column heads[] = {{"ID", 'r'}, {"FIELD", 'l'}, {"PROGRESS", 'l'}};
     text_table *t = text_table_new(heads, sizeof heads / sizeof *heads);
     for (size_t i = 0; i < page->n_jobs; i++) {
@@ -118,32 +122,33 @@ static int print_active(const sheard_msg_job_page *page, FILE *out, bool colours
             t, NULL, "%s%s", bar_text(part, BAR_WIDTH, bar, sizeof bar),
             bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));
     }
-    const int code = text_table_render(t, out, 2, colours, columns);
+    const enum exit_code code = text_table_render(t, out, 2, colours, columns);
     text_table_free(t);
     return code;
 }
 
-static int print_finished(const sheard_msg_job_page *page, FILE *out, bool colours, int columns) {
+static enum exit_code print_finished(const sheard_msg_job_page *page, FILE *out, bool colours,
+                                     int columns) {
     text_table *t = job_table_new();
     for (size_t i = 0; i < page->n_jobs; i++) {
-        job_table_add(t, &page->jobs[i], human_now_ms());
+        job_table_add(t, &page->jobs[i], clock_ms(CLOCK_REALTIME));
     }
-    const int code = text_table_render(t, out, 2, colours, columns);
+    const enum exit_code code = text_table_render(t, out, 2, colours, columns);
     text_table_free(t);
     return code;
 }
 
-static int print_fields(const watch_view *v, FILE *out, bool colours, int columns) {
+static enum exit_code print_fields(const watch_view *v, FILE *out, bool colours, int columns) {
     text_table *t = field_table_new();
     for (size_t i = 0; i < v->n_fields; i++) {
         const sheard_msg_field_page *page = &v->fields[i].fields;
         for (size_t k = 0; k < page->n_fields; k++) {
             if (strcmp(page->fields[k].field, page->fields[0].field) == 0) {
-                field_table_add(t, &page->fields[k], human_now_ms());
+                field_table_add(t, &page->fields[k], clock_ms(CLOCK_REALTIME));
             }
         }
     }
-    const int code = text_table_render(t, out, 2, colours, columns);
+    const enum exit_code code = text_table_render(t, out, 2, colours, columns);
     text_table_free(t);
     return code;
 }
@@ -158,18 +163,18 @@ static bool has_fields(const watch_view *v) {
     return false;
 }
 
-int watch_view_print(const watch_view *v, FILE *out, bool colours, int columns) {
-    int code = EXIT_CODE_DONE;
+enum exit_code watch_view_print(const watch_view *v, FILE *out, bool colours, int columns) {
+    enum exit_code code = EXIT_CODE_DONE;
     status_text_brief(&v->status.status, colours, out);
     if (v->active.jobs.n_jobs > 0) {
         title(out, "running", colours);
         code = print_active(&v->active.jobs, out, colours, columns);
     }
-    if (code == SHEAR_OK && v->finished.jobs.n_jobs > 0) {
+    if (code == EXIT_CODE_DONE && v->finished.jobs.n_jobs > 0) {
         title(out, "finished", colours);
         code = print_finished(&v->finished.jobs, out, colours, columns);
     }
-    if (code == SHEAR_OK && has_fields(v)) {
+    if (code == EXIT_CODE_DONE && has_fields(v)) {
         title(out, "fields", colours);
         code = print_fields(v, out, colours, columns);
     }

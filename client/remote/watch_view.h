@@ -19,11 +19,12 @@ typedef struct watch_view {
 
 /* Ask the service; nothing is printed on errors. Returns an enum connection_status. *view must be
  * deinited either way. */
-int watch_view_init(watch_view *view, service *s, int64_t n_jobs, sheard_rpc_error *error);
+enum connection_status watch_view_init(watch_view *view, service *s, int64_t n_jobs,
+                                       sheard_rpc_error *error);
 void watch_view_deinit(watch_view *view);
 
 /* Lines of at most `columns` (0: any), with colours or without. Returns an exit code. */
-int watch_view_print(const watch_view *view, FILE *out, bool colours, int columns);
+enum exit_code watch_view_print(const watch_view *view, FILE *out, bool colours, int columns);
 /* One JSON object on one line: status, active, finished, fields. */
 void watch_view_json(const watch_view *view, FILE *out);
 

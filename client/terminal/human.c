@@ -98,9 +98,3 @@ bool human_parse_duration(const char *text, double *seconds) {
     }
     return false;
 }
-
-int64_t human_now_ms(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_REALTIME, &t);
-    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
-}

@@ -29,7 +29,4 @@ char *human_rate(double per_second, char buf[HUMAN_SIZE]);
 /* "90", "90s", "250ms", "5min", "2h", "1d": seconds. False for anything else. */
 bool human_parse_duration(const char *text, double *seconds);
 
-/* Milliseconds since 1970. */
-int64_t human_now_ms(void);
-
 #endif

@@ -3,6 +3,7 @@
 
 #include "shear/text.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -40,32 +41,39 @@ void message_error(const shear_error *err) {
     }
 }
 
-void message_fail(const char *hint, const char *format, ...) {
+enum exit_code message_no_memory(void) {
+    message_fail(NULL, "out of memory");
+    return EXIT_CODE_OTHER;
+}
+
+/* "shearctl: KIND: ...", as printf does. */
+__attribute__((format(printf, 2, 0))) static void say_formatted(const char *kind,
+                                                                const char *format, va_list args) {
     char text[1024];
+    vsnprintf(text, sizeof text, format, args);
+    say(kind, text);
+}
+
+void message_fail(const char *hint, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    say_formatted("error", format, args);
     va_end(args);
-    say("error", text);
     if (hint != NULL) {
         say("advice", hint);
     }
 }
 
 void message_warning(const char *format, ...) {
-    char text[1024];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    say_formatted("warning", format, args);
     va_end(args);
-    say("warning", text);
 }
 
 void message_note(const char *format, ...) {
-    char text[1024];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    say_formatted("note", format, args);
     va_end(args);
-    say("note", text);
 }

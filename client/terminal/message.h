@@ -7,6 +7,8 @@
 #ifndef CLIENT_TERMINAL_MESSAGE_H
 #define CLIENT_TERMINAL_MESSAGE_H
 
+#include "terminal/exit_code.h"
+
 #include "shear/error.h"
 
 #include <stddef.h>
@@ -15,6 +17,8 @@
 void message_error(const shear_error *err);
 /* An error of our own. `hint` may be NULL. */
 void message_fail(const char *hint, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* "out of memory". Returns EXIT_CODE_OTHER. */
+enum exit_code message_no_memory(void);
 void message_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* What is neither: "shearctl: note: ...". */

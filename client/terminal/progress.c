@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "terminal/progress.h"
+#include "base/clock.h"
 
 #include "terminal/bar.h"
 #include "terminal/message.h"
@@ -38,13 +39,7 @@ bool progress_interrupted(void) {
     return interrupted != 0;
 }
 
-static double now_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void take_signals(progress *p) {
+static void catch_signals(progress *p) {
     struct sigaction action = {.sa_handler = on_signal};
     /* SA_RESETHAND: a second signal ends a process that does not get round to the first one. */
     action.sa_flags = (int)SA_RESETHAND | SA_RESTART;
@@ -63,8 +58,8 @@ static void take_signals(progress *p) {
 progress *progress_begin_quiet(void) {
     progress *p = calloc(1, sizeof *p);
     if (p != NULL) {
-        p->begun = now_seconds();
-        take_signals(p);
+        p->begun = clock_s(CLOCK_MONOTONIC);
+        catch_signals(p);
     }
     return p;
 }
@@ -120,7 +115,7 @@ static void draw(progress *p, int64_t done, int64_t total, double rate, double n
 
 int progress_callback(void *context, int64_t done, int64_t total) {
     progress *p = context;
-    const double now = now_seconds();
+    const double now = clock_s(CLOCK_MONOTONIC);
     if (is_due(p, now)) {
         draw(p, done, total, now > p->begun ? (double)done / (now - p->begun) : 0.0, now);
     }
@@ -128,7 +123,7 @@ int progress_callback(void *context, int64_t done, int64_t total) {
 }
 
 void progress_show(progress *p, const char *label, int64_t done, int64_t total, double rate) {
-    const double now = now_seconds();
+    const double now = clock_s(CLOCK_MONOTONIC);
     if (is_due(p, now)) {
         message_clean(label, p->label, sizeof p->label);
         draw(p, done, total, rate, now);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "terminal/screen.h"
+#include "base/clock.h"
 
 #include "remote/socket_io.h"
 #include "terminal/progress.h"
@@ -88,9 +89,9 @@ enum { SLICE_MS = 200 };
 
 static bool wait_for(int fd, double seconds) {
     struct pollfd p = {.fd = fd, .events = POLLIN};
-    const double end = socket_io_now() + seconds;
+    const double end = clock_s(CLOCK_MONOTONIC) + seconds;
     while (ended == 0 && resized == 0) {
-        const double left_ms = 1000.0 * (end - socket_io_now());
+        const double left_ms = 1000.0 * (end - clock_s(CLOCK_MONOTONIC));
         if (left_ms <= 0.0) {
             break;
         }

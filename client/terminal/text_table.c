@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "terminal/text_table.h"
 
-#include "cmdline/command.h"
 #include "terminal/message.h"
 #include "terminal/style.h"
 
+#include "base/array.h"
+#include "base/cleanup.h"
+
+#include <assert.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { CELL_MAX = 4200, GAP = 2 }; /* bytes; a path fits */
+enum { CELL_MAX = 4200, GAP = 2, MAX_COLUMNS = 16 }; /* bytes of a cell: a path fits */
 
 typedef struct table_cell {
     char *text;
@@ -19,13 +22,13 @@ typedef struct table_cell {
     int width;
 } table_cell;
 
-typedef struct text_table {
+struct text_table {
     const text_column *columns;
     size_t n_columns;
     table_cell *cells; /* [n], row by row */
-    size_t n, room;
+    size_t n, capacity;
     bool failed; /* no memory */
-} text_table;
+};
 
 text_table *text_table_new(const text_column *columns, size_t n_columns) {
     text_table *t = calloc(1, sizeof *t);
@@ -47,19 +50,6 @@ void text_table_free(text_table *t) {
     free(t);
 }
 
-static bool make_room(text_table *t) {
-    if (t->n < t->room) {
-        return true;
-    }
-    const size_t room = t->room != 0 ? 2 * t->room : 64;
-    table_cell *cells = reallocarray(t->cells, room, sizeof *cells);
-    if (cells != NULL) {
-        t->cells = cells;
-        t->room = room;
-    }
-    return cells != NULL;
-}
-
 void text_table_cell(text_table *t, const char *style, const char *format, ...) {
     char text[CELL_MAX];
     char clean[CELL_MAX];
@@ -71,7 +61,7 @@ void text_table_cell(text_table *t, const char *style, const char *format, ...) 
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     char *copy = strdup(message_clean(text, clean, sizeof clean));
-    if (copy == NULL || !make_room(t)) {
+    if (copy == NULL || !ARRAY_RESERVE(t->cells, t->capacity, t->n + 1)) {
         free(copy);
         t->failed = true;
         return;
@@ -113,47 +103,53 @@ static void compose(const text_table *t, const table_cell *cells, const int *wid
     }
 }
 
-static bool print_row(const text_table *t, const table_cell *cells, const int *widths, FILE *out,
-                      int indent, bool colours, int columns) {
-    char *text = NULL;
+/* How a table is laid out. */
+typedef struct table_layout {
+    int widths[MAX_COLUMNS]; /* of the columns */
+    int indent, columns;     /* of all; 0: any width */
+    bool colours;
+} table_layout;
+
+/* `cells` NULL: the titles. Returns false when memory is out. */
+static bool print_row(const text_table *t, const table_cell *cells, const table_layout *l,
+                      FILE *out) {
+    CLEANUP(release_free) char *text = NULL;
     size_t size = 0;
     FILE *line = open_memstream(&text, &size);
     if (line == NULL) {
         return false;
     }
-    fprintf(line, "%*s", indent, "");
-    compose(t, cells, widths, colours, line);
-    const bool good = fclose(line) == 0 && text != NULL;
-    if (good) {
-        size_t n = columns > 0 ? style_fit(text, columns) : strlen(text);
-        while (n > 0 && text[n - 1] == ' ') { /* of empty cells at the end */
-            n--;
-        }
-        fprintf(out, "%.*s%s\n", (int)n, text, colours ? STYLE_END : "");
+    fprintf(line, "%*s", l->indent, "");
+    compose(t, cells, l->widths, l->colours, line);
+    if (fclose(line) != 0 || text == NULL) {
+        return false;
     }
-    free(text);
-    return good;
+    size_t n = l->columns > 0 ? style_fit(text, l->columns) : strlen(text);
+    while (n > 0 && text[n - 1] == ' ') { /* of empty cells at the end */
+        n--;
+    }
+    fprintf(out, "%.*s%s\n", (int)n, text, l->colours ? STYLE_END : "");
+    return true;
 }
 
-int text_table_render(const text_table *t, FILE *out, int indent, int colours, int columns) {
-    enum { MAX_COLUMNS = 16 };
-    int widths[MAX_COLUMNS];
-    bool good = t != NULL && !t->failed && t->n_columns <= MAX_COLUMNS;
-    for (size_t i = 0; good && i < t->n_columns; i++) {
-        widths[i] = column_width(t, i);
+enum exit_code text_table_render(const text_table *t, FILE *out, int indent, bool colours,
+                                 int columns) {
+    if (t == NULL || t->failed) {
+        return message_no_memory();
     }
-    good = good && print_row(t, NULL, widths, out, indent, colours != 0, columns);
-    for (size_t i = 0; good && i + t->n_columns <= t->n; i += t->n_columns) {
-        good = print_row(t, t->cells + i, widths, out, indent, colours != 0, columns);
+    table_layout l = {.indent = indent, .columns = columns, .colours = colours};
+    assert(t->n_columns <= MAX_COLUMNS && t->n % t->n_columns == 0);
+    for (size_t i = 0; i < t->n_columns; i++) {
+        l.widths[i] = column_width(t, i);
     }
-    if (!good) {
-        message_fail(NULL, "out of memory");
-        return EXIT_CODE_OTHER;
+    bool good = print_row(t, NULL, &l, out);
+    for (size_t i = 0; good && i < t->n; i += t->n_columns) {
+        good = print_row(t, t->cells + i, &l, out);
     }
-    return EXIT_CODE_DONE;
+    return good ? EXIT_CODE_DONE : message_no_memory();
 }
 
-int text_table_print(const text_table *t, FILE *out) {
+enum exit_code text_table_print(const text_table *t, FILE *out) {
     return text_table_render(t, out, 0, style_on(out), style_columns(fileno(out), 0));
 }
 

@@ -4,6 +4,9 @@
 #ifndef CLIENT_TERMINAL_TEXT_TABLE_H
 #define CLIENT_TERMINAL_TEXT_TABLE_H
 
+#include "terminal/exit_code.h"
+
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -23,10 +26,11 @@ void text_table_cell(text_table *table, const char *style, const char *format, .
     __attribute__((format(printf, 3, 4)));
 
 /* Titles and all rows. Returns an exit code: an error is printed where memory was missing. */
-int text_table_print(const text_table *table, FILE *out);
+enum exit_code text_table_print(const text_table *table, FILE *out);
 /* The same with `indent` spaces before each row, colours as told, and at most `columns` wide (0:
  * any width). */
-int text_table_render(const text_table *table, FILE *out, int indent, int colours, int columns);
+enum exit_code text_table_render(const text_table *table, FILE *out, int indent, bool colours,
+                                 int columns);
 size_t text_table_rows(const text_table *table);
 
 #endif

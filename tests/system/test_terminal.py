@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The progress bar on a (pseudo) terminal, and a clean stop when the user interrupts."""
 import os
-import pty
-import select
 import shlex
 import shutil
 import signal
@@ -12,39 +10,11 @@ import unittest
 
 from fake_service import FakeService, job, status, summary
 from fitsfile import Field
+from terminal_test import WAIT, TerminalTest
 from tool import DONE, OTHER, SANITIZERS, SHEARCTL, ToolTest
 
-WAIT = 120  # seconds, for what takes less than one
 
-
-class Terminal(ToolTest):
-    def start(self, *args, term="xterm", columns=80):
-        """shearctl with standard error on a terminal of so many columns."""
-        main, other = pty.openpty()
-        self.addCleanup(os.close, main)
-        subprocess.run(["stty", "cols", str(columns), "rows", "24"], stdin=other, check=True)
-        process = subprocess.Popen([SHEARCTL, *args], stdin=subprocess.DEVNULL,
-                                   stdout=subprocess.PIPE, stderr=other,
-                                   env={**os.environ, **SANITIZERS, "TERM": term})
-        self.addCleanup(process.stdout.close)
-        os.close(other)
-        return process, main
-
-    def read(self, main, until=None):
-        """What the terminal was sent, up to the end or up to `until`."""
-        text, end = b"", time.monotonic() + WAIT
-        while time.monotonic() < end and (until is None or until not in text):
-            if not select.select([main], [], [], 0.1)[0]:
-                continue
-            try:
-                piece = os.read(main, 65536)
-            except OSError:  # Linux's end of a pseudo terminal
-                break
-            if not piece:
-                break
-            text += piece
-        return text.decode("utf-8")
-
+class Terminal(TerminalTest):
     def finish(self, process):
         out = process.stdout.read()
         return process.wait(WAIT), out.decode("utf-8")
@@ -84,7 +54,7 @@ class Terminal(ToolTest):
                 process, main = self.start("measure", slow, "--interpolation", "spline",
                                            "--oversample", "32", "--catalog",
                                            self.path("out.fits"))
-                self.read(main, until=b"%")
+                self.read(main, until="%")
                 process.send_signal(number)
                 code, out = self.finish(process)
                 self.assertEqual((code, out), (OTHER, ""))

@@ -17,6 +17,5 @@ mock_test(noise)
 mock_test(options)
 mock_test(write)
 
-set(client ${PROJECT_SOURCE_DIR}/client)
-mock_test(command ${client}/commands/mock.c ${client}/terminal/message.c ${client}/cmdline/options.c ${client}/terminal/progress.c ${client}/terminal/bar.c)
-target_include_directories(test_mock_command PRIVATE ${client})
+mock_test(command)
+target_link_libraries(test_mock_command PRIVATE shear_client)

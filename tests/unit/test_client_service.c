@@ -192,14 +192,14 @@ static void news_of_jobs(void **state) {
 static void exit_codes(void **state) {
     (void)state;
     const struct {
-        follow_tally tally; /* done, failed, cancelled, unfinished */
+        follow_counts counts; /* done, failed, cancelled, unfinished */
         int code;
     } cases[] = {{{3, 0, 0, 0}, EXIT_CODE_DONE},      {{0, 2, 0, 0}, EXIT_CODE_JOB_FAILED},
                  {{1, 1, 0, 0}, EXIT_CODE_PARTLY},    {{1, 0, 1, 0}, EXIT_CODE_PARTLY},
                  {{0, 0, 1, 0}, EXIT_CODE_CANCELLED}, {{0, 1, 1, 0}, EXIT_CODE_JOB_FAILED},
                  {{5, 5, 5, 1}, EXIT_CODE_TIMED_OUT}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        assert_int_equal(follow_exit_code(&cases[i].tally), cases[i].code);
+        assert_int_equal(follow_exit_code(&cases[i].counts), cases[i].code);
     }
     assert_int_equal(EXIT_CODE_JOB_FAILED, 5); /* scripts have these numbers */
     assert_int_equal(EXIT_CODE_TIMED_OUT, 6);
@@ -351,16 +351,13 @@ static const command cmd_try = {
     .run = NULL,
 };
 static const command *const table[] = {&cmd_try, NULL};
-const command *const *command_table(void) {
-    return table;
-}
-
 static void completion_data_of_the_table(void **state) {
     (void)state;
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     assert_non_null(out);
+    command_set_table(table);
     assert_int_equal(completion_data_print(out), EXIT_CODE_DONE);
     assert_int_equal(fclose(out), 0);
     assert_string_equal(text, "command|try|FILE,DIR...|attempt it\n"

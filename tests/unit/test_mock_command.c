@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl mock: its help text against the option table, and its exit codes. */
-#include "cmdline/command.h"
+#include "commands/commands.h"
 #include "shear_mocks/mock.h"
 #include "test.h"
 
@@ -60,8 +60,8 @@ static int run(const char *const *arguments) {
     for (; arguments[argc - 1]; argc++) {
         argv[argc] = (char *)(uintptr_t)arguments[argc - 1];
     }
-    optind = 0; /* glibc: begin anew */
-    return cmd_mock.run(argc, argv);
+    optind = 0; /* glibc: begin again */
+    return (int)cmd_mock.run(&cmd_mock, argc, argv);
 }
 #define RUN(...) run((const char *const[]){__VA_ARGS__, NULL})
 

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "local/validation.h"
+
+#include "shear/settings.h"
+#include "sheard/advice.h"
+#include "sheard/no_shear.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+/* A number of two digits a little above -lowest > 0: a pedestal that is easy to type and leaves no
+ * pixel at zero. */
+static double pedestal_above(double lowest) {
+    double x = 1.01 * -lowest;
+    double unit = pow(10.0, floor(log10(x)) - 1.0);
+    return ceil(x / unit) * unit;
+}
+
+/* A background that the filter would cut an edge into: its mean is beyond doubt, and no small part
+ * of what a pixel scatters. */
+static bool has_background(const sheard_validation_report *v) {
+    static const double sigma = 4.0;
+    static const double part = 0.1;
+    return v->plan->filter != SHEAR_FILTER_NONE && shear_settings_keep_background(v->settings) &&
+           fabs(v->noise_mean) > sigma * v->noise_mean_err &&
+           fabs(v->noise_mean) > part * v->noise_rms;
+}
+
+static const char subtract_background[] =
+    "the noise stamps have a mean, a background that the filter would cut an edge into: give "
+    "--background noise-mean";
+
+/* What to do about a file that would measure. */
+static const char *advice_for(const sheard_validation_report *v) {
+    if (has_background(v)) {
+        return subtract_background;
+    }
+    return v->weight_is_suspect
+               ? "weights made of the stamps' own flux bias the shear by several per cent: take "
+                 "weights of something else, or none, and --estimator pdf-sym"
+               : NULL;
+}
+
+static void fail_negative(const sheard_validation_report *v, shear_error *words) {
+    char advice[200];
+    snprintf(advice, sizeof advice,
+             "give --pedestal %.3g or more, or a method without logarithm (--interpolation none)",
+             pedestal_above(v->lowest_pixel));
+    shear_fail(words, SHEAR_E_NEGATIVE, advice,
+               "%s cannot take negative pixels: %" PRId64 " of %" PRId64
+               " stamps have some, down to %.6g",
+               shear_interpolation_name(v->plan->interpolation), v->negative.count,
+               v->field->n_stamps, v->lowest_pixel);
+}
+
+static void fail_no_shear(const sheard_validation_report *v, shear_error *words) {
+    char text[400];
+    char advice[400];
+    sheard_no_shear_advice(&v->result, advice, sizeof advice);
+    shear_fail(words, SHEAR_E_FORMAT, has_background(v) ? subtract_background : advice,
+               "%s: no shear could be measured",
+               sheard_no_shear_text(&v->result, text, sizeof text));
+}
+
+void validation_conclude(sheard_validation_report *v, shear_error *words) {
+    const int64_t n = v->field->n_stamps;
+    sheard_cause cause;
+    if (v->negative.count > 0) {
+        fail_negative(v, words);
+    } else if (v->n_measurable < 2) {
+        shear_fail(words, SHEAR_E_FORMAT, "a field's shear needs two usable stamps at least",
+                   "only %" PRId64 " of %" PRId64 " stamps could be measured", v->n_measurable, n);
+    } else if (v->measured && sheard_cause_of(&v->result, v->plan, &cause)) {
+        shear_fail(words, SHEAR_E_FORMAT, cause.advice, "%s: %s", cause.words,
+                   v->result.valid ? "the shear is biased" : "no shear could be measured");
+    } else if (v->measured && !v->result.valid) {
+        fail_no_shear(v, words);
+    } else {
+        v->good = true;
+        shear_fail(words, SHEAR_OK, advice_for(v),
+                   "would measure %" PRId64 " of %" PRId64 " stamps", v->n_measurable, n);
+    }
+}
