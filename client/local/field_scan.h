@@ -4,7 +4,6 @@
 #ifndef CLIENT_LOCAL_FIELD_SCAN_H
 #define CLIENT_LOCAL_FIELD_SCAN_H
 
-#include "sheard/report.h"
 #include "sheard/validation_report.h"
 #include "terminal/progress.h"
 

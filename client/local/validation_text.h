@@ -3,7 +3,6 @@
 #ifndef CLIENT_LOCAL_VALIDATION_TEXT_H
 #define CLIENT_LOCAL_VALIDATION_TEXT_H
 
-#include "sheard/report.h"
 #include "sheard/validation_report.h"
 
 #include <stdio.h>
