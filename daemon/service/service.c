@@ -1,65 +1,163 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the service is put together, and taken apart. */
-#include "reader/program.h"
-#include "reader/scratch.h"
-#include "service/core/descriptors.h"
-#include "service/core/owner.h"
-#include "service/core/processors.h"
-#include "service/inner.h"
+/* How the service is put together, what it does once a second, and how it is taken apart. */
+#include "service/service.h"
 
-#include <errno.h>
+#include "log/log.h"
+#include "service/core/clock.h"
+#include "service/core/parts.h"
+#include "service/core/reload.h"
+#include "service/fields/change_notifier.h"
+#include "service/fields/estimates.h"
+#include "service/fields/field_purge.h"
+#include "service/intake/dropped_files.h"
+#include "service/intake/file_disposal.h"
+#include "service/jobs/active_jobs.h"
+#include "service/jobs/catalog_directory.h"
+#include "service/jobs/catalogs.h"
+#include "service/jobs/engine_events.h"
+#include "service/jobs/job_message.h"
+#include "service/jobs/job_queue.h"
+#include "service/open_parts.h"
+#include "service/rpc/field_message.h"
+#include "service/rpc/pending_waits.h"
+#include "service/rpc/probe.h"
+#include "shear/version.h"
+
 #include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-enum { CHECKPOINT_MS = 5000 };
+/* ---- the callbacks of core ---- */
 
-static void wake(void *context) {
+/* A batch of finished jobs that are older than they may be, or too many. */
+static void retire_jobs(service *s) {
+    const sheard_config *c = &s->config;
+    shear_error ignored = {0};
+    int64_t retired = 0;
+    if (c->retention.jobs_max_age_ms <= 0 && c->retention.jobs_max_count <= 0) {
+        return;
+    }
+    const store_retention rule = {
+        .finished_before_ms = c->retention.jobs_max_age_ms > 0
+                                  ? clock_watch_for_ages(&s->clock) - c->retention.jobs_max_age_ms
+                                  : INT64_MIN,
+        .keep = c->retention.jobs_max_count > 0 ? c->retention.jobs_max_count : -1,
+        .batch = 1000};
+    store_retire(s->store, &rule, &retired, &ignored);
+}
+
+static void tick(service *s) {
+    enum { SPOOL_WAKE_S = 5 };
+    shear_error ignored;
+    clock_watch_look(&s->clock);
+    rates_tick(&s->rates, engine_get_load(s->engine).stamps_total, s->jobs->ended);
+    loop_pace_tick(&s->pace);
+    job_message_publish_progress(s);
+    problem_notes_tick(&s->notes);
+    pending_waits_tick(s);
+    change_notifier_tick(s);
+    data_roots_tick(s->roots);
+    field_purge_continue(s);
+    log_flush();
+    if (s->notify.watchdog_ms > 0) {
+        notify_watchdog(&s->notify, NULL);
+    }
+    /* After a failed commit the next try is due: an empty group tells whether the disk is well
+     * again. */
+    if (group_is_failing(&s->group)) {
+        group_begin(&s->group, &ignored);
+    }
+    retire_jobs(s);
+    if (s->spool != NULL && s->rates.ticks % SPOOL_WAKE_S == 0) {
+        spool_wake(s->spool);
+    }
+}
+
+static size_t running_jobs(const service *s) {
+    return s->jobs->n;
+}
+
+/* Catalogs that go elsewhere from now on: is it a place for them? */
+static int check_reload(service *s, const sheard_config *fresh, shear_error *err) {
+    const bool same = s->config.catalogs.enabled &&
+                      strcmp(s->config.catalogs.directory, fresh->catalogs.directory) == 0;
+    return fresh->catalogs.enabled && !same
+               ? catalog_directory_claim(s, fresh->catalogs.directory, err)
+               : SHEAR_OK;
+}
+
+static const core_hooks hooks = {.tick = tick,
+                                 .engine_events = engine_events_process,
+                                 .running_jobs = running_jobs,
+                                 .stop_jobs = job_queue_stop_all,
+                                 .close = change_notifier_flush,
+                                 .check_reload = check_reload};
+
+static void on_turn_ended(void *context, int code) {
     service *s = context;
-    uv_async_send(&s->engine_wake);
+    if (code == SHEAR_OK) {
+        job_queue_fill(s);
+    } else {
+        s->jobs->may_have_orphans = true;
+    }
+    lifecycle_check(s);
 }
 
-static bool is_admin(void *context, const access_peer *peer) {
-    return peer_is_admin(context, peer);
+/* ---- the callbacks of jobs ---- */
+
+static void on_job_ended(service *s, const store_job *job) {
+    pending_waits_job_ended(s, job->id);
 }
 
-int make_directory(const char *path, mode_t mode, shear_error *err) {
-    if (mkdir(path, mode) == 0 || errno == EEXIST) {
-        return SHEAR_OK;
-    }
-    return shear_fail(err, SHEAR_E_IO, "create it, or set another directory",
-                      "cannot make the directory '%s': %s", path, strerror(errno));
+static void on_job_counted(service *s, const store_job *job) {
+    change_notifier_note(s, job->field, job->settings_digest);
 }
 
-static int check_owner(const service *s, shear_error *err) {
-    const size_t i = (size_t)sheard_setting_find("daemon", "state_dir");
-    return owner_check(s->config.daemon.state_dir, sheard_setting_at(i).initial, "sheard", err);
+static const job_hooks jobs = {.dispose_file = file_disposal_end,
+                               .ended = on_job_ended,
+                               .counted = on_job_counted,
+                               .other_event = probe_event};
+
+/* ---- opening ---- */
+
+static int make_modules(service *s, shear_error *err) {
+    int code = active_jobs_new(&s->jobs, &jobs, err);
+    if (code == SHEAR_OK) {
+        code = estimates_new(&s->estimates, err);
+    }
+    if (code == SHEAR_OK) {
+        code = change_notifier_new(&s->notifier, s, field_message_publish, err);
+    }
+    if (code == SHEAR_OK) {
+        code = field_purge_new(&s->purge, err);
+    }
+    if (code == SHEAR_OK) {
+        code = pending_waits_new(&s->waits, err);
+    }
+    return code;
 }
 
-static int open_store(service *s, shear_error *err) {
-    char path[4200];
-    const store_options options = {.busy_ms = 5000};
-    int code = check_owner(s, err);
-    if (code == SHEAR_OK) {
-        code = make_directory(s->config.daemon.state_dir, 0750, err);
+static int open_access(service *s, shear_error *err) {
+    int code = permissions_init(&s->permissions, &s->config, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    snprintf(path, sizeof path, "%s/sheard.db", s->config.daemon.state_dir);
-    if (code == SHEAR_OK) {
-        code = solutions_new(&s->solutions, err);
+    reload_warn_names(s);
+    code = data_roots_new(&s->roots, &s->loop, &s->group, &s->life, err);
+    return code == SHEAR_OK ? data_roots_set(s->roots, &s->config.access.data_roots, err) : code;
+}
+
+/* The store, and what belongs to it. */
+static int open_state(service *s, shear_error *err) {
+    const group_hooks turn = {.turn_ended = on_turn_ended, .context = s};
+    int code = open_store(s, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = store_open(&s->store, path, &options, wall_ms(), err);
-    }
-    if (code == SHEAR_OK) {
-        code = clock_start(s, err);
-    }
-    if (code == SHEAR_OK && store_opened(s->store)->requeued > 0) {
-        log_notice("%lld jobs were interrupted and go on",
-                   (long long)store_opened(s->store)->requeued);
-    }
+    group_start(&s->group, &s->loop, s->store, &s->notes, &turn);
+    code = clock_watch_start(&s->clock, &s->group, &s->config, err);
     if (code == SHEAR_OK) {
         code = catalogs_open(s, err);
     }
@@ -69,55 +167,11 @@ static int open_store(service *s, shear_error *err) {
     return code;
 }
 
-static int open_engine(service *s, shear_error *err) {
-    const sheard_config *c = &s->config;
-    char program[4200];
-    char copies[4200];
-    const bool chosen = strcmp(c->reader.scratch, "auto") != 0;
-    int code = reader_find_program(program, sizeof program, err);
-    if (code == SHEAR_OK) {
-        code = scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
-                            c->daemon.state_dir, err);
-    }
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    reader_limits limits = reload_reader_limits(c);
-    limits.program = program;
-    limits.scratch = copies;
-    const engine_options options = {.workers = c->daemon.workers > 0 ? (int)c->daemon.workers
-                                                                     : processors_count(),
-                                    .limits = limits,
-                                    .checkpoint_ms = CHECKPOINT_MS,
-                                    .memory_bytes = reload_memory(c),
-                                    .plans_count = c->plans.max_count,
-                                    .plans_bytes = c->plans.max_bytes,
-                                    .wake = wake,
-                                    .context = s};
-    return engine_new(&s->engine, &options, err);
-}
-
-static int open_server(service *s, shear_error *err) {
-    const sheard_config *c = &s->config;
-    int fds[8];
-    descriptors_raise(c);
-    server_options options = {
-        .path = c->daemon.socket,
-        .mode = c->daemon.socket_mode,
-        .group = c->daemon.socket_group,
-        .fds = fds,
-        .limits = reload_server_limits(c),
-        .defaults = &c->measure,
-        .handlers = {.request = methods_request, .is_admin = is_admin, .context = s}};
-    const int code = server_activation(fds, 8, &options.n_fds, err);
-    s->activated = s->activated || options.n_fds > 0;
-    return code == SHEAR_OK ? server_open(&s->server, &s->loop, &options, err) : code;
-}
+typedef int opener(service *s, shear_error *err);
 
 /* A service that was killed while it started a reader may leave a child that holds its socket and
  * its locks until it has become the reader: a moment, but a restart comes as soon. */
-static int open_when_left(service *s, int (*open_it)(service *, shear_error *), int taken,
-                          shear_error *err) {
+static int open_when_left(service *s, opener *open_it, int taken, shear_error *err) {
     enum { PATIENCE_MS = 2000, STEP_MS = 50 };
     const struct timespec step = {.tv_nsec = STEP_MS * 1000000L};
     int code = open_it(s, err);
@@ -126,6 +180,31 @@ static int open_when_left(service *s, int (*open_it)(service *, shear_error *), 
         code = open_it(s, err);
     }
     return code;
+}
+
+static int open_server_when_left(service *s, shear_error *err) {
+    return open_when_left(s, open_server, SHEAR_E_EXISTS, err);
+}
+
+static int open_spool_when_left(service *s, shear_error *err) {
+    return open_when_left(s, dropped_files_open, SPOOL_LOCKED, err);
+}
+
+static int notify_open(service *s, shear_error *err) {
+    return notify_init(&s->notify, err);
+}
+
+static int open_all(service *s, shear_error *err) {
+    static opener *const openers[] = {make_modules,        notify_open, open_access,
+                                      open_state,          open_engine, open_server_when_left,
+                                      open_spool_when_left};
+    for (size_t i = 0; i < sizeof openers / sizeof *openers; i++) {
+        const int code = openers[i](s, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    return SHEAR_OK;
 }
 
 static void name_user(char *out, size_t size) {
@@ -137,6 +216,18 @@ static void name_user(char *out, size_t size) {
     }
 }
 
+static int copy_arguments(service *s, const char *config_path, const sheard_list *assignments,
+                          shear_error *err) {
+    s->config_path = config_path != NULL ? strdup(config_path) : NULL;
+    for (size_t i = 0; i < assignments->n; i++) {
+        const int code = sheard_list_append(&s->assignments, assignments->items[i], err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    return SHEAR_OK;
+}
+
 int service_open(service **out, sheard_config *config, const char *config_path,
                  const sheard_list *assignments, shear_error *err) {
     service *s = calloc(1, sizeof *s);
@@ -146,44 +237,18 @@ int service_open(service **out, sheard_config *config, const char *config_path,
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
     s->config = *config;
-    s->config_path = config_path != NULL ? strdup(config_path) : NULL;
-    s->started_ms = wall_ms();
-    s->started_steady_ms = steady_ms();
+    s->hooks = &hooks;
+    s->started_wall_ms = clock_wall_ms();
+    s->started_steady_ms = clock_steady_ms();
     s->notify.fd = -1;
-    TAILQ_INIT(&s->waiters);
-    TAILQ_INIT(&s->wait_users);
-    TAILQ_INIT(&s->forgotten);
-    int code = SHEAR_OK;
-    for (size_t i = 0; i < assignments->n && code == SHEAR_OK; i++) {
-        code = sheard_list_append(&s->assignments, assignments->items[i], err);
-    }
+    name_user(s->user, sizeof s->user);
     uv_loop_init(&s->loop);
-    life_start(s);
+    loop_start(s);
+    lifecycle_start(s);
+    loop_pace_start(&s->pace, &s->loop);
+    int code = copy_arguments(s, config_path, assignments, err);
     if (code == SHEAR_OK) {
-        code = notify_init(&s->notify, err);
-    }
-    if (code == SHEAR_OK) {
-        code = reload_access(&s->config, &s->admins, &s->submitters, &s->roots, err);
-    }
-    if (code == SHEAR_OK) {
-        code = reload_hurried(&s->config, &s->hurried, err);
-    }
-    if (code == SHEAR_OK) {
-        reload_warn_names(s);
-        name_user(s->user, sizeof s->user);
-        code = roots_set(s, err);
-    }
-    if (code == SHEAR_OK) {
-        code = open_store(s, err);
-    }
-    if (code == SHEAR_OK) {
-        code = open_engine(s, err);
-    }
-    if (code == SHEAR_OK) {
-        code = open_when_left(s, open_server, SHEAR_E_EXISTS, err);
-    }
-    if (code == SHEAR_OK) {
-        code = open_when_left(s, spooled_open, SPOOL_LOCKED, err);
+        code = open_all(s, err);
     }
     if (code != SHEAR_OK) {
         service_close(s);
@@ -193,16 +258,15 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     return SHEAR_OK;
 }
 
-int service_run(service *s) {
+void service_run(service *s) {
     char sockets[1024]; /* systemd's, it may be, and not the configuration's */
     server_sockets(s->server, sockets, sizeof sockets);
-    log_notice("sheard %s ready: socket %s, watch folder %s", SHEARD_VERSION, sockets,
+    log_notice("sheard %s ready: socket %s, watch folder %s", SHEAR_VERSION_STRING, sockets,
                s->spool != NULL ? s->config.spool.directory : "none");
     notify_ready(&s->notify, "ready", NULL);
-    jobs_fill(s);
+    job_queue_fill(s);
     uv_run(&s->loop, UV_RUN_DEFAULT);
     log_notice("sheard stopped");
-    return s->exit_code;
 }
 
 void service_close(service *s) {
@@ -210,19 +274,18 @@ void service_close(service *s) {
         return;
     }
     spool_close(s->spool);
-    life_close(s, 0);
+    lifecycle_close(s, 0);
     uv_run(&s->loop, UV_RUN_DEFAULT);
     engine_free(s->engine);
-    news_free(s);
-    solutions_free(s->solutions);
-    forget_free(s);
+    change_notifier_free(s->notifier);
+    estimates_free(s->estimates);
+    field_purge_free(s->purge);
+    pending_waits_free(s->waits);
+    active_jobs_free(s->jobs);
+    probe_free(s->probe);
     store_close(s->store);
-    access_list_free(s->admins);
-    access_list_free(s->submitters);
-    access_list_free(s->hurried);
-    access_roots_free(s->roots);
-    roots_free(s);
-    probe_free(s);
+    permissions_deinit(&s->permissions);
+    data_roots_free(s->roots);
     notify_deinit(&s->notify);
     uv_loop_close(&s->loop);
     sheard_list_deinit(&s->assignments);

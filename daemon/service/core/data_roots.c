@@ -1,38 +1,46 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which data roots are there, as the service sees them. They are looked at now and then, off the
- * loop: a file server that does not answer holds up nobody. Jobs beneath a missing root wait; when
- * it is there again, they are tried at once. */
-#include "service/inner.h"
+#include "service/core/data_roots.h"
 
+#include "access/access.h"
+#include "base/text.h"
+#include "log/log.h"
+#include "service/core/clock.h"
+#include "sheard/rpc.h"
+
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { EVERY_S = 5, REASON_SIZE = 160 };
 
-typedef struct one_root {
+typedef struct data_root {
     char *path;
     bool missing;
     char reason[REASON_SIZE];
-} one_root;
+} data_root;
 
 /* A list of roots, and what was found; the pool's thread works on a copy. */
 typedef struct root_list {
-    one_root *roots; /* [n] */
+    data_root *roots; /* [n] */
     size_t n;
 } root_list;
 
 struct data_roots {
+    uv_loop_t *loop;
+    group *group;
+    const lifecycle *life;
+    int64_t ticks;
     root_list known;
-    sheard_msg_root *told; /* [n] */
+    sheard_msg_root *told; /* [known.n] */
     uv_work_t work;
     root_list looking; /* n > 0: a look is under way */
     bool stale;        /* ... at the roots of another configuration */
 };
 
-static void look(one_root *r) {
+static void look(data_root *r) {
     shear_error err = {0};
     r->missing = access_root_check(r->path, &err) != SHEAR_OK;
-    snprintf(r->reason, sizeof r->reason, "%.*s", REASON_SIZE - 1, r->missing ? err.message : "");
+    text_set(r->reason, sizeof r->reason, r->missing ? err.message : NULL);
 }
 
 static void list_deinit(root_list *list) {
@@ -43,7 +51,7 @@ static void list_deinit(root_list *list) {
     *list = (root_list){0};
 }
 
-/* Room for n; list->n is how many there are. */
+/* Memory for n roots; list->n is how many there are. */
 static bool list_init(root_list *list, size_t n) {
     *list = (root_list){.roots = calloc(n + 1, sizeof *list->roots)};
     return list->roots != NULL;
@@ -57,31 +65,50 @@ static bool list_add(root_list *list, const char *path) {
     return copy != NULL;
 }
 
-static void warn(const one_root *r) {
+static void warn(const data_root *r) {
     log_warning("%s; jobs beneath it wait", r->reason);
 }
 
-int roots_set(service *s, shear_error *err) {
-    const sheard_list *paths = &s->config.access.data_roots;
+int data_roots_new(data_roots **out, uv_loop_t *loop, group *g, const lifecycle *life,
+                   shear_error *err) {
+    data_roots *d = calloc(1, sizeof *d);
+    *out = d;
+    if (d == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
+    }
+    d->loop = loop;
+    d->group = g;
+    d->life = life;
+    return SHEAR_OK;
+}
+
+void data_roots_free(data_roots *d) {
+    if (d == NULL) {
+        return;
+    }
+    list_deinit(&d->known);
+    list_deinit(&d->looking);
+    free(d->told);
+    free(d);
+}
+
+int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err) {
     root_list list = {0};
-    if (s->data_roots == NULL) {
-        s->data_roots = calloc(1, sizeof *s->data_roots);
-    }
     sheard_msg_root *told = calloc(paths->n + 1, sizeof *told);
-    bool ok = s->data_roots != NULL && told != NULL && list_init(&list, paths->n);
-    for (size_t i = 0; ok && i < paths->n; i++) {
-        ok = list_add(&list, paths->items[i]);
+    bool good = told != NULL && list_init(&list, paths->n);
+    for (size_t i = 0; good && i < paths->n; i++) {
+        good = list_add(&list, paths->items[i]);
     }
-    if (!ok) {
+    if (!good) {
         free(told);
         list_deinit(&list);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
     }
-    list_deinit(&s->data_roots->known);
-    free(s->data_roots->told);
-    s->data_roots->known = list;
-    s->data_roots->told = told;
-    s->data_roots->stale = true;
+    list_deinit(&d->known);
+    free(d->told);
+    d->known = list;
+    d->told = told;
+    d->stale = true;
     for (size_t i = 0; i < list.n; i++) {
         look(&list.roots[i]);
         if (list.roots[i].missing) {
@@ -91,31 +118,20 @@ int roots_set(service *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-void roots_free(service *s) {
-    if (s->data_roots != NULL) {
-        list_deinit(&s->data_roots->known);
-        list_deinit(&s->data_roots->looking);
-        free(s->data_roots->told);
-        free(s->data_roots);
-        s->data_roots = NULL;
-    }
-}
-
-const sheard_msg_root *roots_tell(const service *s, size_t *n) {
-    const data_roots *d = s->data_roots;
+const sheard_msg_root *data_roots_get(data_roots *d, size_t *n) {
     for (size_t i = 0; i < d->known.n; i++) {
-        const one_root *r = &d->known.roots[i];
+        const data_root *r = &d->known.roots[i];
         d->told[i] = (sheard_msg_root){r->path, r->missing, r->missing ? r->reason : NULL};
     }
     *n = d->known.n;
     return d->told;
 }
 
-size_t roots_problems(const service *s, const char **list, size_t room) {
+size_t data_roots_missing(const data_roots *d, const char **list, size_t capacity) {
     size_t n = 0;
-    for (size_t i = 0; i < s->data_roots->known.n && n < room; i++) {
-        if (s->data_roots->known.roots[i].missing) {
-            list[n++] = s->data_roots->known.roots[i].reason;
+    for (size_t i = 0; i < d->known.n && n < capacity; i++) {
+        if (d->known.roots[i].missing) {
+            list[n++] = d->known.roots[i].reason;
         }
     }
     return n;
@@ -123,59 +139,62 @@ size_t roots_problems(const service *s, const char **list, size_t room) {
 
 /* ---- now and then ---- */
 
-static void hurry(service *s) {
+/* Jobs that wait for a root are tried at once. */
+static void retry_jobs(group *g) {
     shear_error err = {0};
-    int code = group_begin(s, &err);
+    int code = group_begin(g, &err);
     if (code == SHEAR_OK) {
-        code = store_retry_waiting(s->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name,
-                                   wall_ms(), &err);
+        code = store_retry_waiting(g->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name,
+                                   clock_wall_ms(), &err);
     }
     if (code != SHEAR_OK) {
         log_warning("jobs that wait for a data root are tried later: %s", err.message);
     }
 }
 
-static void take(service *s, one_root *known, const one_root *found) {
+static void update(data_roots *d, data_root *known, const data_root *found) {
     const bool came = known->missing && !found->missing;
     const bool went = !known->missing && found->missing;
     known->missing = found->missing;
-    snprintf(known->reason, sizeof known->reason, "%s", found->reason);
+    memcpy(known->reason, found->reason, sizeof known->reason);
     if (went) {
         warn(known);
     } else if (came) {
         log_notice("data root %s is there again", known->path);
-        hurry(s);
+        retry_jobs(d->group);
     }
 }
 
 static void look_at_all(uv_work_t *work) {
-    data_roots *d = ((service *)work->data)->data_roots;
+    data_roots *d = work->data;
     for (size_t i = 0; i < d->looking.n; i++) {
         look(&d->looking.roots[i]);
     }
 }
 
 static void looked(uv_work_t *work, int status) {
-    service *s = work->data;
-    data_roots *d = s->data_roots;
-    for (size_t i = 0; status == 0 && !d->stale && !s->closing && i < d->looking.n; i++) {
-        take(s, &d->known.roots[i], &d->looking.roots[i]);
+    data_roots *d = work->data;
+    if (status == 0 && !d->stale && !d->life->closing) {
+        assert(d->looking.n == d->known.n);
+        for (size_t i = 0; i < d->looking.n; i++) {
+            update(d, &d->known.roots[i], &d->looking.roots[i]);
+        }
     }
     list_deinit(&d->looking);
 }
 
-void roots_tick(service *s) {
-    data_roots *d = s->data_roots;
-    if (s->ticks % EVERY_S != 0 || d->looking.n > 0 || d->known.n == 0 || s->closing) {
+void data_roots_tick(data_roots *d) {
+    d->ticks++;
+    if (d->ticks % EVERY_S != 0 || d->looking.n > 0 || d->known.n == 0 || d->life->closing) {
         return;
     }
-    bool ok = list_init(&d->looking, d->known.n);
-    for (size_t i = 0; ok && i < d->known.n; i++) {
-        ok = list_add(&d->looking, d->known.roots[i].path);
+    bool good = list_init(&d->looking, d->known.n);
+    for (size_t i = 0; good && i < d->known.n; i++) {
+        good = list_add(&d->looking, d->known.roots[i].path);
     }
     d->stale = false;
-    d->work.data = s;
-    if (!ok || uv_queue_work(&s->loop, &d->work, look_at_all, looked) != 0) {
+    d->work.data = d;
+    if (!good || uv_queue_work(d->loop, &d->work, look_at_all, looked) != 0) {
         list_deinit(&d->looking);
     }
 }

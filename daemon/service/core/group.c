@@ -1,84 +1,98 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Group commit: all changes of a turn of the loop, one fsync, then what depends on them. */
-#include "service/inner.h"
+#include "service/core/group.h"
 
+#include "log/log.h"
+
+#include <assert.h>
 #include <stdlib.h>
 
 static void nothing(uv_idle_t *idle) {
     (void)idle;
 }
 
-int group_begin(service *s, shear_error *err) {
-    if (s->group_open) {
+int group_begin(group *g, shear_error *err) {
+    if (g->open) {
         return SHEAR_OK;
     }
-    const int code = store_begin(s->store, err);
+    const int code = store_begin(g->store, err);
     if (code == SHEAR_OK) {
-        s->group_open = true;
-        uv_idle_start(&s->commit_now, nothing);
+        g->open = true;
+        uv_idle_start(&g->commit_now, nothing);
     }
     return code;
 }
 
-after *group_after(service *s, void (*run)(service *, after *, int, const shear_error *)) {
-    after *a = calloc(1, sizeof *a);
-    if (a != NULL) {
-        a->run = run;
-        *s->last_after = a;
-        s->last_after = &a->next;
+void *group_then(group *g, post_commit_run *run, size_t size) {
+    assert(size >= sizeof(post_commit));
+    post_commit *post = calloc(1, size);
+    if (post == NULL) {
+        return NULL;
     }
-    return a;
+    post->run = run;
+    post->context = g->hooks.context;
+    *g->last = post;
+    g->last = &post->next;
+    return post;
 }
 
-static void remember_trouble(service *s, int code, const shear_error *err) {
-    if (code == SHEAR_OK) {
-        if (s->store_trouble_ms != 0) {
-            problem_over(s, "store");
-            problem_over(s, "spool"); /* files that could not be stored are told again now */
-        }
-        s->store_trouble_ms = 0;
-        return;
-    }
-    s->failed_commits++;
-    s->strays = true;
-    s->store_trouble_ms = (int64_t)uv_now(&s->loop);
-    problem_noted(s, "store", store_code_name(code), INT64_MAX, err->message);
+bool group_is_failing(const group *g) {
+    return g->failing;
+}
+
+bool group_is_idle(const group *g) {
+    return g->first == NULL && !g->open;
+}
+
+static void note_failure(group *g, int code, const shear_error *err) {
+    g->failing = true;
+    g->failed_commits++;
+    problem_note_add(g->notes, "store", store_code_name(code), INT64_MAX, err->message);
     log_error("the store cannot commit: %s", err->message);
 }
 
-/* At the end of a turn. What runs here may open the next group; it is committed in the next turn.
- */
-static void commit(uv_check_t *check) {
-    service *s = check->data;
-    shear_error err = {0};
-    int code = SHEAR_OK;
-    after *a = s->first_after;
-    s->first_after = NULL;
-    s->last_after = &s->first_after;
-    if (s->group_open) {
-        code = store_commit(s->store, &err);
-        s->group_open = false;
-        s->commits += code == SHEAR_OK;
-        uv_idle_stop(&s->commit_now);
-        remember_trouble(s, code, &err);
+static void note_success(group *g) {
+    g->commits++;
+    if (g->failing) {
+        problem_note_end(g->notes, "store");
+        problem_note_end(g->notes, "spool"); /* files that could not be stored are told again now */
     }
-    while (a != NULL) {
-        after *next = a->next;
-        a->run(s, a, code, &err);
-        free(a->name);
-        free(a);
-        a = next;
-    }
-    if (code == SHEAR_OK) {
-        jobs_fill(s);
-    }
-    life_check(s);
+    g->failing = false;
 }
 
-void group_start(service *s) {
-    s->last_after = &s->first_after;
-    uv_check_init(&s->loop, &s->commit_check);
-    uv_idle_init(&s->loop, &s->commit_now);
-    s->commit_check.data = s;
-    uv_check_start(&s->commit_check, commit);
+static int commit(group *g, shear_error *err) {
+    const int code = store_commit(g->store, err);
+    g->open = false;
+    uv_idle_stop(&g->commit_now);
+    if (code == SHEAR_OK) {
+        note_success(g);
+    } else {
+        note_failure(g, code, err);
+    }
+    return code;
+}
+
+static void on_turn_end(uv_check_t *check) {
+    group *g = check->data;
+    shear_error err = {0};
+    post_commit *post = g->first;
+    g->first = NULL;
+    g->last = &g->first;
+    const int code = g->open ? commit(g, &err) : SHEAR_OK;
+    while (post != NULL) {
+        post_commit *next = post->next;
+        post->run(post, code, &err);
+        free(post);
+        post = next;
+    }
+    g->hooks.turn_ended(g->hooks.context, code);
+}
+
+void group_start(group *g, uv_loop_t *loop, store *s, problem_notes *notes,
+                 const group_hooks *hooks) {
+    *g = (group){.store = s, .notes = notes, .hooks = *hooks};
+    g->last = &g->first;
+    uv_check_init(loop, &g->turn_end);
+    uv_idle_init(loop, &g->commit_now);
+    g->turn_end.data = g;
+    uv_check_start(&g->turn_end, on_turn_end);
 }

@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names of users: asking the user database may take long, and jobs are told by the thousand. */
-#include "service/inner.h"
+#include "service/core/user_names.h"
+
+#include "base/text.h"
 
 #include <pwd.h>
+#include <stddef.h>
 #include <string.h>
 
 enum { FRESH_MS = 60000 };
 
-const char *user_name(service *s, uid_t uid) {
-    known_user *u = &s->known_users[uid % KNOWN_USERS];
-    const int64_t now = (int64_t)uv_now(&s->loop);
-    if (u->until_ms <= now || u->uid != uid) {
+const char *user_names_get(user_names *all, uid_t uid, int64_t now_ms) {
+    known_user *u = &all->known[uid % KNOWN_USERS];
+    if (u->until_ms <= now_ms || u->uid != uid) {
         const struct passwd *entry = getpwuid(uid);
         const bool fits = entry != NULL && strlen(entry->pw_name) < sizeof u->name;
-        *u = (known_user){.until_ms = now + FRESH_MS, .uid = uid};
-        snprintf(u->name, sizeof u->name, "%s", fits ? entry->pw_name : "");
+        *u = (known_user){.until_ms = now_ms + FRESH_MS, .uid = uid};
+        text_set(u->name, sizeof u->name, fits ? entry->pw_name : NULL);
     }
     return u->name[0] != '\0' ? u->name : NULL;
 }

@@ -1,18 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fields that changed: told once a second, however often they change, and the last change always.
- */
-#include "service/inner.h"
+#include "service/fields/change_notifier.h"
 
-#include <stdlib.h>
-#include <string.h>
+#include "base/cleanup.h"
+#include "service/core/parts.h"
+#include "service/fields/estimates.h"
 
-struct changed_field {
-    changed_field *next;
+enum { SLICE_NS = 2000000, PAUSE_MS = 5 };
+
+typedef struct changed_field {
+    struct changed_field *next;
     char *name, *digest;
-    int64_t since;     /* solutions_since */
+    int64_t since;     /* see fields/estimates.h */
     bool being_solved; /* it waits for its result */
     bool again;        /* and has changed meanwhile */
-    int64_t round;     /* the last one that it had its turn in */
+    int64_t round;     /* the last one that it was looked at in */
+} changed_field;
+
+struct change_notifier {
+    changed_field *first;
+    change_publish *publish;
+    uv_timer_t soon;
+    int64_t round;
 };
 
 static void changed_free(changed_field *f) {
@@ -21,16 +29,39 @@ static void changed_free(changed_field *f) {
     free(f);
 }
 
-static changed_field *noted(const service *s, const char *name, const char *digest) {
-    changed_field *f = s->news;
+int change_notifier_new(change_notifier **out, service *s, change_publish *publish,
+                        shear_error *err) {
+    change_notifier *n = calloc(1, sizeof *n);
+    *out = n;
+    if (n == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the changes of fields");
+    }
+    n->publish = publish;
+    uv_timer_init(&s->loop, &n->soon);
+    n->soon.data = s;
+    return SHEAR_OK;
+}
+
+void change_notifier_free(change_notifier *n) {
+    while (n != NULL && n->first != NULL) {
+        changed_field *f = n->first;
+        n->first = f->next;
+        changed_free(f);
+    }
+    free(n);
+}
+
+static changed_field *find(const change_notifier *n, const char *name, const char *digest) {
+    changed_field *f = n->first;
     while (f != NULL && (strcmp(f->name, name) != 0 || strcmp(f->digest, digest) != 0)) {
         f = f->next;
     }
     return f;
 }
 
-void news_field_changed(service *s, const char *name, const char *digest) {
-    changed_field *f = name != NULL ? noted(s, name, digest) : NULL;
+void change_notifier_note(service *s, const char *name, const char *digest) {
+    change_notifier *n = s->notifier;
+    changed_field *f = name != NULL ? find(n, name, digest) : NULL;
     if (f != NULL) {
         f->again = f->being_solved;
         return;
@@ -42,59 +73,52 @@ void news_field_changed(service *s, const char *name, const char *digest) {
     if (f == NULL) {
         return;
     }
-    *f = (changed_field){.next = s->news,
+    *f = (changed_field){.next = n->first,
                          .name = strdup(name),
                          .digest = strdup(digest),
-                         .since = solutions_begun(s)};
+                         .since = estimates_begun(s)};
     if (f->name == NULL || f->digest == NULL) {
         changed_free(f);
         return;
     }
-    s->news = f;
-}
-
-/* Nothing is counted in it any more. */
-static void publish_gone(service *s, const changed_field *f, bool mixed) {
-    const store_field gone = {.name = f->name, .settings_digest = f->digest};
-    sheard_notice_params params = {0};
-    present_summary(s, &gone, &params.field_changed.field);
-    params.field_changed.field.mixed = mixed;
-    server_publish(s->server, SHEARD_NOTICE_FIELD_CHANGED, 0, f->name, &params);
+    n->first = f;
 }
 
 /* False where its result is still being solved. */
 static bool publish(service *s, const changed_field *f) {
-    store_field_page page = {0};
+    CLEANUP(store_field_page_deinit) store_field_page page = {0};
     shear_error ignored;
-    bool at_hand = true;
     const int code = store_field_get(s->store, f->name, &page, &ignored);
     if (code != SHEAR_OK && code != STORE_NOT_FOUND) {
         return true;
     }
-    bool found = false;
-    solutions_since(s, f->since);
     for (size_t i = 0; i < page.n; i++) {
         if (strcmp(page.fields[i].settings_digest, f->digest) != 0) {
             continue;
         }
-        found = true;
-        at_hand = solutions_at_hand(s, &page.fields[i]);
-        if (at_hand) {
-            sheard_notice_params params = {0};
-            present_summary(s, &page.fields[i], &params.field_changed.field);
-            params.field_changed.field.mixed = page.n > 1;
-            server_publish(s->server, SHEARD_NOTICE_FIELD_CHANGED, 0, f->name, &params);
+        if (!estimates_at_hand(s, &page.fields[i], f->since)) {
+            return false;
         }
+        s->notifier->publish(s, &page.fields[i], page.n > 1, f->since);
+        return true;
     }
-    solutions_since(s, INT64_MAX);
-    if (!found) {
-        publish_gone(s, f, page.n > 0);
-    }
-    store_field_page_deinit(&page);
-    return at_hand;
+    const store_field gone = {.name = f->name, .settings_digest = f->digest};
+    s->notifier->publish(s, &gone, page.n > 0, f->since);
+    return true;
 }
 
-enum { SLICE_NS = 2000000, PAUSE_MS = 5 };
+/* Published, or left for the next round. True: it has been told, and has not changed since. */
+static bool is_told(service *s, changed_field *f) {
+    f->round = s->notifier->round;
+    f->being_solved = !publish(s, f);
+    if (f->being_solved) {
+        return false;
+    }
+    const bool told = !f->again;
+    f->again = false;
+    f->since = estimates_begun(s);
+    return told;
+}
 
 static void publish_some(service *s, uint64_t end);
 
@@ -102,45 +126,34 @@ static void on_soon(uv_timer_t *timer) {
     publish_some(timer->data, uv_hrtime() + SLICE_NS);
 }
 
-/* Those that have not had their turn in this round, until the time is over: the rest soon. */
+/* Those that have not been looked at in this round, until the time is over: the rest soon. */
 static void publish_some(service *s, uint64_t end) {
-    for (changed_field **at = &s->news; *at != NULL;) {
+    change_notifier *n = s->notifier;
+    for (changed_field **at = &n->first; *at != NULL;) {
         changed_field *f = *at;
-        if (f->round == s->news_round) {
+        if (f->round == n->round) {
             at = &f->next;
             continue;
         }
         if (uv_hrtime() >= end) {
-            uv_timer_start(&s->news_soon, on_soon, PAUSE_MS, 0);
+            uv_timer_start(&n->soon, on_soon, PAUSE_MS, 0);
             return;
         }
-        f->round = s->news_round;
-        f->being_solved = !publish(s, f);
-        if (f->being_solved || f->again) {
-            f->since = f->being_solved ? f->since : solutions_begun(s);
-            f->again = f->again && f->being_solved;
-            at = &f->next;
-        } else {
+        if (is_told(s, f)) {
             *at = f->next;
             changed_free(f);
+        } else {
+            at = &f->next;
         }
     }
 }
 
-void news_publish(service *s) {
-    s->news_round++;
+void change_notifier_tick(service *s) {
+    s->notifier->round++;
     publish_some(s, uv_hrtime() + SLICE_NS);
 }
 
-void news_publish_all(service *s) {
-    s->news_round++;
+void change_notifier_flush(service *s) {
+    s->notifier->round++;
     publish_some(s, UINT64_MAX);
-}
-
-void news_free(service *s) {
-    while (s->news != NULL) {
-        changed_field *f = s->news;
-        s->news = f->next;
-        changed_free(f);
-    }
 }

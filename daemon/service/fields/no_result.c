@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Why a field has no result, and whose contribution it is. g = sum w N / sum w D needs two stamps
- * and a sum of w D above 0: one file of absurd pixels can take that away from all the others. */
-#include "service/inner.h"
+#include "service/fields/no_result.h"
 
+#include "base/cleanup.h"
+#include "service/jobs/job_file.h"
+#include "sheard/messages.h"
 #include "sheard/no_shear.h"
+#include "sheard/rpc.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
-const char *reason_brief(const store_field *f, const shear_result *r) {
+const char *no_result_brief(const store_field *f, const shear_result *r) {
     if (r->valid) {
         return NULL;
     }
@@ -26,68 +26,68 @@ static bool is_worse(double a, double b) {
     return isnan(a) ? !isnan(b) : a < b;
 }
 
-static int look_at(service *s, const store_contribution *c, field_reason *r, shear_error *err) {
+static int look_at(no_result *r, store *s, const store_contribution *c, shear_error *err) {
+    CLEANUP(release_free) char *text = NULL;
     shear_field_sums *sums = NULL;
     shear_result own;
-    char *text = NULL;
-    int code = store_contribution_sums(s->store, c->id, &text, err);
+    int code = store_contribution_sums(s, c->id, &text, err);
     if (code == SHEAR_OK) {
         code = shear_field_sums_parse(&sums, text, err);
     }
-    if (code == SHEAR_OK) {
-        shear_field_result(sums, &own);
-        const bool to_blame = own.n_used > 0 && !(own.sum_d > 0.0 && isfinite(own.sum_d));
-        if (to_blame && (r->contribution == 0 || is_worse(own.sum_d, r->worst_d))) {
-            free(r->checksum);
-            r->contribution = c->id;
-            r->job = c->job;
-            r->checksum = strdup(c->content);
-            r->worst_d = own.sum_d;
-        }
+    if (code != SHEAR_OK) {
+        return code;
     }
+    shear_field_result(sums, &own);
     shear_field_sums_free(sums);
-    free(text);
-    return code;
+    const bool to_blame = own.n_used > 0 && !(own.sum_d > 0.0 && isfinite(own.sum_d));
+    if (to_blame && (r->contribution == 0 || is_worse(own.sum_d, r->worst_d))) {
+        free(r->checksum);
+        r->contribution = c->id;
+        r->job = c->job;
+        r->checksum = strdup(c->content);
+        r->worst_d = own.sum_d;
+    }
+    return SHEAR_OK;
 }
 
 /* False: there are no more, or they cannot be read. */
-static bool look_at_some(service *s, const store_field *f, field_reason *r) {
+static bool look_at_some(no_result *r, store *s, const store_field *f) {
     enum { SOME = 32 }; /* a millisecond */
-    store_contribution_page page = {0};
+    CLEANUP(store_contribution_page_deinit) store_contribution_page page = {0};
     shear_error ignored;
-    int code =
-        store_contributions(s->store, f->name, f->settings_digest, r->seen, SOME, &page, &ignored);
-    for (size_t i = 0; code == SHEAR_OK && i < page.n; i++) {
-        code = look_at(s, &page.items[i], r, &ignored);
-        r->seen = page.items[i].id;
+    if (store_contributions(s, f->name, f->settings_digest, r->seen, SOME, &page, &ignored) !=
+        SHEAR_OK) {
+        return false;
     }
-    const bool more = code == SHEAR_OK && page.more;
-    store_contribution_page_deinit(&page);
-    return more;
+    for (size_t i = 0; i < page.n; i++) {
+        r->seen = page.items[i].id;
+        if (look_at(r, s, &page.items[i], &ignored) != SHEAR_OK) {
+            return false;
+        }
+    }
+    return page.more;
 }
 
 /* As its owner calls it. NULL: the job is forgotten. */
-static char *file_of(service *s, int64_t id) {
-    store_job job = {0};
-    sheard_msg_source source = {0};
+static char *file_of(store *s, int64_t id) {
+    CLEANUP(store_job_deinit) store_job job = {0};
+    CLEANUP(sheard_source_deinit) sheard_msg_source source = {0};
     shear_error ignored;
     sheard_rpc_error error;
-    char *name = NULL;
-    if (store_job_get(s->store, id, &job, &ignored) == SHEAR_OK) {
-        const bool parsed = sheard_source_parse(&source, job.source, &error) == SHEARD_RPC_OK;
-        const char *path = spooled_is_own(&job)  ? job.dropped
-                           : source.path != NULL ? source.path
-                                                 : source.galaxy.path;
-        name = path != NULL ? strdup(path) : NULL;
-        if (parsed) {
-            sheard_source_deinit(&source);
-        }
+    if (store_job_get(s, id, &job, &ignored) != SHEAR_OK) {
+        return NULL;
     }
-    store_job_deinit(&job);
-    return name;
+    if (job_file_is_field(&job)) {
+        return strdup(job.dropped);
+    }
+    if (sheard_source_parse(&source, job.source, &error) != SHEARD_RPC_OK) {
+        source = (sheard_msg_source){0};
+    }
+    const char *path = source.path != NULL ? source.path : source.galaxy.path;
+    return path != NULL ? strdup(path) : NULL;
 }
 
-static char *text_of(const field_reason *r) {
+static char *text_of(const no_result *r) {
     char *text = NULL;
     int n = 0;
     if (r->n_used < 2) {
@@ -102,18 +102,21 @@ static char *text_of(const field_reason *r) {
     return n > 0 ? text : NULL;
 }
 
-void reason_begin(const store_field *f, const shear_result *result, field_reason *out) {
-    *out = (field_reason){.brief = reason_brief(f, result),
-                          .n_stamps = result->n_stamps,
-                          .n_used = result->n_used,
-                          .sum_d = result->sum_d};
-    out->done = out->brief == NULL;
+void no_result_begin(no_result *r, const store_field *f, const shear_result *result) {
+    *r = (no_result){.brief = no_result_brief(f, result),
+                     .n_stamps = result->n_stamps,
+                     .n_used = result->n_used,
+                     .sum_d = result->sum_d};
+    r->done = r->brief == NULL;
 }
 
-bool reason_look(service *s, const store_field *f, field_reason *r) {
+bool no_result_look(no_result *r, store *s, const store_field *f) {
     const bool blames = f->jobs > 0 && r->n_used >= 2;
-    if (r->done || (blames && look_at_some(s, f, r))) {
-        return r->done;
+    if (r->done) {
+        return true;
+    }
+    if (blames && look_at_some(r, s, f)) {
+        return false;
     }
     r->file = r->contribution != 0 ? file_of(s, r->job) : NULL;
     r->text = text_of(r);
@@ -121,9 +124,9 @@ bool reason_look(service *s, const store_field *f, field_reason *r) {
     return true;
 }
 
-void reason_deinit(field_reason *r) {
+void no_result_deinit(no_result *r) {
     free(r->text);
     free(r->file);
     free(r->checksum);
-    *r = (field_reason){.done = true};
+    *r = (no_result){.done = true};
 }

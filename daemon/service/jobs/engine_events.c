@@ -1,27 +1,51 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From the engine's events into the store. */
-#include "service/inner.h"
+#include "service/jobs/engine_events.h"
 
-#include "sheard/account.h"
-#include "sheard/advice.h"
+#include "base/cleanup.h"
+#include "log/log.h"
+#include "service/core/clock.h"
+#include "service/core/parts.h"
+#include "service/jobs/active_jobs.h"
+#include "service/jobs/catalogs.h"
+#include "service/jobs/job_message.h"
+#include "service/jobs/job_outcome.h"
+#include "service/jobs/job_texts.h"
 
-#include <stdlib.h>
+#include <inttypes.h>
 #include <string.h>
 
+/* ---- OPENED: its name, content and size are known ---- */
+
+typedef struct named_job {
+    post_commit post; /* first */
+    int64_t id;
+} named_job;
+
 /* The name of its field is on disk. If the job has ended meanwhile, its end tells the name. */
-static void tell_name(service *s, after *a, int code, const shear_error *err) {
-    store_job job = {0};
+static void tell_name(post_commit *post, int code, const shear_error *err) {
+    service *s = post->context;
+    CLEANUP(store_job_deinit) store_job job = {0};
     shear_error ignored;
     (void)err;
-    if (code == SHEAR_OK && store_job_get(s->store, a->job, &job, &ignored) == SHEAR_OK &&
+    if (code == SHEAR_OK &&
+        store_job_get(s->store, ((const named_job *)post)->id, &job, &ignored) == SHEAR_OK &&
         job.state == STORE_RUNNING) {
-        publish_job(s, &job);
+        job_message_publish(s, &job);
     }
-    store_job_deinit(&job);
+}
+
+/* Where the job was given no field's name, it is the file's. */
+static int name_field(active_job *j, const engine_event *e, shear_error *err) {
+    const int code = shear_field_need_name(&e->info, j->path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    j->field = strdup(e->info.name);
+    return j->field != NULL ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
 }
 
 /* The terms that belong to the job's checkpoint; NULL: none are wanted, or they cannot be read:
- * then it begins anew. */
+ * then it begins again. */
 static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
     shear_symmetry *terms = NULL;
     shear_error err = {0};
@@ -33,193 +57,150 @@ static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
         code = store_checkpoint_load_terms(s->store, j->id, terms, &err);
     }
     if (code != SHEAR_OK) {
-        log_warning("job %lld begins anew: %s", (long long)j->id, err.message);
+        log_warning("job %" PRId64 " begins anew: %s", j->id, err.message);
         shear_symmetry_free(terms);
         return NULL;
     }
     return terms;
 }
 
-/* The opened file is known: its name, content and size. A copy of what was counted before ends
- * here. */
+/* From its checkpoint, if there is one. */
+static void measure(service *s, const active_job *j) {
+    engine_checkpoint checkpoint = {0};
+    CLEANUP(release_free) char *sums = NULL;
+    shear_error ignored;
+    if (store_checkpoint_load(s->store, j->id, &checkpoint.next_block, &sums, &ignored) !=
+        SHEAR_OK) {
+        engine_go(s->engine, j->id, NULL);
+        return;
+    }
+    shear_symmetry *terms = checkpoint_terms(s, j);
+    checkpoint.sums = sums;
+    checkpoint.terms = terms;
+    engine_go(s->engine, j->id, &checkpoint);
+    shear_symmetry_free(terms);
+}
+
+/* A copy of what was counted before ends here. */
+static void end_as_duplicate(service *s, active_job *j) {
+    const store_work work = {.now_ms = clock_wall_ms()};
+    store_finished end;
+    shear_error ignored;
+    if (store_finish(s->store, j->id, &work, &end, &ignored) == SHEAR_OK) {
+        j->ended = true;
+        job_outcome_settle(s, j->id);
+    }
+    engine_stop_job(s->engine, j->id);
+}
+
+static int set_input(service *s, const active_job *j, int64_t *duplicate_of, shear_error *err) {
+    const store_input input = {
+        .field = j->field, .content = j->checksum, .n_stamps = j->info.n_stamps};
+    return store_set_input(s->store, j->id, &input, duplicate_of, err);
+}
+
 static void opened(service *s, active_job *j, const engine_event *e) {
     shear_error err = {0};
     int64_t duplicate_of = 0;
-    snprintf(j->checksum, sizeof j->checksum, "%s", e->checksum);
+    const bool named_by_file = j->field == NULL;
+    memcpy(j->checksum, e->checksum, sizeof j->checksum);
     j->info = e->info;
     j->plan = e->plan;
-    const store_input learned = {.field = j->field == NULL ? e->info.name : NULL,
-                                 .content = e->checksum,
-                                 .n_stamps = e->info.n_stamps};
-    const bool named = j->field == NULL;
-    if (named && shear_field_need_name(&e->info, j->path, &err) != SHEAR_OK) {
-        ending_fail(s, j->id, j->failures, ending_reason_of(&err), &err);
+    if (named_by_file && name_field(j, e, &err) != SHEAR_OK) {
+        job_outcome_fail(s, j->id, j->failures, job_outcome_reason(&err), &err);
         j->ended = true;
         engine_stop_job(s->engine, j->id);
         return;
     }
-    if (named) {
-        j->field = strdup(e->info.name);
-    }
-    int code = group_begin(s, &err);
+    int code = group_begin(&s->group, &err);
     if (code == SHEAR_OK) {
-        code = store_set_input(s->store, j->id, &learned, &duplicate_of, &err);
+        code = set_input(s, j, &duplicate_of, &err);
     }
     if (code != SHEAR_OK) {
-        log_error("job %lld: %s", (long long)j->id, err.message);
+        log_error("job %" PRId64 ": %s", j->id, err.message);
         engine_stop_job(s->engine, j->id);
         return;
     }
     if (duplicate_of != 0) {
-        const store_work work = {.now_ms = wall_ms()};
-        store_finished end;
-        if (store_finish(s->store, j->id, &work, &end, &err) == SHEAR_OK) {
-            j->ended = true;
-            ending_settle(s, j->id);
-        }
-        engine_stop_job(s->engine, j->id);
+        end_as_duplicate(s, j);
         return;
     }
-    if (named) {
-        after *a = group_after(s, tell_name);
-        if (a != NULL) {
-            a->job = j->id;
-        }
+    named_job *named = named_by_file ? group_then(&s->group, tell_name, sizeof *named) : NULL;
+    if (named != NULL) {
+        named->id = j->id;
     }
-    j->failed_commits = s->failed_commits;
-    engine_checkpoint checkpoint = {0};
-    char *sums = NULL;
-    const bool resumed =
-        store_checkpoint_load(s->store, j->id, &checkpoint.next_block, &sums, &err) == SHEAR_OK;
-    checkpoint.sums = sums;
-    shear_symmetry *terms = resumed ? checkpoint_terms(s, j) : NULL;
-    checkpoint.terms = terms;
-    engine_go(s->engine, j->id, resumed ? &checkpoint : NULL);
-    shear_symmetry_free(terms);
-    free(sums);
+    j->failed_commits = s->group.failed_commits;
+    measure(s, j);
 }
 
-/* A commit failed since the job was opened, and with it, it may be, what the store learned then. */
-static int learn_again(service *s, const active_job *j, shear_error *err) {
-    int64_t duplicate_of = 0;
-    const store_input learned = {
-        .field = j->field, .content = j->checksum, .n_stamps = j->info.n_stamps};
-    return store_set_input(s->store, j->id, &learned, &duplicate_of, err);
-}
+/* ---- the others ---- */
 
-static sheard_report_file report_file(const active_job *j, const engine_event *e) {
-    return (sheard_report_file){.path = j->path,
-                                .checksum = j->checksum,
-                                .field = j->info.name,
-                                .n_stamps = e->result.n_stamps,
-                                .n_used = e->result.n_used,
-                                .plan = &j->plan,
-                                .seconds = e->seconds};
-}
-
-/* NULL where there is no memory for it, or it would be too long: then the field's report knows less
- * of this file. */
-static char *account_text(const sheard_report_file *file) {
-    char *text = NULL;
-    shear_error ignored;
-    if (sheard_account_format(&text, file, &ignored) == SHEAR_OK &&
-        strlen(text) > STORE_ACCOUNT_MAX) {
-        free(text);
-        text = NULL;
-    }
-    return text;
-}
-
-static char *result_text(const active_job *j, const engine_event *e, const sheard_report_file *file,
-                         shear_error *err) {
-    char *text = NULL;
-    sheard_advice_list advice;
-    sheard_advice_all(&advice, &e->result, &j->plan, NULL);
-    const sheard_report report = {.field = j->field,
-                                  .result = &e->result,
-                                  .settings = &j->settings,
-                                  .plan = &j->plan,
-                                  .files = file,
-                                  .n_files = 1,
-                                  .top_file = e->result.top_stamp >= 0 ? file->path : NULL,
-                                  .has_truth = j->info.has_truth,
-                                  .true_g1 = j->info.sim_g1,
-                                  .true_g2 = j->info.sim_g2,
-                                  .warnings = advice.lines,
-                                  .n_warnings = advice.n,
-                                  .seconds = e->seconds};
-    sheard_report_json(&text, &report, err);
-    return text;
-}
-
-static void done(service *s, active_job *j, const engine_event *e) {
-    shear_error err = {0};
-    store_finished end;
-    const sheard_report_file file = report_file(j, e);
-    char *result = result_text(j, e, &file, &err);
-    char *account = account_text(&file);
-    char *catalog = catalog_path(s, j->id);
-    const store_work work = {.sums = e->sums,
-                             .result = result,
-                             .catalog = catalog,
-                             .elapsed_us = (int64_t)(1e6 * e->seconds),
-                             .now_ms = wall_ms(),
-                             .account = account,
-                             .has_truth = j->info.has_truth,
-                             .true_g1 = j->info.sim_g1,
-                             .true_g2 = j->info.sim_g2,
-                             .terms = e->terms,
-                             .terms_size = e->terms_size};
-    int code = group_begin(s, &err);
-    if (code == SHEAR_OK && j->failed_commits != s->failed_commits) {
-        code = learn_again(s, j, &err);
-    }
-    if (code == SHEAR_OK) {
-        code = store_finish(s->store, j->id, &work, &end, &err);
-    }
-    if (code == SHEAR_OK) {
-        ending_settle(s, j->id);
-    } else {
-        const ending_reason reason = {store_is_transient(code) ? STORE_TRANSIENT : STORE_BUG,
-                                      store_code_name(code)};
-        ending_fail(s, j->id, j->failures, reason, &err);
-    }
-    free(result);
-    free(account);
-    free(catalog);
-}
-
-static void stopped(service *s, active_job *j) {
-    shear_error err = {0};
-    enum store_state state = STORE_QUEUED;
-    int code = group_begin(s, &err);
-    if (code == SHEAR_OK) {
-        code = store_release(s->store, j->id, wall_ms(), &state, &err);
-    }
-    if (code == SHEAR_OK) {
-        ending_settle(s, j->id);
-    } else {
-        s->strays = true;
-    }
-}
-
-static int save(service *s, const active_job *j, const engine_event *e, shear_error *err) {
+static void checkpoint(service *s, const active_job *j, const engine_event *e) {
     const store_progress progress = {.from_block = e->from_block,
                                      .next_block = e->next_block,
                                      .sums = e->sums,
                                      .terms = e->terms,
                                      .terms_size = e->terms_size};
-    return store_checkpoint_terms(s->store, j->id, &progress, err);
+    shear_error err = {0};
+    if (group_begin(&s->group, &err) == SHEAR_OK &&
+        store_checkpoint_terms(s->store, j->id, &progress, &err) != SHEAR_OK) {
+        log_warning("job %" PRId64 ": no checkpoint: %s", j->id, err.message);
+    }
 }
 
-static void take_event(service *s, engine_event *e) {
-    active_job *j = jobs_find(s, e->job);
+static int finish(service *s, const active_job *j, const store_work *work, shear_error *err) {
+    store_finished end;
+    int64_t ignored = 0;
+    int code = group_begin(&s->group, err);
+    /* A commit failed since the job was opened, and with it, it may be, what the store was told of
+     * its input then. */
+    if (code == SHEAR_OK && j->failed_commits != s->group.failed_commits) {
+        code = set_input(s, j, &ignored, err);
+    }
+    return code == SHEAR_OK ? store_finish(s->store, j->id, work, &end, err) : code;
+}
+
+static void done(service *s, const active_job *j, const engine_event *e) {
+    CLEANUP(job_texts_deinit) job_texts texts = {0};
+    CLEANUP(release_free) char *catalog = catalog_path(s, j->id);
     shear_error err = {0};
-    if (e->job == PROBE_JOB) {
-        probe_event(s, e);
+    job_texts_init(&texts, j, e);
+    const store_work work = {.sums = e->sums,
+                             .result = texts.result,
+                             .catalog = catalog,
+                             .elapsed_us = (int64_t)(1e6 * e->seconds),
+                             .now_ms = clock_wall_ms(),
+                             .account = texts.account,
+                             .has_truth = j->info.has_truth,
+                             .true_g1 = j->info.sim_g1,
+                             .true_g2 = j->info.sim_g2,
+                             .terms = e->terms,
+                             .terms_size = e->terms_size};
+    const int code = finish(s, j, &work, &err);
+    if (code != SHEAR_OK) {
+        const failure_reason reason = {store_is_transient(code) ? STORE_TRANSIENT : STORE_BUG,
+                                       store_code_name(code)};
+        job_outcome_fail(s, j->id, j->failures, reason, &err);
         return;
     }
+    job_outcome_settle(s, j->id);
+}
+
+static void stopped(service *s, const active_job *j) {
+    shear_error ignored;
+    enum store_state state = STORE_QUEUED;
+    if (group_begin(&s->group, &ignored) != SHEAR_OK ||
+        store_release(s->store, j->id, clock_wall_ms(), &state, &ignored) != SHEAR_OK) {
+        s->jobs->may_have_orphans = true;
+        return;
+    }
+    job_outcome_settle(s, j->id);
+}
+
+static void process(service *s, const engine_event *e) {
+    active_job *j = active_jobs_find(s->jobs, e->job);
     if (j == NULL) {
+        s->jobs->hooks->other_event(s, e);
         return;
     }
     switch (e->kind) {
@@ -227,33 +208,30 @@ static void take_event(service *s, engine_event *e) {
         opened(s, j, e);
         return;
     case ENGINE_RESUMED:
-        log_info("job %lld goes on at block %lld", (long long)j->id, (long long)e->next_block);
+        log_info("job %" PRId64 " goes on at block %" PRId64, j->id, e->next_block);
         return;
     case ENGINE_CHECKPOINT:
-        if (group_begin(s, &err) == SHEAR_OK && save(s, j, e, &err) != SHEAR_OK) {
-            log_warning("job %lld: no checkpoint: %s", (long long)j->id, err.message);
-        }
+        checkpoint(s, j, e);
         return;
     case ENGINE_DONE:
         done(s, j, e);
         break;
-    case ENGINE_FAILED: {
-        ending_fail(s, j->id, j->failures, ending_reason_of(&e->error), &e->error);
+    case ENGINE_FAILED:
+        job_outcome_fail(s, j->id, j->failures, job_outcome_reason(&e->error), &e->error);
         break;
-    }
     default:
         if (!j->ended) {
             stopped(s, j);
         }
         break;
     }
-    jobs_forget(s, j);
+    active_jobs_remove(s->jobs, j);
 }
 
-void events_take(service *s) {
+void engine_events_process(service *s) {
     engine_event e;
     while (engine_next_event(s->engine, &e)) {
-        take_event(s, &e);
+        process(s, &e);
         engine_event_deinit(&e);
     }
 }

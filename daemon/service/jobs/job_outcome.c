@@ -1,105 +1,155 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the attempts of jobs end: why they failed, when they are tried again, and who is told. */
-#include "service/inner.h"
+#include "service/jobs/job_outcome.h"
 
+#include "base/cleanup.h"
+#include "log/log.h"
+#include "service/core/clock.h"
+#include "service/core/parts.h"
+#include "service/jobs/active_jobs.h"
+#include "service/jobs/catalogs.h"
+#include "service/jobs/job_message.h"
+#include "sheard/rpc.h"
+
+#include <inttypes.h>
 #include <string.h>
 
-void ending_tell(service *s, const store_job *job) {
+/* ---- telling ---- */
+
+void job_outcome_tell(service *s, const store_job *job) {
     catalog_forget(s, job);
-    waits_job_ended(s, job->id);
+    s->jobs->hooks->ended(s, job);
     server_end_job(s->server, job->id);
 }
 
+/* It is the same trouble as long as attempts follow each other. */
+static void note_waiting(service *s, const store_job *job) {
+    char time[SHEARD_TIME_SIZE];
+    const char *code = job->code != NULL ? job->code : "unknown";
+    const char *message = job->message != NULL ? job->message : code;
+    problem_note_add(&s->notes, "jobs", code, 2 * s->config.retry.max_delay_ms + 60000, message);
+    if (problem_note_may_log(&s->notes, "jobs", code)) {
+        log_warning("job %" PRId64 " (%s) waits: %s (%s, attempt %" PRId64
+                    "); it is tried again at %s",
+                    job->id, job->field != NULL ? job->field : "field unknown", message, code,
+                    job->attempts, sheard_time_format(job->not_before_ms, time));
+    }
+}
+
+static void tell_final(service *s, const store_job *job) {
+    const bool failed = job->state == STORE_FAILED;
+    s->jobs->ended++;
+    job_outcome_tell(s, job);
+    if (job->outcome == STORE_COUNTED) {
+        s->jobs->hooks->counted(s, job);
+    }
+    log_info("job %" PRId64 " (%s): %s%s%s", job->id,
+             job->field != NULL ? job->field : "field unknown", store_state_name(job->state),
+             failed ? ": " : "", failed && job->message != NULL ? job->message : "");
+}
+
+typedef struct settled_job {
+    post_commit post; /* first */
+    int64_t id;
+} settled_job;
+
 /* The store has the job's new state: tell those who wait, and let its file follow. */
-static void settled(service *s, after *a, int code, const shear_error *err) {
-    store_job job = {0};
+static void settled(post_commit *post, int code, const shear_error *err) {
+    service *s = post->context;
+    const int64_t id = ((const settled_job *)post)->id;
+    CLEANUP(store_job_deinit) store_job job = {0};
     shear_error ignored;
     if (code != SHEAR_OK) {
-        log_error("job %lld: its end is not on disk (%s); it will run again", (long long)a->job,
+        log_error("job %" PRId64 ": its end is not on disk (%s); it will run again", id,
                   err->message);
-        s->strays = true;
+        s->jobs->may_have_orphans = true;
         return;
     }
-    if (store_job_get(s->store, a->job, &job, &ignored) != SHEAR_OK) {
+    if (store_job_get(s->store, id, &job, &ignored) != SHEAR_OK) {
         return;
     }
-    spooled_end(s, &job);
-    publish_job(s, &job);
+    s->jobs->hooks->dispose_file(s, &job);
+    job_message_publish(s, &job);
     if (job.state == STORE_WAITING) {
-        problem_job_waits(s, &job);
+        note_waiting(s, &job);
     }
     if (sheard_job_state_is_final(job.state)) {
-        s->jobs_ended++;
-        ending_tell(s, &job);
-        if (job.outcome == STORE_COUNTED) {
-            news_field_changed(s, job.field, job.settings_digest);
-        }
-        log_info("job %lld (%s): %s%s%s", (long long)job.id,
-                 job.field != NULL ? job.field : "field unknown", store_state_name(job.state),
-                 job.state == STORE_FAILED ? ": " : "",
-                 job.state == STORE_FAILED && job.message != NULL ? job.message : "");
-    }
-    store_job_deinit(&job);
-}
-
-void ending_settle(service *s, int64_t id) {
-    after *a = group_after(s, settled);
-    if (a != NULL) {
-        a->job = id;
+        tell_final(s, &job);
     }
 }
 
-ending_reason ending_reason_of(const shear_error *error) {
+void job_outcome_settle(service *s, int64_t id) {
+    settled_job *job = group_then(&s->group, settled, sizeof *job);
+    if (job != NULL) {
+        job->id = id;
+    }
+}
+
+/* ---- failures ---- */
+
+static failure_reason reason_rpc(enum store_class class, enum sheard_rpc_code code) {
+    return (failure_reason){class, sheard_rpc_code_get(code)->name};
+}
+
+failure_reason job_outcome_reason(const shear_error *error) {
     switch (error->code) {
     case READER_E_DIED:
     case READER_E_PROTOCOL:
-        return (ending_reason){STORE_BUG, sheard_rpc_code_get(SHEARD_RPC_READER_CRASHED)->name};
-    case ENGINE_E_CHANGED:
-        return (ending_reason){STORE_TRANSIENT, sheard_rpc_code_get(SHEARD_RPC_FILE_CHANGED)->name};
-    case ENGINE_E_MEMORY:
-        return (ending_reason){STORE_DATA, sheard_rpc_code_get(SHEARD_RPC_MEMORY_BUDGET)->name};
+        return reason_rpc(STORE_BUG, SHEARD_RPC_READER_CRASHED);
     case READER_E_MEMORY:
-        return (ending_reason){STORE_BUG, sheard_rpc_code_get(SHEARD_RPC_READER_MEMORY)->name};
+        return reason_rpc(STORE_BUG, SHEARD_RPC_READER_MEMORY);
     case READER_E_HUNG:
-        return (ending_reason){STORE_BUG, sheard_rpc_code_get(SHEARD_RPC_READER_TIMEOUT)->name};
+        return reason_rpc(STORE_BUG, SHEARD_RPC_READER_TIMEOUT);
+    case ENGINE_E_CHANGED:
+        return reason_rpc(STORE_TRANSIENT, SHEARD_RPC_FILE_CHANGED);
+    case ENGINE_E_MEMORY:
+        return reason_rpc(STORE_DATA, SHEARD_RPC_MEMORY_BUDGET);
     case SHEAR_E_NOMEM:
     case SHEAR_E_IO:
     case SHEAR_E_FULL:
-        return (ending_reason){STORE_TRANSIENT, shear_code_name(error->code)};
+        return (failure_reason){STORE_TRANSIENT, shear_code_name(error->code)};
     case SHEAR_E_INTERNAL:
-        return (ending_reason){STORE_BUG, shear_code_name(error->code)};
+        return (failure_reason){STORE_BUG, shear_code_name(error->code)};
     default:
-        return (ending_reason){STORE_DATA, shear_code_name(error->code)};
+        return (failure_reason){STORE_DATA, shear_code_name(error->code)};
     }
 }
 
 /* A disk may be away, or full, for longer than any number of attempts: that is nothing of the
  * job's. */
-static bool is_patient(const ending_reason *reason) {
+static bool is_patient(const failure_reason *reason) {
     return strcmp(reason->name, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name) == 0 ||
            strcmp(reason->name, sheard_rpc_code_get(SHEARD_RPC_DISK_FULL)->name) == 0;
 }
 
-/* When to try again: a transient failure with doubling back-off and a limit, a bug once, bad data
- * never. */
-static int64_t retry_at(const service *s, const ending_reason *reason, int64_t failures,
-                        int64_t now) {
-    const int class = reason->class;
-    if (class == STORE_DATA || (class == STORE_BUG && failures >= 1) ||
-        (class == STORE_TRANSIENT && failures + 1 >= s->config.retry.attempts &&
-         !is_patient(reason))) {
-        return STORE_NEVER;
+/* A transient failure is tried again a limited number of times, a bug once, bad data never. */
+static bool is_last(const service *s, const failure_reason *reason, int64_t failures) {
+    switch (reason->class) {
+    case STORE_TRANSIENT:
+        return failures + 1 >= s->config.retry.attempts && !is_patient(reason);
+    case STORE_BUG:
+        return failures >= 1;
+    default:
+        return true;
     }
-    int64_t delay = s->config.retry.first_delay_ms;
-    for (int64_t i = 0; i < failures && delay < s->config.retry.max_delay_ms; i++) {
-        delay *= 2;
-    }
-    return now + (delay < s->config.retry.max_delay_ms ? delay : s->config.retry.max_delay_ms);
 }
 
-void ending_fail(service *s, int64_t id, int64_t failures, ending_reason reason,
-                 const shear_error *error) {
-    const int64_t now = wall_ms();
+/* With doubling delays. */
+static int64_t retry_at(const service *s, const failure_reason *reason, int64_t failures,
+                        int64_t now) {
+    const int64_t most = s->config.retry.max_delay_ms;
+    int64_t delay = s->config.retry.first_delay_ms;
+    if (is_last(s, reason, failures)) {
+        return STORE_NEVER;
+    }
+    for (int64_t i = 0; i < failures && delay < most; i++) {
+        delay *= 2;
+    }
+    return now + (delay < most ? delay : most);
+}
+
+void job_outcome_fail(service *s, int64_t id, int64_t failures, failure_reason reason,
+                      const shear_error *error) {
+    const int64_t now = clock_wall_ms();
     shear_error err = {0};
     enum store_state state = STORE_QUEUED;
     const store_failure f = {.failure_class = reason.class,
@@ -108,14 +158,14 @@ void ending_fail(service *s, int64_t id, int64_t failures, ending_reason reason,
                              .advice = error->advice[0] != '\0' ? error->advice : NULL,
                              .retry_at_ms = retry_at(s, &reason, failures, now),
                              .now_ms = now};
-    int code = group_begin(s, &err);
+    int code = group_begin(&s->group, &err);
     if (code == SHEAR_OK) {
         code = store_fail(s->store, id, &f, &state, &err);
     }
-    if (code == SHEAR_OK) {
-        ending_settle(s, id);
-    } else {
-        log_error("job %lld: its failure cannot be stored: %s", (long long)id, err.message);
-        s->strays = true;
+    if (code != SHEAR_OK) {
+        log_error("job %" PRId64 ": its failure cannot be stored: %s", id, err.message);
+        s->jobs->may_have_orphans = true;
+        return;
     }
+    job_outcome_settle(s, id);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the service writes: is it there, may it write, is there room. */
-#include "service/inner.h"
+#include "service/rpc/disks.h"
+
+#include "service/core/parts.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -33,6 +34,13 @@ static const char *spool_complaint(const char *path) {
     return found;
 }
 
+/* Those that have been looked at, each once. */
+typedef struct disk_seen {
+    const char *uses[DISKS];
+    dev_t devices[DISKS];
+    size_t n;
+} disk_seen;
+
 static void look(disk_seen *seen, const char *use, const char *path, sheard_msg_disk *d) {
     struct statvfs fs;
     struct stat st;
@@ -53,7 +61,7 @@ static void look(disk_seen *seen, const char *use, const char *path, sheard_msg_
     }
 }
 
-size_t disks_look(const service *s, sheard_msg_disk disks[DISKS]) {
+size_t disks_get(const service *s, sheard_msg_disk disks[DISKS]) {
     const sheard_config *c = &s->config;
     disk_seen seen = {.n = 0};
     size_t n = 0;

@@ -4,14 +4,16 @@
 #ifndef SHEARD_SERVICE_LISTING_H
 #define SHEARD_SERVICE_LISTING_H
 
-#include "service/inner.h"
+#include "base/buffer.h"
+#include "server/server.h"
+
+typedef struct service service;
 
 typedef struct listing {
     service *s;
     server_handle to;
     sheard_request request; /* taken over from the one that was given */
-    char *items;            /* [used] of [size]: their texts */
-    size_t used, size;
+    buffer items;           /* their texts, with commas between them */
 } listing;
 
 /* Take the request over, and have it done by `step`, which gets `l`: the first member of what it
@@ -19,15 +21,9 @@ typedef struct listing {
 void listing_begin(listing *l, service *s, const server_request *r, int (*step)(void *),
                    void (*drop)(void *));
 void listing_deinit(listing *l);
-
 /* The next item, of the request's method. False: the request has been answered with an error. */
 bool listing_add(listing *l, const void *item);
-/* Begin again, without items. */
-void listing_clear(listing *l);
 /* The reply, with the items in its list. */
 void listing_reply(listing *l, const sheard_reply *rest);
-/* Answered with an error, of the store or by the protocol's code. */
-void listing_refuse_store(listing *l, int code, const shear_error *err);
-void listing_refuse(listing *l, int code, const char *message);
 
 #endif

@@ -1,7 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* field, fields: looking at fields. */
+#include "base/cleanup.h"
+#include "service/core/parts.h"
+#include "service/fields/estimates.h"
+#include "service/fields/field_result.h"
+#include "service/rpc/field_message.h"
 #include "service/rpc/listing.h"
 #include "service/rpc/methods.h"
+#include "service/rpc/refuse.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -34,18 +40,28 @@ static int list_contributions(const store_contribution_page *page, sheard_msg_fi
                         : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page");
 }
 
+/* False: they are not, and the request was told where they cannot be. */
+static bool have_estimates(const listing *l, const store_field_page *page, const char *digest,
+                           int64_t since) {
+    const enum estimates_answer answer = estimates_request(l->s, l->to, page, digest, since);
+    if (answer == ESTIMATES_NO_MEMORY) {
+        refuse_with(l->s, l->to, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for solving a field");
+    }
+    return answer == ESTIMATES_READY;
+}
+
 /* ---- field: a row in each step, or in several where it is to say what is to blame ---- */
 
 typedef struct field_rows {
     listing list;          /* first */
-    int64_t since;         /* see solutions_since */
+    int64_t since;         /* see fields/estimates.h */
     store_field_page page; /* once all results are at hand */
     bool ready;
     size_t next;
     bool made; /* what follows, of the next one */
     sheard_msg_field_row row;
     store_contribution_page contributions;
-    field_reason why;
+    no_result why;
 } field_rows;
 
 /* The rows, and their results. */
@@ -55,17 +71,17 @@ static int find_rows(field_rows *w) {
     shear_error err = {0};
     int code = store_field_get(s->store, p->field, &w->page, &err);
     if (code == STORE_NOT_FOUND) {
-        listing_refuse(&w->list, SHEARD_RPC_NO_SUCH_FIELD, err.message);
+        refuse_with(s, w->list.to, SHEARD_RPC_NO_SUCH_FIELD, err.message);
         return SERVER_PAUSE;
     }
     if (code == SHEAR_OK) {
-        code = present_begun(s, p->field, &w->page, &err);
+        code = field_result_add_rows(s, p->field, &w->page, &err);
     }
     if (code != SHEAR_OK) {
-        listing_refuse_store(&w->list, code, &err);
+        refuse_store(w->list.s, w->list.to, code, &err);
         return SERVER_PAUSE;
     }
-    w->ready = solutions_ready(s, w->list.to, &w->page, p->digest);
+    w->ready = have_estimates(&w->list, &w->page, p->digest, w->since);
     if (w->ready) {
         return SERVER_MORE;
     }
@@ -78,7 +94,7 @@ static int make_row(field_rows *w, const store_field *f, shear_error *err) {
     int code =
         find_contributions(w->list.s, &w->list.request.params.field, f, &w->contributions, err);
     if (code == SHEAR_OK) {
-        code = present_field(w->list.s, f, &w->contributions, &w->row, &w->why, err);
+        code = field_to_message(w->list.s, f, w->since, &w->contributions, &w->row, &w->why, err);
     }
     return code == SHEAR_OK ? list_contributions(&w->contributions, &w->row, err) : code;
 }
@@ -86,8 +102,8 @@ static int make_row(field_rows *w, const store_field *f, shear_error *err) {
 static void clear_row(field_rows *w) {
     free((sheard_msg_contribution *)w->row.contributions);
     store_contribution_page_deinit(&w->contributions);
-    present_field_free(&w->row);
-    reason_deinit(&w->why);
+    field_message_deinit(&w->row);
+    no_result_deinit(&w->why);
     w->made = false;
 }
 
@@ -96,8 +112,8 @@ static void row_step(field_rows *w, const store_field *f) {
     shear_error err = {0};
     const int code = w->made ? SHEAR_OK : make_row(w, f, &err);
     if (code != SHEAR_OK) {
-        listing_refuse_store(&w->list, code, &err);
-    } else if (reason_look(w->list.s, f, &w->why)) {
+        refuse_store(w->list.s, w->list.to, code, &err);
+    } else if (no_result_look(&w->why, w->list.s->store, f)) {
         w->row.reason = w->why.text;
         w->row.culprit = (sheard_msg_culprit){.job = w->why.job,
                                               .contribution = w->why.contribution,
@@ -111,30 +127,27 @@ static void row_step(field_rows *w, const store_field *f) {
 
 static int rows_step(void *context) {
     field_rows *w = context;
-    service *s = w->list.s;
     const sheard_msg_field *p = &w->list.request.params.field;
-    int next = SERVER_MORE;
-    solutions_since(s, w->since);
     if (!w->ready) {
-        next = find_rows(w);
-    } else if (w->next == w->page.n) {
+        return find_rows(w);
+    }
+    if (w->next == w->page.n) {
         const sheard_reply rest = {.field = {.field = p->field, .mixed = w->page.n > 1}};
         listing_reply(&w->list, &rest);
-    } else {
-        const store_field *f = &w->page.fields[w->next];
-        if (p->digest == NULL || strcmp(p->digest, f->settings_digest) == 0) {
-            row_step(w, f);
-        } else {
-            w->next++;
-        }
+        return SERVER_MORE;
     }
-    solutions_since(s, INT64_MAX);
-    return next;
+    const store_field *f = &w->page.fields[w->next];
+    if (p->digest == NULL || strcmp(p->digest, f->settings_digest) == 0) {
+        row_step(w, f);
+    } else {
+        w->next++;
+    }
+    return SERVER_MORE;
 }
 
 static void rows_drop(void *context) {
     field_rows *w = context;
-    solutions_forget(w->list.s, w->list.to);
+    estimates_forget(w->list.s, w->list.to);
     clear_row(w);
     store_field_page_deinit(&w->page);
     listing_deinit(&w->list);
@@ -144,10 +157,10 @@ static void rows_drop(void *context) {
 void method_field(service *s, const server_request *r) {
     field_rows *w = calloc(1, sizeof *w);
     if (w == NULL) {
-        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a field");
+        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a field");
         return;
     }
-    w->since = solutions_begun(s);
+    w->since = estimates_begun(s);
     listing_begin(&w->list, s, r, rows_step, rows_drop);
 }
 
@@ -157,7 +170,7 @@ enum { FIELDS_A_STEP = 16 };
 
 typedef struct field_list {
     listing list;        /* first */
-    int64_t since;       /* see solutions_since */
+    int64_t since;       /* see fields/estimates.h */
     size_t left;         /* of the limit */
     char *name, *digest; /* of the last one; NULL: none yet */
 } field_list;
@@ -179,14 +192,14 @@ static bool add_summary(field_list *w, const store_field_page *page, size_t i) {
     const char *name = page->fields[i].name;
     const char *before = i > 0 ? page->fields[i - 1].name : w->name;
     sheard_msg_summary summary;
-    present_summary(w->list.s, &page->fields[i], &summary);
+    field_to_summary(w->list.s, &page->fields[i], w->since, &summary);
     summary.mixed = (before != NULL && strcmp(before, name) == 0) ||
                     (i + 1 < page->n && strcmp(page->fields[i + 1].name, name) == 0);
     return listing_add(&w->list, &summary);
 }
 
 /* The page has one field more than are taken of it: whether the last one is mixed. */
-static bool take_fields(field_list *w, const store_field_page *page, size_t n) {
+static bool add_fields(field_list *w, const store_field_page *page, size_t n) {
     for (size_t i = 0; i < n; i++) {
         if (!add_summary(w, page, i)) {
             return false;
@@ -199,8 +212,8 @@ static bool take_fields(field_list *w, const store_field_page *page, size_t n) {
         w->name = strdup(page->fields[n - 1].name);
         w->digest = strdup(page->fields[n - 1].settings_digest);
         if (w->name == NULL || w->digest == NULL) {
-            listing_refuse(&w->list, SHEARD_RPC_OUT_OF_MEMORY,
-                           "out of memory for a list of fields");
+            refuse_with(w->list.s, w->list.to, SHEARD_RPC_OUT_OF_MEMORY,
+                        "out of memory for a list of fields");
             return false;
         }
     }
@@ -218,32 +231,29 @@ static void reply_with_fields(field_list *w, bool more) {
 
 static int fields_step(void *context) {
     field_list *w = context;
-    service *s = w->list.s;
     const size_t most = w->left < FIELDS_A_STEP ? w->left : FIELDS_A_STEP;
     const store_field_filter filter = {.prefix = w->list.request.params.fields.prefix,
                                        .after_name = w->name,
                                        .after_digest = w->digest};
-    store_field_page page = {0};
+    CLEANUP(store_field_page_deinit) store_field_page page = {0};
     shear_error err = {0};
-    int next = SERVER_MORE;
-    const int code = store_fields(s->store, &filter, most + 1, &page, &err);
-    solutions_since(s, w->since);
+    const int code = store_fields(w->list.s->store, &filter, most + 1, &page, &err);
     if (code != SHEAR_OK) {
-        listing_refuse_store(&w->list, code, &err);
-    } else if (!solutions_ready(s, w->list.to, &page, NULL)) {
-        next = SERVER_PAUSE;
-    } else if (take_fields(w, &page, page.n < most ? page.n : most) &&
-               (page.n <= most || w->left == 0)) {
+        refuse_store(w->list.s, w->list.to, code, &err);
+        return SERVER_MORE;
+    }
+    if (!have_estimates(&w->list, &page, NULL, w->since)) {
+        return SERVER_PAUSE;
+    }
+    if (add_fields(w, &page, page.n < most ? page.n : most) && (page.n <= most || w->left == 0)) {
         reply_with_fields(w, page.n > most);
     }
-    solutions_since(s, INT64_MAX);
-    store_field_page_deinit(&page);
-    return next;
+    return SERVER_MORE;
 }
 
 static void fields_drop(void *context) {
     field_list *w = context;
-    solutions_forget(w->list.s, w->list.to);
+    estimates_forget(w->list.s, w->list.to);
     listing_deinit(&w->list);
     free(w->name);
     free(w->digest);
@@ -255,7 +265,7 @@ void method_fields(service *s, const server_request *r) {
     char digest[STORE_DIGEST_MAX + 1];
     const char *name = NULL;
     if (p->cursor != NULL && !read_cursor(p->cursor, digest, &name)) {
-        method_refuse(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
+        refuse_with(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
         return;
     }
     field_list *w = calloc(1, sizeof *w);
@@ -264,11 +274,11 @@ void method_fields(service *s, const server_request *r) {
         w->digest = strdup(digest);
     }
     if (w == NULL || (name != NULL && (w->name == NULL || w->digest == NULL))) {
-        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a list of fields");
+        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a list of fields");
         free(w);
         return;
     }
-    w->since = solutions_begun(s);
+    w->since = estimates_begun(s);
     w->left = (size_t)p->limit;
     listing_begin(&w->list, s, r, fields_step, fields_drop);
 }

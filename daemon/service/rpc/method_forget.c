@@ -1,222 +1,112 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* forget: a whole field is taken back. Its rows are gone for everybody with the first commit; then
- * its contributions leave, a few milliseconds of them in a group, for there may be very many, and
- * each takes its job's catalog along. The store keeps what is left to do: whoever waits for the
- * reply may go, and the service, too. */
+/* forget: a whole field is taken back. Its rows are gone for everybody with the first commit; the
+ * reply comes when its contributions have left, too (fields/field_purge.h). */
+#include "base/buffer.h"
+#include "base/cleanup.h"
+#include "log/log.h"
+#include "service/core/parts.h"
+#include "service/fields/change_notifier.h"
+#include "service/fields/estimates.h"
+#include "service/fields/field_purge.h"
 #include "service/rpc/methods.h"
+#include "service/rpc/refuse.h"
 
-#include <stdlib.h>
-#include <string.h>
+#include <inttypes.h>
 
-struct forgotten {
-    TAILQ_ENTRY(forgotten) link;
+typedef struct forget_reply {
+    purge_waiter waiter; /* first */
     server_handle to;
-    store_forgotten numbers;
-    int64_t jobs; /* retracted so far */
-    char *field;
-    char *digests; /* of the rows that are gone, each with its NUL */
-    size_t n_digests;
-};
+    char field[STORE_FIELD_MAX + 1];
+} forget_reply;
 
-static void forgotten_free(forgotten *f) {
-    if (f != NULL) {
-        free(f->field);
-        free(f->digests);
-        free(f);
-    }
-}
+typedef struct forgotten_field {
+    post_commit post; /* first */
+    forget_reply *reply;
+    buffer digests; /* of the rows that are gone, each with its NUL */
+} forgotten_field;
 
-void forget_free(service *s) {
-    for (forgotten *f; (f = TAILQ_FIRST(&s->forgotten)) != NULL;) {
-        TAILQ_REMOVE(&s->forgotten, f, link);
-        forgotten_free(f);
-    }
-}
-
-/* ---- what is to leave ---- */
-
-typedef struct slice {
-    int64_t row; /* store_removal's */
-    int64_t jobs;
-    bool over;   /* that was all of the row */
-    bool failed; /* a change that is tried again later */
-    char *field; /* where it is over */
-} slice;
-
-/* Who has asked for it; NULL: that was before the start. */
-static forgotten *find_asker(service *s, int64_t row) {
-    forgotten *f;
-    TAILQ_FOREACH(f, &s->forgotten, link) {
-        if (row > f->numbers.last - f->numbers.rows && row <= f->numbers.last) {
-            break;
-        }
-    }
-    return f;
-}
-
-static void reply_forgotten(service *s, forgotten *f) {
+static void reply_purged(service *s, purge_waiter *w) {
+    forget_reply *f = (forget_reply *)w;
     const sheard_reply reply = {.forget = {.field = f->field,
-                                           .rows = f->numbers.rows,
-                                           .contributions = f->numbers.contributions,
-                                           .jobs = f->jobs}};
+                                           .rows = w->numbers.rows,
+                                           .contributions = w->numbers.contributions,
+                                           .jobs = w->jobs}};
     server_reply(s->server, f->to, &reply);
-    TAILQ_REMOVE(&s->forgotten, f, link);
-    forgotten_free(f);
-}
-
-/* They have left on disk, too. */
-static void have_left(service *s, after *a, int code, const shear_error *err) {
-    (void)err;
-    slice *done = a->data;
-    s->forgetting = false;
-    forgotten *f = code == SHEAR_OK ? find_asker(s, done->row) : NULL;
-    if (f != NULL) {
-        f->jobs += done->jobs;
-        if (done->over && done->row == f->numbers.last) {
-            reply_forgotten(s, f);
-        }
-    }
-    if (code == SHEAR_OK && done->over) {
-        log_notice("field '%s' is forgotten", done->field);
-    }
-    if (code == SHEAR_OK && !done->failed) {
-        forget_go_on(s);
-    }
-    free(done->field);
-    free(done);
-}
-
-static int take_one(service *s, slice *out, shear_error *err) {
-    store_removal next;
-    int code = store_next_removal(s->store, &next, err);
-    if (code == SHEAR_OK && next.forgotten != 0) {
-        const bool gone = next.contribution != 0 && catalog_leaves(s, &next);
-        code = store_remove(s->store, &next, gone, err);
-    }
-    if (code == SHEAR_OK) {
-        out->row = next.forgotten;
-        out->jobs += next.kept;
-        out->over = next.contribution == 0;
-    }
-    if (code == SHEAR_OK && out->over) {
-        out->field = next.field;
-        next.field = NULL;
-    }
-    store_removal_deinit(&next);
-    return code;
-}
-
-static int take_some(service *s, slice *out, shear_error *err) {
-    enum { SLICE_NS = 3000000 };
-    const uint64_t end = uv_hrtime() + SLICE_NS;
-    int code = group_begin(s, err);
-    while (code == SHEAR_OK && !out->over && uv_hrtime() < end) {
-        code = take_one(s, out, err);
-    }
-    return code;
-}
-
-static bool is_any_left(service *s) {
-    store_removal next;
-    shear_error ignored;
-    store_next_removal(s->store, &next, &ignored);
-    const bool any = next.forgotten != 0;
-    store_removal_deinit(&next);
-    return any;
-}
-
-void forget_go_on(service *s) {
-    enum { SECONDS_MS = 5000 };
-    shear_error err = {0};
-    if (s->forgetting || s->state == SHEARD_SERVER_STOPPING || !is_any_left(s)) {
-        return;
-    }
-    slice *next = calloc(1, sizeof *next);
-    after *a = next != NULL ? group_after(s, have_left) : NULL;
-    if (a == NULL) {
-        free(next);
-        return;
-    }
-    const int code = take_some(s, next, &err);
-    next->failed = code != SHEAR_OK;
-    if (next->failed) {
-        problem_noted(s, "store", store_code_name(code), SECONDS_MS, err.message);
-    }
-    s->forgetting = true;
-    a->data = next;
-}
-
-/* ---- the request ---- */
-
-static void tell_rows(service *s, const forgotten *f) {
-    const char *digest = f->digests;
-    for (size_t i = 0; i < f->n_digests; i++) {
-        news_field_changed(s, f->field, digest);
-        digest += strlen(digest) + 1;
-    }
+    free(f);
 }
 
 /* It is gone for everybody. */
-static void begun(service *s, after *a, int code, const shear_error *err) {
-    forgotten *f = a->data;
+static void forgotten(post_commit *post, int code, const shear_error *err) {
+    service *s = post->context;
+    forgotten_field *f = (forgotten_field *)post;
+    CLEANUP(release_free) forget_reply *reply = f->reply;
+    CLEANUP(buffer_deinit) buffer digests = f->digests;
     if (code != SHEAR_OK) {
-        method_refuse_store(s, a->to, code, err);
-        forgotten_free(f);
+        refuse_store(s, reply->to, code, err);
         return;
     }
-    log_notice("field '%s' is to be forgotten: %lld contributions in %lld rows", f->field,
-               (long long)f->numbers.contributions, (long long)f->numbers.rows);
-    f->to = a->to;
-    TAILQ_INSERT_TAIL(&s->forgotten, f, link);
-    tell_rows(s, f);
-    forget_go_on(s);
+    log_notice("field '%s' is to be forgotten: %" PRId64 " contributions in %" PRId64 " rows",
+               reply->field, reply->waiter.numbers.contributions, reply->waiter.numbers.rows);
+    for (size_t at = 0; at < digests.n; at += strlen(digests.bytes + at) + 1) {
+        change_notifier_note(s, reply->field, digests.bytes + at);
+    }
+    field_purge_wait(s, &CLEANUP_TAKE(reply)->waiter);
+    field_purge_continue(s);
 }
 
-/* The digests of the rows that will be gone, for the news. */
-static int list_rows(service *s, const sheard_msg_forget *p, forgotten *f, shear_error *err) {
-    store_field_page page = {0};
-    size_t size = 0;
-    int code = store_field_get(s->store, p->field, &page, err);
-    FILE *out = code == SHEAR_OK ? open_memstream(&f->digests, &size) : NULL;
-    for (size_t i = 0; out != NULL && i < page.n; i++) {
+/* The digests of the rows that will be gone, for the change notifier. */
+static int list_rows(service *s, const sheard_msg_forget *p, buffer *digests, shear_error *err) {
+    CLEANUP(store_field_page_deinit) store_field_page page = {0};
+    const int code = store_field_get(s->store, p->field, &page, err);
+    for (size_t i = 0; i < page.n; i++) {
         const char *digest = page.fields[i].settings_digest;
         if (p->digest == NULL || strcmp(p->digest, digest) == 0) {
-            fwrite(digest, 1, strlen(digest) + 1, out);
-            f->n_digests++;
+            buffer_add(digests, digest, strlen(digest) + 1);
         }
     }
-    if (code == SHEAR_OK && (out == NULL || fclose(out) != 0)) {
-        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    if (code == SHEAR_OK && digests->failed) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
-    store_field_page_deinit(&page);
     return code;
 }
 
-static int forget(service *s, const sheard_msg_forget *p, forgotten *f, shear_error *err) {
-    f->field = strdup(p->field);
-    int code = f->field != NULL ? list_rows(s, p, f, err)
-                                : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    if (code == SHEAR_OK) {
-        code = group_begin(s, err);
+static int forget(service *s, const server_request *r, shear_error *err) {
+    const sheard_msg_forget *p = &r->request->params.forget;
+    CLEANUP(buffer_deinit) buffer digests = {0};
+    CLEANUP(release_free) forget_reply *reply = calloc(1, sizeof *reply);
+    if (reply == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
-    return code == SHEAR_OK ? store_forget(s->store, p->field, p->digest, &f->numbers, err) : code;
+    reply->to = r->handle;
+    reply->waiter.done = reply_purged;
+    snprintf(reply->field, sizeof reply->field, "%s", p->field);
+    int code = list_rows(s, p, &digests, err);
+    if (code == SHEAR_OK) {
+        code = group_begin(&s->group, err);
+    }
+    if (code == SHEAR_OK) {
+        code = store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    estimates_note_retraction(s);
+    forgotten_field *f = group_then(&s->group, forgotten, sizeof *f);
+    if (f == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    }
+    f->reply = CLEANUP_TAKE(reply);
+    f->digests = digests;
+    digests = (buffer){0};
+    return SHEAR_OK;
 }
 
 void method_forget(service *s, const server_request *r) {
     shear_error err = {0};
-    forgotten *f = calloc(1, sizeof *f);
-    const int code = f != NULL ? forget(s, &r->request->params.forget, f, &err) : SHEAR_E_NOMEM;
-    after *a = code == SHEAR_OK ? group_after(s, begun) : NULL;
-    if (a != NULL) {
-        s->retractions++;
-        a->to = r->handle;
-        a->data = f;
-        return;
-    }
+    const int code = forget(s, r, &err);
     if (code == STORE_NOT_FOUND) {
-        method_refuse(s, r->handle, SHEARD_RPC_NO_SUCH_FIELD, err.message);
-    } else {
-        method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
+        refuse_with(s, r->handle, SHEARD_RPC_NO_SUCH_FIELD, err.message);
+    } else if (code != SHEAR_OK) {
+        refuse_store(s, r->handle, code, &err);
     }
-    forgotten_free(f);
 }

@@ -1,43 +1,54 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* job, jobs, wait: looking at jobs. */
+/* job, jobs: looking at jobs. */
+#include "base/cleanup.h"
+#include "service/core/parts.h"
+#include "service/jobs/job_message.h"
 #include "service/rpc/listing.h"
 #include "service/rpc/methods.h"
+#include "service/rpc/refuse.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Its attempts, [attempts->n]; NULL: out of memory. */
+static sheard_msg_attempt *history_of(const store_attempts *attempts) {
+    sheard_msg_attempt *history = calloc(attempts->n + 1, sizeof *history);
+    for (size_t i = 0; history != NULL && i < attempts->n; i++) {
+        const store_attempt *a = &attempts->attempts[i];
+        history[i] = (sheard_msg_attempt){.number = a->number,
+                                          .started_ms = a->started_ms,
+                                          .ended_ms = a->ended_ms,
+                                          .outcome = (enum sheard_attempt_outcome)a->outcome,
+                                          .job_class = (enum sheard_job_class)a->failure_class,
+                                          .code = a->code,
+                                          .message = a->message};
+    }
+    return history;
+}
+
 void method_job(service *s, const server_request *r) {
-    store_job job = {0};
-    store_attempts attempts = {0};
+    CLEANUP(store_job_deinit) store_job job = {0};
+    CLEANUP(store_attempts_deinit) store_attempts attempts = {0};
     shear_error err = {0};
     const int64_t id = r->request->params.id.id;
     int code = store_job_get(s->store, id, &job, &err);
     if (code == SHEAR_OK) {
         code = store_attempts_get(s->store, id, &attempts, &err);
     }
-    sheard_msg_attempt *history = code == SHEAR_OK ? calloc(attempts.n + 1, sizeof *history) : NULL;
-    if (history == NULL) {
-        method_refuse_store(s, r->handle, code != SHEAR_OK ? code : SHEAR_E_NOMEM, &err);
-    } else {
-        for (size_t i = 0; i < attempts.n; i++) {
-            const store_attempt *a = &attempts.attempts[i];
-            history[i] = (sheard_msg_attempt){.number = a->number,
-                                              .started_ms = a->started_ms,
-                                              .ended_ms = a->ended_ms,
-                                              .outcome = (enum sheard_attempt_outcome)a->outcome,
-                                              .job_class = (enum sheard_job_class)a->failure_class,
-                                              .code = a->code,
-                                              .message = a->message};
-        }
-        sheard_reply reply = {.job = {.history = history, .n_history = attempts.n}};
-        present_job(s, &job, &reply.job.job);
-        server_reply(s->server, r->handle, &reply);
-        present_job_free(&reply.job.job);
+    if (code != SHEAR_OK) {
+        refuse_store(s, r->handle, code, &err);
+        return;
     }
-    free(history);
-    store_attempts_deinit(&attempts);
-    store_job_deinit(&job);
+    CLEANUP(release_free) sheard_msg_attempt *history = history_of(&attempts);
+    if (history == NULL) {
+        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a job");
+        return;
+    }
+    sheard_reply reply = {.job = {.history = history, .n_history = attempts.n}};
+    job_to_message(s, &job, &reply.job.job);
+    server_reply(s->server, r->handle, &reply);
+    job_message_deinit(&reply.job.job);
 }
 
 /* ---- jobs: pages of it, each no longer than a step may take ---- */
@@ -54,10 +65,10 @@ static bool add_jobs(job_list *w, const store_job_page *page) {
     bool good = true;
     for (size_t i = 0; good && i < page->n; i++) {
         sheard_msg_job job;
-        present_job(w->list.s, &page->jobs[i], &job);
+        job_to_message(w->list.s, &page->jobs[i], &job);
         job.result = NULL;
         good = listing_add(&w->list, &job);
-        present_job_free(&job);
+        job_message_deinit(&job);
     }
     w->filter.before = page->n > 0 ? page->jobs[page->n - 1].id : w->filter.before;
     w->left -= page->n;
@@ -66,19 +77,18 @@ static bool add_jobs(job_list *w, const store_job_page *page) {
 
 static int jobs_step(void *context) {
     job_list *w = context;
-    store_job_page page = {0};
+    CLEANUP(store_job_page_deinit) store_job_page page = {0};
     shear_error err = {0};
     char cursor[32];
     const int code = store_jobs(w->list.s->store, &w->filter,
                                 w->left < JOBS_A_STEP ? w->left : JOBS_A_STEP, &page, &err);
     if (code != SHEAR_OK) {
-        listing_refuse_store(&w->list, code, &err);
+        refuse_store(w->list.s, w->list.to, code, &err);
     } else if (add_jobs(w, &page) && (!page.more || w->left == 0)) {
         snprintf(cursor, sizeof cursor, "%" PRId64, w->filter.before);
         const sheard_reply rest = {.jobs.cursor = page.more ? cursor : NULL};
         listing_reply(&w->list, &rest);
     }
-    store_job_page_deinit(&page);
     return SERVER_MORE;
 }
 
@@ -93,12 +103,12 @@ void method_jobs(service *s, const server_request *r) {
     char *end = NULL;
     const int64_t before = p->cursor != NULL ? strtoll(p->cursor, &end, 10) : 0;
     if (p->cursor != NULL && (*end != '\0' || before <= 0)) {
-        method_refuse(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
+        refuse_with(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
         return;
     }
     job_list *w = calloc(1, sizeof *w);
     if (w == NULL) {
-        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a list of jobs");
+        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a list of jobs");
         return;
     }
     w->filter = (store_job_filter){.states = p->states,

@@ -1,43 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* service/rpc/methods.h: the methods of the protocol, each with its request; the reply is given now
- * or later. */
+/* service/rpc/methods.h: the methods of the protocol. A method is an entry of the protocol's table
+ * (its name, parameters and reply, and whether it is for administrators only: protocol/rpc) and an
+ * entry of the table in methods.c: its handler, which replies now or later. */
 #ifndef SHEARD_SERVICE_METHODS_H
 #define SHEARD_SERVICE_METHODS_H
 
-#include "service/inner.h"
+#include "server/server.h"
 
-/* method_changes.c */
-/* The change is on disk: reply with the job as it is now. */
-void method_reply_job(service *s, after *a, int code, const shear_error *err);
-/* Owners and administrators only. Where not, the reply has been given. */
-bool method_may_change(service *s, const server_request *r, int64_t id);
-void method_submit(service *s, const server_request *r);
-void method_cancel(service *s, const server_request *r);
-void method_retry(service *s, const server_request *r);
+typedef struct service service;
 
-/* method_retract.c */
-void method_retract(service *s, const server_request *r);
+/* The server's request handler; its context is the service. */
+void methods_request(void *context, const server_request *request);
 
-/* method_forget.c */
-void method_forget(service *s, const server_request *r);
+typedef void method_handler(service *s, const server_request *r);
 
-/* method_jobs.c */
-void method_job(service *s, const server_request *r);
-void method_jobs(service *s, const server_request *r);
-
-/* waits.c */
-void method_wait(service *s, const server_request *r);
-
-/* method_fields.c */
-void method_field(service *s, const server_request *r);
-void method_fields(service *s, const server_request *r);
-
-/* probe.c */
-void method_probe(service *s, const server_request *r);
-
-/* methods.c: error replies */
-void method_refuse(service *s, server_handle to, int code, const char *message);
-void method_refuse_new(service *s, server_handle to); /* draining or stopping */
-void method_refuse_store(service *s, server_handle to, int code, const shear_error *err);
+/* method_connection.c */
+method_handler method_hello, method_subscribe, method_unsubscribe;
+/* method_submit.c, method_cancel.c, method_retry.c, method_retract.c, method_forget.c */
+method_handler method_submit, method_cancel, method_retry, method_retract, method_forget;
+/* method_jobs.c, method_fields.c, pending_waits.c */
+method_handler method_job, method_jobs, method_field, method_fields, method_wait;
+/* method_service.c, probe.c */
+method_handler method_status, method_metrics, method_reload, method_drain, method_shutdown,
+    method_probe;
 
 #endif

@@ -1,16 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The method probe: can this service measure? A tiny field of known shear goes the way of every
- * job through the engine (reader, sandbox, plan, workers), and past the store. One at a time: who
- * asks meanwhile gets the same answer. */
+#include "service/rpc/probe.h"
+
+#include "base/clock.h"
+#include "log/log.h"
 #include "reader/sandbox.h"
+#include "service/core/parts.h"
+#include "service/jobs/job_outcome.h"
 #include "service/rpc/methods.h"
 #include "service/rpc/probe_field.h"
+#include "service/rpc/refuse.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
+/* The engine's name for it: no job of the store has it. */
+enum { PROBE_JOB = -1 };
 enum { ASKING_MAX = 16 };
 
 typedef struct asking {
@@ -26,10 +31,6 @@ struct probe {
     double begun_s;
     unsigned guards; /* enum sandbox_guard */
 };
-
-static double now_s(void) {
-    return 1e-9 * (double)uv_hrtime();
-}
 
 static void answer(service *s, const sheard_msg_probed *what) {
     probe *p = s->probe;
@@ -51,7 +52,7 @@ static void answer_failed(service *s, const char *code, const shear_error *err) 
                                     .g2_err = NAN,
                                     .true_g1 = PROBE_G1,
                                     .true_g2 = PROBE_G2,
-                                    .seconds = now_s() - s->probe->begun_s};
+                                    .seconds = clock_s(CLOCK_MONOTONIC) - s->probe->begun_s};
     log_warning("probe: %s", err->message);
     answer(s, &what);
 }
@@ -67,7 +68,7 @@ static void answer_measured(service *s, const shear_result *r) {
                               .true_g1 = PROBE_G1,
                               .true_g2 = PROBE_G2,
                               .stamps = r->n_used,
-                              .seconds = now_s() - s->probe->begun_s,
+                              .seconds = clock_s(CLOCK_MONOTONIC) - s->probe->begun_s,
                               .landlock = (s->probe->guards & SANDBOX_LANDLOCK) != 0,
                               .namespaces = (s->probe->guards & SANDBOX_NAMESPACES) != 0};
     if (!what.ok) {
@@ -93,7 +94,7 @@ static void made(uv_work_t *work, int status) {
     probe *p = s->probe;
     shear_settings settings;
     (void)status; /* never cancelled */
-    if (s->server == NULL || s->closing) {
+    if (s->server == NULL || s->life.closing) {
         if (p->fd >= 0) {
             close(p->fd);
         }
@@ -111,11 +112,14 @@ static void made(uv_work_t *work, int status) {
         p->code = engine_add(s->engine, &job, &p->err);
     }
     if (p->code != SHEAR_OK) {
-        answer_failed(s, ending_reason_of(&p->err).name, &p->err);
+        answer_failed(s, job_outcome_reason(&p->err).name, &p->err);
     }
 }
 
 void probe_event(service *s, const engine_event *e) {
+    if (e->job != PROBE_JOB) {
+        return; /* of a job that this process has done with */
+    }
     switch (e->kind) {
     case ENGINE_OPENED:
         s->probe->guards = e->guards;
@@ -125,7 +129,7 @@ void probe_event(service *s, const engine_event *e) {
         answer_measured(s, &e->result);
         break;
     case ENGINE_FAILED:
-        answer_failed(s, ending_reason_of(&e->error).name, &e->error);
+        answer_failed(s, job_outcome_reason(&e->error).name, &e->error);
         break;
     case ENGINE_STOPPED:
         answer_failed(s, sheard_rpc_code_get(SHEARD_RPC_STOPPING)->name,
@@ -137,8 +141,8 @@ void probe_event(service *s, const engine_event *e) {
 }
 
 void method_probe(service *s, const server_request *r) {
-    if (s->state == SHEARD_SERVER_STOPPING) {
-        method_refuse(s, r->handle, SHEARD_RPC_STOPPING, "the service is about to exit");
+    if (s->life.state == SHEARD_SERVER_STOPPING) {
+        refuse_with(s, r->handle, SHEARD_RPC_STOPPING, "the service is about to exit");
         return;
     }
     if (s->probe == NULL) {
@@ -146,19 +150,19 @@ void method_probe(service *s, const server_request *r) {
     }
     probe *p = s->probe;
     if (p == NULL) {
-        method_refuse(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a probe");
+        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a probe");
         return;
     }
     if (p->asking.n == ASKING_MAX) {
-        method_refuse(s, r->handle, SHEARD_RPC_TOO_MANY_REQUESTS,
-                      "as many wait for the probe under way as may");
+        refuse_with(s, r->handle, SHEARD_RPC_TOO_MANY_REQUESTS,
+                    "as many wait for the probe under way as may");
         return;
     }
     p->asking.to[p->asking.n++] = r->handle;
     if (p->asking.n > 1) {
         return;
     }
-    p->begun_s = now_s();
+    p->begun_s = clock_s(CLOCK_MONOTONIC);
     p->work.data = s;
     p->fd = -1;
     if (uv_queue_work(&s->loop, &p->work, make_field, made) != 0) {
@@ -167,7 +171,6 @@ void method_probe(service *s, const server_request *r) {
     }
 }
 
-void probe_free(service *s) {
-    free(s->probe);
-    s->probe = NULL;
+void probe_free(probe *p) {
+    free(p);
 }

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/core/directory.h: a directory that the service makes where it is missing. */
+#ifndef SHEARD_SERVICE_DIRECTORY_H
+#define SHEARD_SERVICE_DIRECTORY_H
+
+#include "shear/error.h"
+
+#include <sys/types.h>
+
+/* It may be there. SHEAR_E_IO. */
+int directory_make(const char *path, mode_t mode, shear_error *err);
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/core/parts.h: what the service is made of. All of it belongs to the loop's thread.
+ *
+ * core's own modules are here whole; those of the rooms above it are opaque: whoever uses one
+ * includes its header. */
+#ifndef SHEARD_SERVICE_PARTS_H
+#define SHEARD_SERVICE_PARTS_H
+
+#include "engine/engine.h"
+#include "notify/notify.h"
+#include "server/server.h"
+#include "service/core/clock_watch.h"
+#include "service/core/data_roots.h"
+#include "service/core/group.h"
+#include "service/core/hooks.h"
+#include "service/core/lifecycle.h"
+#include "service/core/loop.h"
+#include "service/core/loop_pace.h"
+#include "service/core/permissions.h"
+#include "service/core/problem_notes.h"
+#include "service/core/rates.h"
+#include "service/core/user_names.h"
+#include "spool/spool.h"
+#include "store/store.h"
+
+struct service {
+    uv_loop_t loop;
+    sheard_config config;
+    char *config_path;       /* NULL: the default one */
+    sheard_list assignments; /* of the command line, for reloads */
+    char user[64];           /* that this process runs as */
+    bool activated;          /* the socket is systemd's: the next client starts the service again */
+    int64_t started_wall_ms, started_steady_ms;
+
+    notify notify;
+    store *store;
+    engine *engine;
+    server *server; /* NULL: it is closed */
+    spool *spool;   /* NULL: there is no watch folder */
+
+    const core_hooks *hooks;
+    loop_events events;
+    lifecycle life;
+    group group;
+    clock_watch clock;
+    permissions permissions;
+    data_roots *roots;
+    problem_notes notes;
+    user_names users;
+    rates rates;
+    loop_pace pace;
+
+    struct active_jobs *jobs;         /* jobs/active_jobs.h */
+    struct estimates *estimates;      /* fields/estimates.h */
+    struct change_notifier *notifier; /* fields/change_notifier.h */
+    struct field_purge *purge;        /* fields/field_purge.h */
+    struct pending_waits *waits;      /* rpc/pending_waits.h */
+    struct probe *probe;              /* rpc/probe.h; NULL: nobody has asked for one */
+};
+
+#endif

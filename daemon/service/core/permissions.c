@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/core/permissions.h"
+
+static int lists_init(permissions *p, const sheard_config *c, shear_error *err) {
+    int code = access_list_new(&p->admins, c->access.admin_users.items, c->access.admin_users.n,
+                               c->access.admin_groups.items, c->access.admin_groups.n, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = access_list_new(&p->submitters, NULL, 0, c->access.submit_groups.items,
+                           c->access.submit_groups.n, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    return access_list_new(&p->priority, c->access.priority_users.items, c->access.priority_users.n,
+                           c->access.priority_groups.items, c->access.priority_groups.n, err);
+}
+
+int permissions_init(permissions *p, const sheard_config *c, shear_error *err) {
+    *p = (permissions){.anyone_submits = c->access.submit_groups.n == 0};
+    int code = lists_init(p, c, err);
+    if (code == SHEAR_OK) {
+        code = access_roots_new(&p->roots, c->access.data_roots.items, c->access.data_roots.n, err);
+    }
+    if (code != SHEAR_OK) {
+        permissions_deinit(p);
+    }
+    return code;
+}
+
+void permissions_deinit(permissions *p) {
+    access_list_free(p->admins);
+    access_list_free(p->submitters);
+    access_list_free(p->priority);
+    access_roots_free(p->roots);
+    *p = (permissions){0};
+}
+
+bool permissions_admin(const permissions *p, const access_peer *peer) {
+    return peer->uid == 0 || access_list_has(p->admins, peer);
+}
+
+bool permissions_submit(const permissions *p, const access_peer *peer) {
+    return p->anyone_submits || access_list_has(p->submitters, peer) || permissions_admin(p, peer);
+}
+
+bool permissions_priority(const permissions *p, const access_peer *peer) {
+    return permissions_admin(p, peer) || access_list_has(p->priority, peer);
+}
+
+size_t permissions_unknown(const permissions *p, const char **list, size_t capacity) {
+    const access_list *const lists[] = {p->admins, p->submitters, p->priority};
+    size_t n = 0;
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
+        const char *text = NULL;
+        for (size_t i = 0; n < capacity && (text = access_list_unknown(lists[k], i)) != NULL; i++) {
+            if (list != NULL) {
+                list[n] = text;
+            }
+            n++;
+        }
+    }
+    return n;
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/core/tuning.h"
+
+#include "engine/machine.h"
+#include "log/log.h"
+#include "service/core/descriptors.h"
+
+server_limits tuning_server(const sheard_config *c) {
+    server_limits limits;
+    server_limits_init(&limits);
+    limits.connections = (size_t)descriptors_connections(c);
+    limits.user_connections = (size_t)c->limits.user_connections;
+    limits.reserved_connections = (size_t)c->limits.admin_connections;
+    limits.unsent_bytes = (size_t)c->limits.unsent_bytes;
+    limits.in_flight = (size_t)c->limits.requests_in_flight;
+    limits.idle_timeout_ms = c->limits.idle_timeout_ms;
+    return limits;
+}
+
+int64_t tuning_memory(const sheard_config *c) {
+    const int64_t machine = machine_memory();
+    if (c->limits.memory_bytes > machine) {
+        log_warning("[limits] memory is %lld bytes, but this service can have no more than %lld",
+                    (long long)c->limits.memory_bytes, (long long)machine);
+    }
+    return c->limits.memory_bytes > 0 ? c->limits.memory_bytes : machine / 4;
+}
+
+reader_limits tuning_reader(const sheard_config *c) {
+    return (reader_limits){.memory_bytes = c->reader.memory_bytes,
+                           .cpu_seconds = (c->reader.cpu_time_ms + 999) / 1000,
+                           .unpacked_bytes = c->reader.unpacked_bytes,
+                           .scratch_bytes = c->reader.scratch_bytes,
+                           .shared_bytes = c->reader.shared_memory_bytes,
+                           .timeout_ms = (int)c->reader.wall_time_ms};
+}
+
+spool_tuning tuning_spool(const sheard_config *c) {
+    return (spool_tuning){
+        .settle_ms = c->spool.settle_time_ms,
+        .scan_ms = c->spool.scan_interval_ms,
+        .done = {c->spool.done.max_age_ms, c->spool.done.max_count, c->spool.done.max_bytes},
+        .failed = {c->spool.failed.max_age_ms, c->spool.failed.max_count,
+                   c->spool.failed.max_bytes}};
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/fields/change_notifier.h: fields that changed: told once a second, however often they
+ * change, and the last change always. */
+#ifndef SHEARD_SERVICE_CHANGE_NOTIFIER_H
+#define SHEARD_SERVICE_CHANGE_NOTIFIER_H
+
+#include "store/store.h"
+
+typedef struct service service;
+typedef struct change_notifier change_notifier;
+
+/* Tell those who watch the field. `mixed`: there are other settings of it; `since`: see
+ * fields/estimates.h. A field without contributions is gone. */
+typedef void change_publish(service *s, const store_field *f, bool mixed, int64_t since);
+
+int change_notifier_new(change_notifier **n, service *s, change_publish *publish, shear_error *err);
+void change_notifier_free(change_notifier *n);
+void change_notifier_note(service *s, const char *name, const char *digest); /* NULL: no name yet */
+void change_notifier_tick(service *s);  /* once a second: soon, a few at a time */
+void change_notifier_flush(service *s); /* all, now */
+
+#endif

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/fields/field_purge.h"
+
+#include "base/cleanup.h"
+#include "log/log.h"
+#include "service/core/parts.h"
+#include "service/jobs/catalogs.h"
+
+struct field_purge {
+    TAILQ_HEAD(, purge_waiter) waiters;
+    bool under_way; /* this group has contributions that leave */
+};
+
+int field_purge_new(field_purge **out, shear_error *err) {
+    field_purge *p = calloc(1, sizeof *p);
+    *out = p;
+    if (p == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for forgotten fields");
+    }
+    TAILQ_INIT(&p->waiters);
+    return SHEAR_OK;
+}
+
+void field_purge_free(field_purge *p) {
+    if (p == NULL) {
+        return;
+    }
+    for (purge_waiter *w; (w = TAILQ_FIRST(&p->waiters)) != NULL;) {
+        TAILQ_REMOVE(&p->waiters, w, link);
+        free(w);
+    }
+    free(p);
+}
+
+void field_purge_wait(service *s, purge_waiter *w) {
+    TAILQ_INSERT_TAIL(&s->purge->waiters, w, link);
+}
+
+/* What leaves with a group. */
+typedef struct purge_slice {
+    post_commit post; /* first */
+    int64_t row;      /* store_removal's */
+    int64_t jobs;
+    bool over;   /* that was all of the row */
+    bool failed; /* a change that is tried again later */
+    char *field; /* where it is over */
+} purge_slice;
+
+/* Who waits for the row; NULL: nobody, for it was forgotten before the start. */
+static purge_waiter *find_waiter(const field_purge *p, int64_t row) {
+    purge_waiter *w;
+    TAILQ_FOREACH(w, &p->waiters, link) {
+        if (row > w->numbers.last - w->numbers.rows && row <= w->numbers.last) {
+            break;
+        }
+    }
+    return w;
+}
+
+static void tell(service *s, const purge_slice *slice) {
+    purge_waiter *w = find_waiter(s->purge, slice->row);
+    if (w != NULL) {
+        w->jobs += slice->jobs;
+    }
+    if (w != NULL && slice->over && slice->row == w->numbers.last) {
+        TAILQ_REMOVE(&s->purge->waiters, w, link);
+        w->done(s, w);
+    }
+    if (slice->over) {
+        log_notice("field '%s' is forgotten", slice->field);
+    }
+}
+
+/* They have left on disk, too. */
+static void have_left(post_commit *post, int code, const shear_error *err) {
+    service *s = post->context;
+    const purge_slice *slice = (const purge_slice *)post;
+    (void)err;
+    s->purge->under_way = false;
+    if (code == SHEAR_OK) {
+        tell(s, slice);
+    }
+    if (code == SHEAR_OK && !slice->failed) {
+        field_purge_continue(s);
+    }
+    free(slice->field);
+}
+
+static int remove_one(service *s, purge_slice *slice, shear_error *err) {
+    CLEANUP(store_removal_deinit) store_removal next = {0};
+    int code = store_next_removal(s->store, &next, err);
+    if (code == SHEAR_OK && next.forgotten != 0) {
+        const bool gone = next.contribution != 0 && catalog_remove_leaving(s, &next);
+        code = store_remove(s->store, &next, gone, err);
+    }
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    slice->row = next.forgotten;
+    slice->jobs += next.kept;
+    slice->over = next.contribution == 0;
+    if (slice->over) {
+        slice->field = CLEANUP_TAKE(next.field);
+    }
+    return SHEAR_OK;
+}
+
+static int remove_some(service *s, purge_slice *slice, shear_error *err) {
+    enum { SLICE_NS = 3000000 };
+    const uint64_t end = uv_hrtime() + SLICE_NS;
+    int code = group_begin(&s->group, err);
+    while (code == SHEAR_OK && !slice->over && uv_hrtime() < end) {
+        code = remove_one(s, slice, err);
+    }
+    return code;
+}
+
+static bool is_any_left(const service *s) {
+    CLEANUP(store_removal_deinit) store_removal next = {0};
+    shear_error ignored;
+    store_next_removal(s->store, &next, &ignored);
+    return next.forgotten != 0;
+}
+
+void field_purge_continue(service *s) {
+    enum { SECONDS_MS = 5000 };
+    shear_error err = {0};
+    if (s->purge->under_way || s->life.state == SHEARD_SERVER_STOPPING || !is_any_left(s)) {
+        return;
+    }
+    purge_slice *slice = group_then(&s->group, have_left, sizeof *slice);
+    if (slice == NULL) {
+        return;
+    }
+    s->purge->under_way = true;
+    const int code = remove_some(s, slice, &err);
+    slice->failed = code != SHEAR_OK;
+    if (slice->failed) {
+        problem_note_add(&s->notes, "store", store_code_name(code), SECONDS_MS, err.message);
+    }
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "service/jobs/job_file.h"
+
+#include "base/text.h"
+#include "sheard/messages.h"
+
+#include <stdio.h>
+
+/* How many names are looked at for a file whose place is not known: of many jobs, and of one. */
+enum { GLANCE = 8, SEARCH = 256 };
+
+bool job_file_is_description(const char *name) {
+    return text_ends_with(name, ".json");
+}
+
+bool job_file_name(const store_job *job, char name[SPOOL_NAME_SIZE]) {
+    if (job->origin != STORE_SPOOL || job->key == NULL || job->dropped == NULL) {
+        return false;
+    }
+    const int n = snprintf(name, SPOOL_NAME_SIZE, "%s-%s", job->key, job->dropped);
+    return n > 0 && n < SPOOL_NAME_SIZE;
+}
+
+bool job_file_is_field(const store_job *job) {
+    return job->origin == STORE_SPOOL && job->dropped != NULL &&
+           !job_file_is_description(job->dropped);
+}
+
+static spool_place place_of(const store_job *job) {
+    spool_place place = {.name = ""};
+    if (job->place != NULL) {
+        text_set(place.name, sizeof place.name, job->place);
+        text_set(place.fingerprint, sizeof place.fingerprint, job->place_fingerprint);
+    }
+    return place;
+}
+
+char *job_file_where(const spool *sp, const char *directory, const store_job *job) {
+    char name[SPOOL_NAME_SIZE];
+    char buffer[SPOOL_PLACE_SIZE];
+    char *path = NULL;
+    if (sp == NULL || !job_file_name(job, name)) {
+        return NULL;
+    }
+    spool_place place = place_of(job);
+    if (place.name[0] == '\0' && sheard_job_state_is_final(job->state)) {
+        spool_find_place(sp, name, GLANCE, &place); /* the service died before it was kept */
+    }
+    const char *where = spool_locate(sp, name, &place, buffer);
+    return where != NULL && asprintf(&path, "%s/%s", directory, where) > 0 ? path : NULL;
+}
+
+int job_file_no_spool(const store_job *job, shear_error *err) {
+    return shear_fail(err, SHEAR_E_IO, "switch the watch folder on again ([spool] enabled)",
+                      "'%s' was dropped into the watch folder, which is switched off",
+                      job->dropped);
+}
+
+int job_file_take_back(spool *sp, const store_job *job, shear_error *err) {
+    char name[SPOOL_NAME_SIZE];
+    if (!job_file_name(job, name)) {
+        return SHEAR_OK;
+    }
+    if (sp == NULL) {
+        return job_file_no_spool(job, err);
+    }
+    spool_place place = place_of(job);
+    if (place.name[0] == '\0') { /* of an older version's job, or the power failed */
+        spool_find_place(sp, name, SEARCH, &place);
+    }
+    const int code = spool_restore(sp, name, &place, err);
+    return job_file_is_description(job->dropped) ? SHEAR_OK : code;
+}

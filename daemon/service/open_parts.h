@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/open_parts.h: store, engine and server, opened as the configuration says. */
+#ifndef SHEARD_SERVICE_OPEN_PARTS_H
+#define SHEARD_SERVICE_OPEN_PARTS_H
+
+#include "shear/error.h"
+
+typedef struct service service;
+
+int open_store(service *s, shear_error *err);
+int open_engine(service *s, shear_error *err);
+int open_server(service *s, shear_error *err);
+
+#endif

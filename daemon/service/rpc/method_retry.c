@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* retry: a failed or cancelled job is queued again; answered when that is on disk. */
+#include "base/cleanup.h"
+#include "service/core/parts.h"
+#include "service/intake/file_disposal.h"
+#include "service/jobs/job_file.h"
+#include "service/jobs/job_source.h"
+#include "service/jobs/rpc_errors.h"
+#include "service/rpc/job_reply.h"
+#include "service/rpc/methods.h"
+#include "service/rpc/refuse.h"
+
+/* The dropped file of a job that is to be tried again goes back into active/. */
+static int take_back(service *s, const store_job *job, sheard_rpc_error *error) {
+    shear_error err = {0};
+    const int code = job_file_take_back(s->spool, job, &err);
+    switch (code) {
+    case SHEAR_OK:
+        return SHEARD_RPC_OK;
+    case SPOOL_GONE:
+        return rpc_error_as(error, SHEARD_RPC_NO_SUCH_FILE, &err);
+    case SPOOL_REPLACED:
+        return rpc_error_as(error, SHEARD_RPC_FILE_CHANGED, &err);
+    case SPOOL_NOT_REGULAR:
+        return rpc_error_as(error, SHEARD_RPC_NOT_REGULAR, &err);
+    default:
+        return rpc_error_as(error, SHEARD_RPC_IO, &err);
+    }
+}
+
+/* Its files are opened, as at its submission, and closed. */
+static int try_to_open(const service *s, const store_job *job, sheard_rpc_error *error) {
+    CLEANUP(job_source_deinit) job_source o = {.files = SOURCE_FILES_NONE};
+    shear_error err = {0};
+    const int code = job_source_open(s, job, &o, &err);
+    if (code == SHEAR_OK) {
+        return SHEARD_RPC_OK;
+    }
+    return job_file_is_field(job) ? rpc_error_as(error, sheard_rpc_code_find(o.fail_name), &err)
+                                  : rpc_error_from_access(error, code, &err);
+}
+
+static int queue_again(service *s, const store_job *job, sheard_rpc_error *error) {
+    shear_error err = {0};
+    int code = group_begin(&s->group, &err);
+    if (code == SHEAR_OK) {
+        code = store_retry(s->store, job->id, s->config.limits.queue, &err);
+    }
+    return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_store(error, code, &err);
+}
+
+/* Queued again, in this group; its file is back before. Where that was in vain, the file returns to
+ * where it was. */
+static int retry(service *s, store_job *job, sheard_rpc_error *error) {
+    if (job->state != STORE_FAILED && job->state != STORE_CANCELLED) {
+        return queue_again(s, job, error); /* the store refuses it: wrong_state */
+    }
+    int code = take_back(s, job, error);
+    if (code != SHEARD_RPC_OK) {
+        return code;
+    }
+    code = try_to_open(s, job, error);
+    if (code == SHEARD_RPC_OK) {
+        code = queue_again(s, job, error);
+    }
+    if (code != SHEARD_RPC_OK) {
+        file_disposal_end(s, job);
+    }
+    return code;
+}
+
+typedef struct retry_reply {
+    job_reply reply;                   /* first */
+    char active_name[SPOOL_NAME_SIZE]; /* of its file; "": it has none */
+} retry_reply;
+
+/* Where it is not on disk whether the job is queued again, the spool tells of its file once more,
+ * and that puts it where it belongs. */
+static void reply_retried(post_commit *post, int code, const shear_error *err) {
+    const service *s = post->context;
+    const retry_reply *later = (const retry_reply *)post;
+    shear_error ignored;
+    if (code != SHEAR_OK && later->active_name[0] != '\0' && s->spool != NULL) {
+        spool_refuse(s->spool, later->active_name, &ignored);
+    }
+    job_reply_run(post, code, err);
+}
+
+void method_retry(service *s, const server_request *r) {
+    const int64_t id = r->request->params.id.id;
+    CLEANUP(store_job_deinit) store_job job = {0};
+    shear_error err = {0};
+    sheard_rpc_error error;
+    if (!job_reply_may_change(s, r, id)) {
+        return;
+    }
+    if (s->life.state != SHEARD_SERVER_RUNNING) {
+        refuse_new_jobs(s, r->handle);
+        return;
+    }
+    const int code = store_job_get(s->store, id, &job, &err);
+    if (code != SHEAR_OK) {
+        refuse_store(s, r->handle, code, &err);
+        return;
+    }
+    if (retry(s, &job, &error) != SHEARD_RPC_OK) {
+        server_reply_error(s->server, r->handle, &error);
+        return;
+    }
+    retry_reply *later = job_reply_later(s, reply_retried, sizeof *later, r->handle, id);
+    if (later != NULL && !job_file_name(&job, later->active_name)) {
+        later->active_name[0] = '\0';
+    }
+}

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/rpc/metrics.h: the status as Prometheus text. */
+#ifndef SHEARD_SERVICE_METRICS_H
+#define SHEARD_SERVICE_METRICS_H
+
+#include "server/server.h"
+#include "service/rpc/status.h"
+
+#include <stdio.h>
+
+void metrics_write(FILE *out, const status *st, const server_statistics *net);
+
+#endif

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* service/rpc/refuse.h: error replies. */
+#ifndef SHEARD_SERVICE_REFUSE_H
+#define SHEARD_SERVICE_REFUSE_H
+
+#include "server/server.h"
+
+typedef struct service service;
+
+void refuse_with(service *s, server_handle to, enum sheard_rpc_code code, const char *message);
+/* With an error of the store. */
+void refuse_store(service *s, server_handle to, int code, const shear_error *err);
+/* The service is draining or stopping. */
+void refuse_new_jobs(service *s, server_handle to);
+
+#endif
