@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/config.h"
 
-#include "origin.h"
-#include "table.h"
-#include "value.h"
-
+#include <assert.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "base/cleanup.h"
+#include "origin.h"
+#include "table.h"
+#include "value.h"
 
 /* "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin, where there is one. */
 static bool find_beneath_prefix(char *path, size_t size) {
@@ -38,22 +40,16 @@ const char *sheard_config_default_path(void) {
     return find_beneath_prefix(beneath, sizeof beneath) ? beneath : SHEARD_CONFIG_FILE;
 }
 
-/* Put the value into its member in place of what is there. */
-static void replace(sheard_config *config, const sheard_setting *s, const union value *value) {
-    void *member = config_member(config, s);
-    value_deinit(s, member);
-    memcpy(member, value, value_size(s));
-}
-
-/* Beneath what stands in the file already, where it is the preset. */
+/* A preset goes beneath what stands in the file already. */
 static int set_measure(sheard_config *config, const char *key, const char *text, shear_error *err) {
     enum { MOST = 64 }; /* more than there are */
     bool given[MOST] = {false};
-    for (size_t i = config_n_rows(); i < sheard_settings_count() && i - config_n_rows() < MOST;
-         i++) {
-        given[i - config_n_rows()] = config->lines[i] != ORIGIN_DEFAULT;
+    const size_t n = sheard_settings_count() - config_n_rows;
+    assert(n <= MOST);
+    for (size_t i = 0; i < n; i++) {
+        given[i] = config->lines[config_n_rows + i] != ORIGIN_DEFAULT;
     }
-    int code = shear_settings_give(&config->measure, given, key, text, err);
+    const int code = shear_settings_give(&config->measure, given, key, text, err);
     return code == SHEAR_OK ? code : shear_prefix(err, code, "[measure]");
 }
 
@@ -62,45 +58,47 @@ static int set_index(sheard_config *config, size_t index, const char *text, shea
     if (s.type == SHEARD_T_MEASURE) {
         return set_measure(config, s.key, text, err);
     }
-    union value value = {0};
-    int code = value_parse(&s, text, &value, err);
-    if (code == SHEAR_OK) {
-        replace(config, &s, &value);
+    value parsed;
+    const int code = value_parse(&s, text, &parsed, err);
+    if (code == SHEAR_OK) { /* in place of what is there */
+        void *member = config_member(config, &s);
+        value_deinit(&s, member);
+        memcpy(member, &parsed, value_size(&s));
     }
     return code;
 }
 
 int config_set_at(sheard_config *config, size_t index, const char *text, int line,
                   shear_error *err) {
-    int code = set_index(config, index, text, err);
-    if (code != SHEAR_OK) {
-        return code;
+    const int code = set_index(config, index, text, err);
+    if (code == SHEAR_OK) {
+        config->lines[index] = line;
     }
-    config->lines[index] = line;
-    return SHEAR_OK;
+    return code;
 }
 
 int sheard_config_init(sheard_config *config, shear_error *err) {
     *config = (sheard_config){.lines = calloc(sheard_settings_count(), sizeof(int))};
-    int code = config->lines != NULL
-                   ? SHEAR_OK
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
+    if (config->lines == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
+    }
     shear_settings_init(&config->measure);
-    for (size_t i = 0; i < config_n_rows() && code == SHEAR_OK; i++) {
-        code = config_set_at(config, i, config_row(i)->initial, ORIGIN_DEFAULT, err);
+    for (size_t i = 0; i < config_n_rows; i++) {
+        const int code = config_set_at(config, i, config_rows[i].initial, ORIGIN_DEFAULT, err);
+        if (code != SHEAR_OK) {
+            sheard_config_deinit(config);
+            return code;
+        }
     }
-    if (code != SHEAR_OK) {
-        sheard_config_deinit(config);
-    }
-    return code;
+    return SHEAR_OK;
 }
 
 void sheard_config_deinit(sheard_config *config) {
     if (config == NULL) {
         return;
     }
-    for (size_t i = 0; i < config_n_rows(); i++) {
-        value_deinit(config_row(i), config_member(config, config_row(i)));
+    for (size_t i = 0; i < config_n_rows; i++) {
+        value_deinit(&config_rows[i], config_member(config, &config_rows[i]));
     }
     free(config->path);
     free(config->lines);
@@ -155,14 +153,11 @@ int sheard_config_assign(sheard_config *config, const char *assignment, shear_er
         return shear_fail(err, SHEAR_E_SETTING, "as in daemon.workers=4",
                           "'%.200s' is not of the form section.key=value", assignment);
     }
-    char *section = strndup(assignment, (size_t)(dot - assignment));
-    char *key = strndup(dot + 1, (size_t)(equals - dot - 1));
-    int code = section != NULL && key != NULL
-                   ? sheard_config_set(config, section, key, equals + 1, err)
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for '%.60s'", assignment);
-    free(section);
-    free(key);
-    return code;
+    CLEANUP(release_free) char *section = strndup(assignment, (size_t)(dot - assignment));
+    CLEANUP(release_free) char *key = strndup(dot + 1, (size_t)(equals - dot - 1));
+    return section != NULL && key != NULL
+               ? sheard_config_set(config, section, key, equals + 1, err)
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for '%.60s'", assignment);
 }
 
 char *sheard_config_format(const sheard_config *config, size_t index) {

@@ -8,24 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Read until the end or `most` bytes; the number of bytes, or -1. */
-static ssize_t read_up_to(int fd, char *buf, size_t most) {
-    size_t n = 0;
-    while (n < most) {
-        ssize_t got = read(fd, buf + n, most - n);
-        if (got < 0 && errno == EINTR) {
-            continue;
-        }
-        if (got < 0) {
-            return -1;
-        }
-        if (got == 0) {
-            break;
-        }
-        n += (size_t)got;
-    }
-    return (ssize_t)n;
-}
+#include "base/cleanup.h"
+#include "base/io.h"
 
 static int check_kind(int fd, shear_error *err) {
     struct stat st;
@@ -40,24 +24,20 @@ static int check_kind(int fd, shear_error *err) {
 }
 
 static int read_all(int fd, char **text, size_t *size, shear_error *err) {
-    int code = check_kind(fd, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
     /* One byte more than allowed, to see whether there is more. */
-    char *buf = malloc(CONFIG_FILE_MAX + 1);
+    CLEANUP(release_free) char *buf = malloc(CONFIG_FILE_MAX + 1);
     if (buf == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
     }
-    ssize_t n = read_up_to(fd, buf, CONFIG_FILE_MAX + 1);
-    if (n < 0 || n > CONFIG_FILE_MAX) {
-        code = n < 0 ? shear_fail(err, SHEAR_E_IO, NULL, "cannot be read: %s", strerror(errno))
-                     : shear_fail(err, SHEAR_E_IO, "is this the configuration?",
-                                  "is larger than %d bytes", (int)CONFIG_FILE_MAX);
-        free(buf);
-        return code;
+    const ssize_t n = io_read(fd, buf, CONFIG_FILE_MAX + 1);
+    if (n < 0) {
+        return shear_fail(err, SHEAR_E_IO, NULL, "cannot be read: %s", strerror(errno));
     }
-    *text = buf;
+    if (n > CONFIG_FILE_MAX) {
+        return shear_fail(err, SHEAR_E_IO, "is this the configuration?", "is larger than %d bytes",
+                          (int)CONFIG_FILE_MAX);
+    }
+    *text = CLEANUP_TAKE(buf);
     *size = (size_t)n;
     return SHEAR_OK;
 }
@@ -66,7 +46,7 @@ int file_read(const char *path, bool may_miss, char **text, size_t *size, shear_
     *text = NULL;
     *size = 0;
     /* Not blocked by a FIFO that nobody writes to. */
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    CLEANUP(release_fd) int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
     if (fd < 0 && errno == ENOENT && may_miss) {
         return SHEAR_OK;
     }
@@ -75,7 +55,6 @@ int file_read(const char *path, bool may_miss, char **text, size_t *size, shear_
                           errno == ENOENT ? "without --config, the defaults are used" : NULL,
                           "cannot be opened: %s", strerror(errno));
     }
-    int code = read_all(fd, text, size, err);
-    close(fd);
-    return code;
+    const int code = check_kind(fd, err);
+    return code == SHEAR_OK ? read_all(fd, text, size, err) : code;
 }

@@ -1,41 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Settings that have an option of their own. */
-#include "sheard/config.h"
-
-#include "text.h"
-
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
-size_t sheard_flags_fill(struct option *options, size_t room) {
+#include "base/cleanup.h"
+#include "sheard/config.h"
+#include "text.h"
+
+size_t sheard_flags_fill(struct option *options, size_t capacity) {
     size_t n = 0;
-    for (size_t i = 0; i < sheard_settings_count() && n + 1 < room; i++) {
+    for (size_t i = 0; i < sheard_settings_count() && n + 1 < capacity; i++) {
         sheard_setting s = sheard_setting_at(i);
         if (s.flag != NULL) {
             options[n++] =
                 (struct option){s.flag, required_argument, NULL, SHEARD_FLAG_FIRST + (int)i};
         }
     }
-    if (n < room) {
+    if (n < capacity) {
         options[n] = (struct option){NULL, 0, NULL, 0};
     }
     return n;
 }
 
-int sheard_flags_take(int val, const char *argument, sheard_list *assignments, shear_error *err) {
-    char *text = NULL;
-    ptrdiff_t index = (ptrdiff_t)val - SHEARD_FLAG_FIRST;
+int sheard_flags_assign(int val, const char *argument, sheard_list *assignments, shear_error *err) {
+    CLEANUP(release_free) char *text = NULL;
+    const ptrdiff_t index = (ptrdiff_t)val - SHEARD_FLAG_FIRST;
     if (index < 0 || (size_t)index >= sheard_settings_count()) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "option value %d is no setting's", val);
     }
     sheard_setting s = sheard_setting_at((size_t)index);
     if (asprintf(&text, "%s.%s=%s", s.section, s.key, argument) < 0) {
+        text = NULL; /* undefined after a failure */
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for --%s", s.flag);
     }
-    int code = sheard_list_append(assignments, text, err);
-    free(text);
-    return code;
+    return sheard_list_append(assignments, text, err);
 }
 
 static const char *metavar(const sheard_setting *s) {

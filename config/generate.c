@@ -16,10 +16,10 @@ static int complain(const char *what, const shear_error *err) {
 
 static int paste(FILE *page, shear_error *err) {
     char *line = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     int code = SHEAR_OK;
     bool found = false;
-    while (code == SHEAR_OK && getline(&line, &room, page) >= 0) {
+    while (code == SHEAR_OK && getline(&line, &capacity, page) >= 0) {
         if (strcmp(line, marker) == 0) {
             found = true;
             code = sheard_config_print_manual(stdout, err);

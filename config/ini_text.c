@@ -4,6 +4,7 @@
  * have caused is compared with what it did. */
 #include "ini_text.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <ini.h>
 #include <stdio.h>
@@ -53,7 +54,7 @@ static bool has_control(const char *p, size_t n) {
 }
 
 /* The section line p[0..n) beginning with '[': its name to the loader, its faults too. */
-static void take_section(struct reader *r, const char *p, size_t n) {
+static void read_section(struct reader *r, const char *p, size_t n) {
     char name[64];
     const char *close = memchr(p, ']', n);
     const char *first = p + 1 + leading_blanks(p + 1, n - 1);
@@ -78,7 +79,7 @@ static void take_section(struct reader *r, const char *p, size_t n) {
 enum kind { LINE_EMPTY, LINE_SECTION, LINE_VALUE };
 
 /* What to make of the line p[0..n), of which inih takes at most `most` bytes. */
-static enum kind look(struct reader *r, const char *p, size_t n, size_t most) {
+static enum kind examine(struct reader *r, const char *p, size_t n, size_t most) {
     size_t i = leading_blanks(p, n);
     r->indented = i > 0;
     bool empty = i == n || p[i] == '#' || p[i] == ';';
@@ -97,7 +98,7 @@ static enum kind look(struct reader *r, const char *p, size_t n, size_t most) {
         return LINE_EMPTY;
     }
     if (p[i] == '[' && !(r->indented && r->has_key)) {
-        take_section(r, p + i, n - i);
+        read_section(r, p + i, n - i);
         return LINE_SECTION;
     }
     return LINE_VALUE;
@@ -115,7 +116,7 @@ static char *next_line(char *buf, int size, void *stream) {
     size_t n = (size_t)((newline != NULL ? newline : r->end) - p);
     r->at = newline != NULL ? newline + 1 : r->end;
     r->line++;
-    enum kind kind = look(r, p, n, (size_t)size - 2);
+    enum kind kind = examine(r, p, n, (size_t)size - 2);
     r->expects = kind == LINE_VALUE;
     if (kind == LINE_VALUE) {
         snprintf(buf, (size_t)size, "%.*s\n", (int)n, p);
@@ -150,7 +151,7 @@ static bool has_hash_comment(const char *value) {
 }
 
 /* inih's handler. */
-static int take_value(void *user, const char *section, const char *key, const char *value) {
+static int on_value(void *user, const char *section, const char *key, const char *value) {
     struct reader *r = user;
     (void)section;
     bool continued = r->indented && r->has_key;
@@ -176,7 +177,7 @@ int ini_text_read(const char *text, size_t size, const ini_events *events, shear
     static const char mark[] = "\xef\xbb\xbf";
     size_t skip = size >= 3 && memcmp(text, mark, 3) == 0 ? 3 : 0;
     struct reader r = {.at = text + skip, .end = text + size, .events = events};
-    int code = ini_parse_stream(next_line, &r, take_value, &r);
+    int code = ini_parse_stream(next_line, &r, on_value, &r);
     if (code == -2) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for reading the configuration");
     }

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The file's values into a config. A value may have further lines, so that it is set when the next
  * one begins. */
-#include "sheard/config.h"
+#include <stdlib.h>
+#include <string.h>
 
+#include "base/cleanup.h"
 #include "file.h"
 #include "ini_text.h"
 #include "origin.h"
-
-#include <stdlib.h>
-#include <string.h>
+#include "value.h"
 
 typedef struct loader {
     sheard_config *config;
@@ -25,7 +25,7 @@ typedef struct loader {
     shear_error error;
 } loader;
 
-static void problem(loader *l, int line, const shear_error *error) {
+static void report(loader *l, int line, const shear_error *error) {
     char where[sizeof l->problems->kept[0].where];
     problems_add(l->problems, place_in_file(l->path, line, where, sizeof where), error);
 }
@@ -33,14 +33,14 @@ static void problem(loader *l, int line, const shear_error *error) {
 static void on_fault(void *context, int line, const char *advice, const char *message) {
     shear_error error;
     (void)shear_fail(&error, SHEAR_E_SETTING, advice, "%s", message);
-    problem(context, line, &error);
+    report(context, line, &error);
 }
 
 /* Set the value that is held. */
 static void flush(loader *l) {
     shear_error error;
     if (l->holds && config_set_at(l->config, l->index, l->text, l->line, &error) != SHEAR_OK) {
-        problem(l, l->line, &error);
+        report(l, l->line, &error);
     }
     free(l->text);
     l->text = NULL;
@@ -56,7 +56,7 @@ static void on_section(void *context, int line, const char *name) {
     l->known_section = sheard_section_help(name) != NULL;
     if (!l->known_section) {
         (void)config_unknown_section(name, &error);
-        problem(l, line, &error);
+        report(l, line, &error);
     }
 }
 
@@ -64,25 +64,21 @@ static void out_of_memory(loader *l) {
     l->code = shear_fail(&l->error, SHEAR_E_NOMEM, NULL, "out of memory for the configuration");
 }
 
-static bool is_list(size_t index) {
-    int type = sheard_setting_at(index).type;
-    return type == SHEARD_T_PATHS || type == SHEARD_T_NAMES;
-}
-
-static void continue_value(loader *l, int line, const char *value) {
+static void continue_value(loader *l, int line, const char *more) {
     if (!l->holds) {
         return; /* of a key that has been complained about */
     }
-    if (!is_list(l->index)) {
+    const sheard_setting s = sheard_setting_at(l->index);
+    if (!value_is_list(&s)) {
         char message[160];
         snprintf(message, sizeof message,
-                 "this line begins with a space and so goes on with '%s' of line %d",
-                 sheard_setting_at(l->index).key, l->line);
+                 "this line begins with a space and so goes on with '%s' of line %d", s.key,
+                 l->line);
         on_fault(l, line, "take away the space; only lists go on in further lines", message);
         return;
     }
     char *joined = NULL;
-    if (asprintf(&joined, "%s\n%s", l->text, value) < 0) {
+    if (asprintf(&joined, "%s\n%s", l->text, more) < 0) {
         out_of_memory(l);
         return;
     }
@@ -101,23 +97,23 @@ static bool identify(loader *l, int line, const char *key) {
         return false; /* complained about at its head */
     }
     if (config_find(l->section, key, &l->index, &error) != SHEAR_OK) {
-        problem(l, line, &error);
+        report(l, line, &error);
         return false;
     }
     if (l->seen[l->index] != 0) {
         (void)shear_fail(&error, SHEAR_E_SETTING, "keep one of them",
                          "[%s] %s: was already set in line %d", l->section,
                          sheard_setting_at(l->index).key, l->seen[l->index]);
-        problem(l, line, &error);
+        report(l, line, &error);
         return false;
     }
     return true;
 }
 
-static void on_value(void *context, int line, const char *key, const char *value, bool continued) {
+static void on_value(void *context, int line, const char *key, const char *text, bool continued) {
     loader *l = context;
     if (continued) {
-        continue_value(l, line, value);
+        continue_value(l, line, text);
         return;
     }
     flush(l);
@@ -126,7 +122,7 @@ static void on_value(void *context, int line, const char *key, const char *value
     }
     l->seen[l->index] = line;
     l->line = line;
-    l->text = strdup(value);
+    l->text = strdup(text);
     l->holds = l->text != NULL;
     if (!l->holds) {
         out_of_memory(l);
@@ -158,22 +154,27 @@ static int renew_path(sheard_config *config, const char *path, shear_error *err)
     return SHEAR_OK;
 }
 
+static int load(loader *l, bool may_miss) {
+    CLEANUP(release_free) char *text = NULL;
+    size_t size = 0;
+    int code = renew_path(l->config, l->path, &l->error);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = file_read(l->path, may_miss, &text, &size, &l->error);
+    if (code != SHEAR_OK || text == NULL) {
+        return code;
+    }
+    return load_text(l, text, size);
+}
+
 int config_load_file(sheard_config *config, const char *path, bool may_miss,
                      sheard_problems *problems) {
     loader l = {.config = config, .problems = problems, .path = path};
-    char *text = NULL;
-    size_t size = 0;
-    size_t errors_before = problems->n_errors;
-    int code = renew_path(config, path, &l.error);
-    if (code == SHEAR_OK) {
-        code = file_read(path, may_miss, &text, &size, &l.error);
-    }
-    if (code == SHEAR_OK && text != NULL) {
-        code = load_text(&l, text, size);
-    }
-    free(text);
+    const size_t errors_before = problems->n_errors;
+    const int code = load(&l, may_miss);
     if (code != SHEAR_OK) {
-        problem(&l, 0, &l.error);
+        report(&l, 0, &l.error);
         return code;
     }
     return problems->n_errors == errors_before ? SHEAR_OK : SHEAR_E_SETTING;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The settings as mdoc. */
-#include "text.h"
-
-#include <stdlib.h>
 #include <string.h>
+
+#include "base/cleanup.h"
+#include "text.h"
 
 /* Text for roff: backslashes and hyphens as such, no control line by accident, and each sentence on
  * a line of its own, as mdoc wants it. */
@@ -34,13 +34,12 @@ static void print_sentence(FILE *out, const char *text) {
 }
 
 static int print_default(FILE *out, const sheard_config *defaults, size_t i, shear_error *err) {
-    char *text = sheard_config_format(defaults, i);
+    CLEANUP(release_free) char *text = sheard_config_format(defaults, i);
     if (text == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the manual");
     }
     fputs("Default: ", out);
     print_sentence(out, *text != '\0' ? text : "empty");
-    free(text);
     return SHEAR_OK;
 }
 
@@ -81,12 +80,11 @@ static int print_all(FILE *out, const sheard_config *defaults, shear_error *err)
 }
 
 int sheard_config_print_manual(FILE *out, shear_error *err) {
-    sheard_config defaults;
+    CLEANUP(sheard_config_deinit) sheard_config defaults = {0};
     int code = sheard_config_init(&defaults, err);
     if (code != SHEAR_OK) {
         return code;
     }
     code = print_all(out, &defaults, err);
-    sheard_config_deinit(&defaults);
     return code == SHEAR_OK ? text_flushed(out, err) : code;
 }

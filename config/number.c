@@ -3,6 +3,7 @@
  * unit. */
 #include "value.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <string.h>
 
@@ -29,9 +30,9 @@ static const struct unit *units_of(const sheard_setting *s) {
     return s->type == SHEARD_T_DURATION ? time_units : no_units;
 }
 
-/* Digits of a number in `base` at *text, which moves behind them. False where there are none; a
+/* Digits of a number in `base` at *text, which moves behind them. False if there are none; a
  * number beyond int64 becomes INT64_MAX, which is out of every setting's range. */
-static bool take_digits(const char **text, int base, int64_t *number) {
+static bool read_digits(const char **text, int base, int64_t *number) {
     const char *p = *text;
     int64_t n = 0;
     for (; *p >= '0' && *p < '0' + base; p++) {
@@ -55,9 +56,9 @@ static const struct unit *find_unit(const sheard_setting *s, const char *name) {
 }
 
 /* Whether `text` is a number of this type at all; *number is INT64_MAX where it is too large. */
-static bool scan(const sheard_setting *s, const char *text, int64_t *number) {
+static bool read_number(const sheard_setting *s, const char *text, int64_t *number) {
     int64_t n = 0;
-    if (!take_digits(&text, s->type == SHEARD_T_MODE ? 8 : 10, &n)) {
+    if (!read_digits(&text, s->type == SHEARD_T_MODE ? 8 : 10, &n)) {
         return false;
     }
     const struct unit *u = find_unit(s, text);
@@ -80,8 +81,9 @@ char *number_format(const sheard_setting *s, int64_t number, char *buf, size_t s
     } else {
         const struct unit *u = units_of(s);
         while (number % u->factor != 0) {
-            u++;
+            u++; /* the last factor is 1 */
         }
+        assert(u->name != NULL);
         snprintf(buf, size, "%" PRId64 "%s", number / u->factor, u->name);
     }
     return buf;
@@ -119,7 +121,7 @@ int number_parse(const sheard_setting *s, const char *text, int64_t *number, she
     }
     int64_t n = 0;
     char expected[128];
-    if (!scan(s, text, &n) || n < s->min || n > s->max) {
+    if (!read_number(s, text, &n) || n < s->min || n > s->max) {
         return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not %s", s->section,
                           s->key, text, number_expected(s, expected, sizeof expected));
     }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Configurations as files: the sample, and what is in effect. */
+#include <string.h>
+
+#include "base/cleanup.h"
 #include "origin.h"
 #include "text.h"
-
-#include <stdlib.h>
-#include <string.h>
+#include "value.h"
 
 enum { EXPECTED_MAX = 256 };
 
@@ -32,7 +33,7 @@ static bool begins_section(size_t i) {
 
 /* "key = value"; a list has a line for each item, so that no line gets too long. */
 static void print_value(FILE *out, const char *lead, const sheard_setting *s, const char *text) {
-    bool is_list = s->type == SHEARD_T_PATHS || s->type == SHEARD_T_NAMES;
+    const bool is_list = value_is_list(s);
     fprintf(out, "%s%s =%s", lead, s->key, *text != '\0' ? " " : "");
     for (const char *comma; is_list && (comma = strstr(text, ", ")) != NULL; text = comma + 2) {
         fprintf(out, "%.*s,\n%s    ", (int)(comma - text), text, lead);
@@ -43,12 +44,11 @@ static void print_value(FILE *out, const char *lead, const sheard_setting *s, co
 static int print_setting(FILE *out, const sheard_config *config, size_t i, const char *lead,
                          shear_error *err) {
     sheard_setting s = sheard_setting_at(i);
-    char *text = sheard_config_format(config, i);
+    CLEANUP(release_free) char *text = sheard_config_format(config, i);
     if (text == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for printing");
     }
     print_value(out, lead, &s, text);
-    free(text);
     return SHEAR_OK;
 }
 
@@ -85,7 +85,7 @@ static int sample_setting(FILE *out, const sheard_config *defaults, size_t i, sh
 }
 
 int sheard_config_print_sample(FILE *out, shear_error *err) {
-    sheard_config defaults;
+    CLEANUP(sheard_config_deinit) sheard_config defaults = {0};
     int code = sheard_config_init(&defaults, err);
     if (code != SHEAR_OK) {
         return code;
@@ -99,6 +99,5 @@ int sheard_config_print_sample(FILE *out, shear_error *err) {
     for (size_t i = 0; i < sheard_settings_count() && code == SHEAR_OK; i++) {
         code = sample_setting(out, &defaults, i, err);
     }
-    sheard_config_deinit(&defaults);
     return code == SHEAR_OK ? text_flushed(out, err) : code;
 }

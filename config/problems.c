@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "origin.h"
 
+#include <assert.h>
 #include <string.h>
+
+#include "base/text.h"
 
 static void keep(sheard_problems *problems, const char *where, bool is_warning,
                  const shear_error *error) {
@@ -37,10 +40,10 @@ char *place_in_file(const char *path, int line, char *buf, size_t size) {
     if (line > 0) {
         snprintf(number, sizeof number, ":%d", line);
     }
-    size_t room = size - strlen(number) - 1;
+    const size_t capacity = size - strlen(number) - 1;
     size_t length = strlen(path);
-    bool cut = length > room;
-    snprintf(buf, size, "%s%s%s", cut ? "..." : "", cut ? path + (length - room + 3) : path,
+    bool cut = length > capacity;
+    snprintf(buf, size, "%s%s%s", cut ? "..." : "", cut ? path + (length - capacity + 3) : path,
              number);
     return buf;
 }
@@ -51,6 +54,7 @@ char *config_where(const sheard_config *config, size_t index, char *buf, size_t 
         return place_in_file(config->path, line, buf, size);
     }
     static const char *const others[] = {"default", "command line", "earlier configuration"};
+    assert(line >= ORIGIN_EARLIER);
     snprintf(buf, size, "%s", others[-line]);
     return buf;
 }

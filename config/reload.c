@@ -2,12 +2,12 @@
 /* Two configurations: how they differ, and one taking over from the other while it is in use. */
 #include "sheard/config.h"
 
+#include <assert.h>
+#include <string.h>
+
 #include "origin.h"
 #include "table.h"
 #include "value.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t index) {
     sheard_setting s = sheard_setting_at(index);
@@ -21,11 +21,11 @@ bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t i
 }
 
 size_t sheard_config_changes(const sheard_config *a, const sheard_config *b, bool at_start,
-                             size_t *changed, size_t room) {
+                             size_t *changed, size_t capacity) {
     size_t n = 0;
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         if ((!at_start || sheard_setting_at(i).at_start) && !sheard_config_same(a, b, i)) {
-            if (n < room) {
+            if (n < capacity) {
                 changed[n] = i;
             }
             n++;
@@ -35,7 +35,8 @@ size_t sheard_config_changes(const sheard_config *a, const sheard_config *b, boo
 }
 
 static void swap_bytes(void *a, void *b, size_t n) {
-    union value kept;
+    value kept;
+    assert(n <= sizeof kept);
     memcpy(&kept, a, n);
     memcpy(a, b, n);
     memcpy(b, &kept, n);
@@ -43,8 +44,8 @@ static void swap_bytes(void *a, void *b, size_t n) {
 
 /* Exchange what may change while running, and where everything comes from. Twice is as before. */
 static void exchange(sheard_config *a, sheard_config *b) {
-    for (size_t i = 0; i < config_n_rows(); i++) {
-        const sheard_setting *s = config_row(i);
+    for (size_t i = 0; i < config_n_rows; i++) {
+        const sheard_setting *s = &config_rows[i];
         if (!s->at_start) {
             swap_bytes(config_member(a, s), config_member(b, s), value_size(s));
         }

@@ -3,9 +3,15 @@
  */
 #include "table.h"
 
+#include <assert.h>
 #include <string.h>
 
-const struct section config_sections[] = {
+#include "base/spelling.h"
+
+/* In the rows' order. */
+static const struct {
+    const char *name, *help;
+} sections[] = {
     {"daemon", "The process, its socket and its threads."},
     {"spool",
      "The watch folder: files that appear in DIRECTORY/incoming are measured, and then moved to "
@@ -29,29 +35,20 @@ const struct section config_sections[] = {
      "The measurement, for jobs that do not say otherwise. Jobs keep the settings that they were "
      "accepted with."},
 };
-const size_t config_n_sections = sizeof config_sections / sizeof config_sections[0];
-
-size_t config_n_rows(void) {
-    return config_n_place_rows + config_n_bound_rows;
-}
-
-const sheard_setting *config_row(size_t i) {
-    return i < config_n_place_rows ? &config_place_rows[i]
-                                   : &config_bound_rows[i - config_n_place_rows];
-}
+enum { N_SECTIONS = sizeof sections / sizeof sections[0] };
 
 size_t sheard_settings_count(void) {
     size_t n_measure = 0;
     (void)shear_settings_table(&n_measure);
-    return config_n_rows() + n_measure;
+    return config_n_rows + n_measure;
 }
 
 sheard_setting sheard_setting_at(size_t i) {
-    if (i < config_n_rows()) {
-        return *config_row(i);
+    if (i < config_n_rows) {
+        return config_rows[i];
     }
     size_t n = 0;
-    const shear_setting_def *def = &shear_settings_table(&n)[i - config_n_rows()];
+    const shear_setting_def *def = &shear_settings_table(&n)[i - config_n_rows];
     return (sheard_setting){.section = "measure",
                             .key = def->name,
                             .type = SHEARD_T_MEASURE,
@@ -61,19 +58,10 @@ sheard_setting sheard_setting_at(size_t i) {
                             .measure = def};
 }
 
-bool config_same_name(const char *a, const char *b) {
-    for (; *a != '\0' && *b != '\0'; a++, b++) {
-        if ((*a == '_' ? '-' : *a) != (*b == '_' ? '-' : *b)) {
-            return false;
-        }
-    }
-    return *a == *b;
-}
-
 ptrdiff_t sheard_setting_find(const char *section, const char *key) {
     for (size_t i = 0; i < sheard_settings_count(); i++) {
         sheard_setting s = sheard_setting_at(i);
-        if (strcmp(s.section, section) == 0 && config_same_name(s.key, key)) {
+        if (strcmp(s.section, section) == 0 && spelling_same(s.key, key)) {
             return (ptrdiff_t)i;
         }
     }
@@ -81,18 +69,47 @@ ptrdiff_t sheard_setting_find(const char *section, const char *key) {
 }
 
 const char *sheard_section_help(const char *section) {
-    for (size_t i = 0; i < config_n_sections; i++) {
-        if (strcmp(config_sections[i].name, section) == 0) {
-            return config_sections[i].help;
+    for (size_t i = 0; i < N_SECTIONS; i++) {
+        if (strcmp(sections[i].name, section) == 0) {
+            return sections[i].help;
+        }
+    }
+    return NULL;
+}
+
+const char *config_nearest_section(const char *name) {
+    spelling s = {.given = name};
+    for (size_t i = 0; i < N_SECTIONS; i++) {
+        spelling_consider(&s, sections[i].name);
+    }
+    return s.best;
+}
+
+const char *config_nearest_key(const char *section, const char *key) {
+    spelling s = {.given = key};
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        if (strcmp(sheard_setting_at(i).section, section) == 0) {
+            spelling_consider(&s, sheard_setting_at(i).key);
+        }
+    }
+    return s.best;
+}
+
+const char *config_section_of(const char *key) {
+    for (size_t i = 0; i < sheard_settings_count(); i++) {
+        if (spelling_same(sheard_setting_at(i).key, key)) {
+            return sheard_setting_at(i).section;
         }
     }
     return NULL;
 }
 
 void *config_member(sheard_config *config, const sheard_setting *s) {
+    assert(s->type != SHEARD_T_MEASURE);
     return (char *)config + s->offset;
 }
 
 const void *config_const_member(const sheard_config *config, const sheard_setting *s) {
+    assert(s->type != SHEARD_T_MEASURE);
     return (const char *)config + s->offset;
 }

@@ -8,19 +8,9 @@
 /* Bytes of a path: inih's lines have 198, and what is printed must load again. */
 enum { CONFIG_PATH_MAX = 180, CONFIG_SOCKET_MAX = 107, CONFIG_NAME_MAX = 32 };
 
-struct section {
-    const char *name, *help;
-};
-
-/* The daemon's own rows: these two. shear_settings_table has the others. */
-extern const sheard_setting config_place_rows[], config_bound_rows[];
-extern const size_t config_n_place_rows, config_n_bound_rows;
-
-/* Both as one: row i < config_n_rows(). */
-size_t config_n_rows(void);
-const sheard_setting *config_row(size_t i);
-extern const struct section config_sections[]; /* in the rows' order, [measure] last */
-extern const size_t config_n_sections;
+/* The daemon's own rows: the first settings. shear_settings_table has the others. */
+extern const sheard_setting config_rows[];
+extern const size_t config_n_rows;
 
 /* The member of a row in a config. Not for SHEARD_T_MEASURE. */
 void *config_member(sheard_config *config, const sheard_setting *s);
@@ -32,8 +22,5 @@ const char *config_nearest_key(const char *section, const char *key);
 
 /* Another section that has this very key, or NULL. */
 const char *config_section_of(const char *key);
-
-/* '_' and '-' are the same. */
-bool config_same_name(const char *a, const char *b);
 
 #endif

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "text.h"
 
-#include "value.h"
-
 #include <ctype.h>
 #include <errno.h>
 #include <float.h>
 #include <string.h>
+
+#include "base/text.h"
+#include "value.h"
 
 void text_wrap(FILE *out, const char *text, int column, const char *indent) {
     bool fresh = true; /* nothing on this line yet */
@@ -25,55 +26,56 @@ void text_wrap(FILE *out, const char *text, int column, const char *indent) {
     fputc('\n', out);
 }
 
-static void list_choices(const char *const *choices, char *buf, size_t size) {
-    size_t used = (size_t)snprintf(buf, size, "one of: ");
-    for (size_t i = 0; choices[i] != NULL && used < size; i++) {
-        used += (size_t)snprintf(buf + used, size - used, "%s%s", i > 0 ? ", " : "", choices[i]);
-    }
+static void expect_choice(const char *const *choices, char *buf, size_t size) {
+    text_set(buf, size, "one of: ");
+    text_list(buf + strlen(buf), size - strlen(buf), choices);
 }
 
-static void expected_measure(const shear_setting_def *def, char *buf, size_t size) {
+static void expect_measure(const shear_setting_def *def, char *buf, size_t size) {
     const char *kind = def->type == SHEAR_T_INT ? "a whole number" : "a number";
-    const char *space = def->unit[0] != '\0' ? " " : "";
-    char automatic[24] = "";
-    if (def->has_auto) {
-        snprintf(automatic, sizeof automatic, ", or %s", shear_setting_auto(def));
-    }
     if (def->type == SHEAR_T_CHOICE) {
-        list_choices(def->choices, buf, size);
-    } else if (def->type == SHEAR_T_BOOL) {
-        snprintf(buf, size, "true or false");
-    } else if (def->max >= DBL_MAX) {
-        snprintf(buf, size, "%s from %g%s%s%s", kind, def->min, space, def->unit, automatic);
-    } else {
-        snprintf(buf, size, "%s from %g to %g%s%s%s", kind, def->min, def->max, space, def->unit,
-                 automatic);
+        expect_choice(def->choices, buf, size);
+        return;
+    }
+    if (def->type == SHEAR_T_BOOL) {
+        text_set(buf, size, "true or false");
+        return;
+    }
+    snprintf(buf, size, "%s from %g", kind, def->min);
+    if (def->max < DBL_MAX) {
+        text_append(buf, size, " to %g", def->max);
+    }
+    text_append(buf, size, "%s%s", def->unit[0] != '\0' ? " " : "", def->unit);
+    if (def->has_auto) {
+        text_append(buf, size, ", or %s", shear_setting_auto(def));
     }
 }
 
-static void expected(const sheard_setting *s, char *buf, size_t size) {
+static void expect(const sheard_setting *s, char *buf, size_t size) {
     switch (s->type) {
     case SHEARD_T_PATH:
-        snprintf(buf, size, "an absolute path%s%s", s->word != NULL ? ", or " : "",
-                 s->word != NULL ? s->word : "");
+        text_set(buf, size, "an absolute path");
+        if (s->word != NULL) {
+            text_append(buf, size, ", or %s", s->word);
+        }
         break;
     case SHEARD_T_NAME:
-        snprintf(buf, size, "a name, or empty");
+        text_set(buf, size, "a name, or empty");
         break;
     case SHEARD_T_PATHS:
-        snprintf(buf, size, "absolute paths, separated by commas");
+        text_set(buf, size, "absolute paths, separated by commas");
         break;
     case SHEARD_T_NAMES:
-        snprintf(buf, size, "names, separated by commas");
+        text_set(buf, size, "names, separated by commas");
         break;
     case SHEARD_T_CHOICE:
-        list_choices(s->choices, buf, size);
+        expect_choice(s->choices, buf, size);
         break;
     case SHEARD_T_BOOL:
-        snprintf(buf, size, "true or false");
+        text_set(buf, size, "true or false");
         break;
     case SHEARD_T_MEASURE:
-        expected_measure(s->measure, buf, size);
+        expect_measure(s->measure, buf, size);
         break;
     default:
         (void)number_expected(s, buf, size);
@@ -82,7 +84,7 @@ static void expected(const sheard_setting *s, char *buf, size_t size) {
 }
 
 char *text_expected(const sheard_setting *s, char *buf, size_t size) {
-    expected(s, buf, size - 1);
+    expect(s, buf, size - 1);
     buf[0] = (char)toupper((unsigned char)buf[0]);
     size_t length = strlen(buf);
     buf[length] = '.';

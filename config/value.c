@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "value.h"
 
-#include "table.h"
-
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/cleanup.h"
+#include "base/spelling.h"
+#include "base/text.h"
 
 /* ---- paths and names ---- */
 
@@ -86,26 +88,28 @@ static bool is_path(const sheard_setting *s) {
     return s->type == SHEARD_T_PATH || s->type == SHEARD_T_PATHS;
 }
 
+static int check_item(const sheard_setting *s, const char *item, shear_error *err) {
+    if (s->word != NULL && strcmp(item, s->word) == 0) {
+        return SHEAR_OK;
+    }
+    return is_path(s) ? check_path(s, item, err) : check_name(s, item, err);
+}
+
 /* A tidied and checked copy of text[0..n). */
 static int parse_item(const sheard_setting *s, const char *text, size_t n, char **item,
                       shear_error *err) {
-    char *copy = strndup(text, n);
+    CLEANUP(release_free) char *copy = strndup(text, n);
     if (copy == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %s", s->key);
     }
     if (is_path(s)) {
         tidy_path(copy); /* before the check: "/a /" becomes "/a ", which cannot be written */
     }
-    const bool is_word = s->word != NULL && strcmp(copy, s->word) == 0;
-    int code = is_word      ? SHEAR_OK
-               : is_path(s) ? check_path(s, copy, err)
-                            : check_name(s, copy, err);
-    if (code != SHEAR_OK) {
-        free(copy);
-        return code;
+    const int code = check_item(s, copy, err);
+    if (code == SHEAR_OK) {
+        *item = CLEANUP_TAKE(copy);
     }
-    *item = copy;
-    return SHEAR_OK;
+    return code;
 }
 
 /* ---- lists: items between commas and line ends; empty ones do not count ---- */
@@ -119,57 +123,53 @@ static bool contains(const sheard_list *list, const char *item) {
     return false;
 }
 
-static int take_item(const sheard_setting *s, sheard_list *list, const char *text, size_t n,
-                     shear_error *err) {
-    char *item = NULL;
-    int code = parse_item(s, text, n, &item, err);
-    if (item != NULL && contains(list, item)) {
-        code = shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.200s' is listed twice",
-                          s->section, s->key, item);
-    } else if (item != NULL) {
-        code = sheard_list_append(list, item, err);
+static int add_item(const sheard_setting *s, sheard_list *list, const char *text, size_t n,
+                    shear_error *err) {
+    CLEANUP(release_free) char *item = NULL;
+    const int code = parse_item(s, text, n, &item, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    free(item);
-    return code;
+    if (contains(list, item)) {
+        return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.200s' is listed twice",
+                          s->section, s->key, item);
+    }
+    return sheard_list_append(list, item, err);
 }
 
 static int parse_list(const sheard_setting *s, const char *text, sheard_list *out,
                       shear_error *err) {
     static const char blank[] = " \t";
-    sheard_list list = {0};
-    int code = SHEAR_OK;
-    while (*text != '\0' && code == SHEAR_OK) {
+    CLEANUP(sheard_list_deinit) sheard_list list = {0};
+    while (*text != '\0') {
         text += strspn(text, blank);
-        size_t length = strcspn(text, ",\n");
+        const size_t length = strcspn(text, ",\n");
         size_t n = length;
         while (n > 0 && strchr(blank, text[n - 1]) != NULL) {
             n--;
         }
-        if (n > 0) {
-            code = take_item(s, &list, text, n, err);
+        const int code = n > 0 ? add_item(s, &list, text, n, err) : SHEAR_OK;
+        if (code != SHEAR_OK) {
+            return code;
         }
         text += length + (text[length] != '\0');
     }
-    if (code != SHEAR_OK) {
-        sheard_list_deinit(&list);
-        return code;
-    }
     *out = list;
+    list = (sheard_list){0};
     return SHEAR_OK;
 }
 
 /* ---- the rest ---- */
 
 static int parse_choice(const sheard_setting *s, const char *text, int *choice, shear_error *err) {
-    char known[120] = "";
+    char known[120];
     for (int i = 0; s->choices[i] != NULL; i++) {
-        if (config_same_name(s->choices[i], text)) {
+        if (spelling_same(s->choices[i], text)) {
             *choice = i;
             return SHEAR_OK;
         }
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", s->choices[i]);
     }
+    text_list(known, sizeof known, s->choices);
     return shear_fail(err, SHEAR_E_SETTING, NULL, "[%s] %s: '%.60s' is not one of: %s", s->section,
                       s->key, text, known);
 }
@@ -189,28 +189,28 @@ static int parse_bool(const sheard_setting *s, const char *text, bool *flag, she
 
 static int parse_mode(const sheard_setting *s, const char *text, unsigned *mode, shear_error *err) {
     int64_t number = 0;
-    int code = number_parse(s, text, &number, err);
+    const int code = number_parse(s, text, &number, err);
     if (code == SHEAR_OK) {
         *mode = (unsigned)number;
     }
     return code;
 }
 
-int value_parse(const sheard_setting *s, const char *text, union value *value, shear_error *err) {
+int value_parse(const sheard_setting *s, const char *text, value *parsed, shear_error *err) {
     switch (s->type) {
     case SHEARD_T_PATH:
     case SHEARD_T_NAME:
-        return parse_item(s, text, strlen(text), &value->text, err);
+        return parse_item(s, text, strlen(text), &parsed->member.text, err);
     case SHEARD_T_PATHS:
     case SHEARD_T_NAMES:
-        return parse_list(s, text, &value->list, err);
+        return parse_list(s, text, &parsed->list, err);
     case SHEARD_T_CHOICE:
-        return parse_choice(s, text, &value->choice, err);
+        return parse_choice(s, text, &parsed->member.number, err);
     case SHEARD_T_BOOL:
-        return parse_bool(s, text, &value->flag, err);
+        return parse_bool(s, text, &parsed->member.flag, err);
     case SHEARD_T_MODE:
-        return parse_mode(s, text, &value->mode, err);
+        return parse_mode(s, text, &parsed->member.bits, err);
     default:
-        return number_parse(s, text, &value->number, err);
+        return number_parse(s, text, &parsed->member.count, err);
     }
 }

@@ -2,8 +2,28 @@
 /* What else can be done with a value: write, compare, release. */
 #include "value.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
+
+bool value_is_list(const sheard_setting *s) {
+    return s->type == SHEARD_T_PATHS || s->type == SHEARD_T_NAMES;
+}
+
+enum member_type value_member_type(const sheard_setting *s) {
+    static const enum member_type types[] = {
+        [SHEARD_T_PATH] = MEMBER_TEXT,     [SHEARD_T_NAME] = MEMBER_TEXT,
+        [SHEARD_T_INT] = MEMBER_INT64,     [SHEARD_T_BYTES] = MEMBER_INT64,
+        [SHEARD_T_MODE] = MEMBER_UNSIGNED, [SHEARD_T_DURATION] = MEMBER_INT64,
+        [SHEARD_T_CHOICE] = MEMBER_INT,    [SHEARD_T_BOOL] = MEMBER_BOOL,
+    };
+    assert(!value_is_list(s) && s->type != SHEARD_T_MEASURE);
+    return types[s->type];
+}
+
+size_t value_size(const sheard_setting *s) {
+    return value_is_list(s) ? sizeof(sheard_list) : member_size(value_member_type(s));
+}
 
 static char *join(const sheard_list *list) {
     size_t size = 1;
@@ -29,13 +49,13 @@ static char *format_number(const sheard_setting *s, int64_t number) {
 }
 
 char *value_format(const sheard_setting *s, const void *member) {
+    if (value_is_list(s)) {
+        return join(member);
+    }
     switch (s->type) {
     case SHEARD_T_PATH:
     case SHEARD_T_NAME:
         return strdup(*(char *const *)member);
-    case SHEARD_T_PATHS:
-    case SHEARD_T_NAMES:
-        return join(member);
     case SHEARD_T_CHOICE:
         return strdup(s->choices[*(const int *)member]);
     case SHEARD_T_BOOL:
@@ -60,48 +80,14 @@ static bool same_list(const sheard_list *a, const sheard_list *b) {
 }
 
 bool value_equal(const sheard_setting *s, const void *a, const void *b) {
-    switch (s->type) {
-    case SHEARD_T_PATH:
-    case SHEARD_T_NAME:
-        return strcmp(*(char *const *)a, *(char *const *)b) == 0;
-    case SHEARD_T_PATHS:
-    case SHEARD_T_NAMES:
-        return same_list(a, b);
-    case SHEARD_T_CHOICE:
-        return *(const int *)a == *(const int *)b;
-    case SHEARD_T_BOOL:
-        return *(const bool *)a == *(const bool *)b;
-    case SHEARD_T_MODE:
-        return *(const unsigned *)a == *(const unsigned *)b;
-    default:
-        return *(const int64_t *)a == *(const int64_t *)b;
-    }
+    return value_is_list(s) ? same_list(a, b) : member_equal(value_member_type(s), a, b);
 }
 
 void value_deinit(const sheard_setting *s, void *member) {
-    if (s->type == SHEARD_T_PATH || s->type == SHEARD_T_NAME) {
+    if (value_is_list(s)) {
+        sheard_list_deinit(member);
+    } else if (value_member_type(s) == MEMBER_TEXT) {
         free(*(char **)member);
         *(char **)member = NULL;
-    } else if (s->type == SHEARD_T_PATHS || s->type == SHEARD_T_NAMES) {
-        sheard_list_deinit(member);
-    }
-}
-
-size_t value_size(const sheard_setting *s) {
-    switch (s->type) {
-    case SHEARD_T_PATH:
-    case SHEARD_T_NAME:
-        return sizeof(char *);
-    case SHEARD_T_PATHS:
-    case SHEARD_T_NAMES:
-        return sizeof(sheard_list);
-    case SHEARD_T_CHOICE:
-        return sizeof(int);
-    case SHEARD_T_BOOL:
-        return sizeof(bool);
-    case SHEARD_T_MODE:
-        return sizeof(unsigned);
-    default:
-        return sizeof(int64_t);
     }
 }

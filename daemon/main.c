@@ -56,7 +56,7 @@ static int parse(int argc, char **argv, command_line *line) {
         } else if (got == OPT_SET) {
             code = sheard_list_append(&line->assignments, optarg, &err);
         } else if (got >= SHEARD_FLAG_FIRST) {
-            code = sheard_flags_take(got, optarg, &line->assignments, &err);
+            code = sheard_flags_assign(got, optarg, &line->assignments, &err);
         } else if (got == '?') {
             return usage(stderr, EXIT_USAGE) + 1;
         } else {

@@ -217,10 +217,12 @@ static void options_become_settings(void **state) {
     assert_int_equal(sheard_config_init(&config, NULL), SHEAR_OK);
     for (size_t i = 0; i < n; i++) {
         if (strcmp(options[i].name, "workers") == 0) {
-            assert_int_equal(sheard_flags_take(options[i].val, "6", &assignments, &err), SHEAR_OK);
+            assert_int_equal(sheard_flags_assign(options[i].val, "6", &assignments, &err),
+                             SHEAR_OK);
         }
         if (strcmp(options[i].name, "spool") == 0) {
-            assert_int_equal(sheard_flags_take(options[i].val, "/s", &assignments, &err), SHEAR_OK);
+            assert_int_equal(sheard_flags_assign(options[i].val, "/s", &assignments, &err),
+                             SHEAR_OK);
         }
     }
     assert_int_equal(assignments.n, 2);
@@ -229,7 +231,7 @@ static void options_become_settings(void **state) {
     }
     assert_int_equal(config.daemon.workers, 6);
     assert_string_equal(config.spool.directory, "/s");
-    assert_int_equal(sheard_flags_take('v', "6", &assignments, &err), SHEAR_E_INTERNAL);
+    assert_int_equal(sheard_flags_assign('v', "6", &assignments, &err), SHEAR_E_INTERNAL);
     sheard_list_deinit(&assignments);
     sheard_config_deinit(&config);
 

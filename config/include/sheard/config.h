@@ -39,6 +39,7 @@ int sheard_list_append(sheard_list *list, const char *text, shear_error *err);
 void sheard_list_deinit(sheard_list *list);
 
 enum sheard_log_level {
+    SHEARD_LOG_UNKNOWN = -1,
     SHEARD_LOG_ERROR,
     SHEARD_LOG_WARNING,
     SHEARD_LOG_NOTICE,
@@ -61,7 +62,7 @@ typedef struct sheard_config {
         char *socket_group; /* "" = the daemon's own */
         int64_t workers;    /* 0 = one for each processor that it may use */
         int64_t max_active_jobs;
-        int log_level; /* enum sheard_log_level */
+        enum sheard_log_level log_level;
         int64_t drain_timeout_ms;
         int64_t nice;
     } daemon;
@@ -144,8 +145,8 @@ typedef struct sheard_setting {
     const char *unit;           /* what an integer counts: "jobs"; may be NULL */
     const char *flag;           /* its own option: "workers" is --workers; may be NULL */
     const char *help;           /* sentences */
-    int type;                   /* enum sheard_setting_type */
-    bool at_start;              /* a change takes effect at the next start only, not on reload */
+    enum sheard_setting_type type;
+    bool at_start; /* a change takes effect at the next start only, not on reload */
     const shear_setting_def *measure; /* SHEARD_T_MEASURE only */
 } sheard_setting;
 
@@ -228,10 +229,10 @@ size_t sheard_config_check_file(const char *path, const sheard_list *assignments
 /* getopt_long entries for every setting that has its own flag, and the terminating zeros. Returns
  * how many there are without these. `val` of each is SHEARD_FLAG_FIRST or more. */
 enum { SHEARD_FLAG_FIRST = 0x2000 };
-size_t sheard_flags_fill(struct option *options, size_t room);
+size_t sheard_flags_fill(struct option *options, size_t capacity);
 
 /* Append what option `val` with `argument` means, "section.key=argument", to `assignments`. */
-int sheard_flags_take(int val, const char *argument, sheard_list *assignments, shear_error *err);
+int sheard_flags_assign(int val, const char *argument, sheard_list *assignments, shear_error *err);
 
 /* "  --workers N    help (default auto)" for each of them, at most 78 columns wide. */
 void sheard_flags_help(FILE *out);
@@ -257,10 +258,11 @@ int sheard_config_print_manual(FILE *out, shear_error *err);
 /* Whether setting `index` has the same value in both. */
 bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t index);
 
-/* Indices of the settings that differ, into changed[room], in the table's order; only those of the
- * next start where `at_start`, else all. Returns how many there are (maybe more than room). */
+/* Indices of the settings that differ, into changed[capacity], in the table's order; only those of
+ * the next start where `at_start`, else all. Returns how many there are (maybe more than capacity).
+ */
 size_t sheard_config_changes(const sheard_config *a, const sheard_config *b, bool at_start,
-                             size_t *changed, size_t room);
+                             size_t *changed, size_t capacity);
 
 /* Take over from *fresh what may change while running. Settings of the next start stay as they run,
  * and each that differs is a warning. On an error (the mixture contradicts itself) *running is as
