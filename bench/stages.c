@@ -66,9 +66,9 @@ static void do_pack(scene *s) {
 }
 
 static void do_along_x(scene *s) {
-    for (int group = 0; group <= last_group(s->plan, s->transfer); group++) {
-        if (wants_group(s->plan, s->transfer, group)) {
-            transform_rows(s->plan, s->ws, group);
+    for (int group = 0; group <= mode_groups_last(s->plan, s->transfer); group++) {
+        if (mode_groups_want(s->plan, s->transfer, group)) {
+            pack_transform_rows(s->plan, s->ws, group);
         }
     }
 }

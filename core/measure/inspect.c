@@ -82,7 +82,7 @@ static double shot_power(const shear_plan *plan, shear_workspace *ws) {
     double power = 0.0;
     if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
         for (int group = 0; group <= plan->plateau.last_group; group++) {
-            const mode_rows rows = transform_rows(plan, ws, group);
+            const mode_rows rows = pack_transform_rows(plan, ws, group);
             power += plateau_part(&plan->plateau, &rows);
         }
     }
@@ -94,7 +94,7 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
     const transfer_plan *p = &plan->transfer_plan;
     const double flat = shot_power(plan, ws);
     for (int group = 0; group * FFT_LANES <= t->jy; group++) {
-        const mode_rows rows = transform_rows(plan, ws, group);
+        const mode_rows rows = pack_transform_rows(plan, ws, group);
         const int left = t->jy - group * FFT_LANES;
         for (int l = 0; l < FFT_LANES && l <= left; l++) {
             for (int jx = -t->jx; jx <= t->jx; jx++) {
@@ -133,8 +133,8 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     uint32_t flags = 0;
     pack_failure failure;
     photometry ph;
-    choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
-    const transfer *t = choose_transfer(plan, ws, stamps, i, &flags);
+    measure_choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
+    const transfer *t = measure_choose_transfer(plan, ws, stamps, i, &flags);
     int bad;
     const bool has_noise = surface_load(&ws->noise, &plan->grid, noise, &bad, &bad);
     pack_pair(plan, ws, fine, galaxy, noise, false, t, &ph, &failure);

@@ -69,14 +69,14 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
                const double *galaxy, const double *noise, bool own_levels, const transfer *t,
                photometry *ph, pack_failure *failure);
 /* One of these groups transformed along x, too; until the next call. */
-mode_rows transform_rows(const shear_plan *plan, shear_workspace *ws, int group);
+mode_rows pack_transform_rows(const shear_plan *plan, shear_workspace *ws, int group);
 /* The last group that a measurement with `t` needs: for a plateau or the noise level, all of them.
  */
-int last_group(const shear_plan *plan, const transfer *t);
-bool wants_group(const shear_plan *plan, const transfer *t, int group);
+int mode_groups_last(const shear_plan *plan, const transfer *t);
+bool mode_groups_want(const shear_plan *plan, const transfer *t, int group);
 
 /* Both maps, empty; coarse only where it is another grid. False when memory is out. */
-bool filters_init(filter_map *fine, filter_map *coarse, const shear_plan_info *info);
+bool plan_init_filters(filter_map *fine, filter_map *coarse, const shear_plan_info *info);
 /* Noise stamps a galaxy. */
 static inline int noise_planes(const shear_stamps *stamps) {
     return stamps->noise_planes > 1 ? stamps->noise_planes : 1;
@@ -84,9 +84,10 @@ static inline int noise_planes(const shear_stamps *stamps) {
 
 /* The filter and the transfer of stamp i; NULL filter: none. Flags in *flags where they cannot be
  * had. */
-void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                   const filter_map **fine, const filter_map **coarse, uint32_t *flags);
-const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,
-                                const shear_stamps *stamps, int i, uint32_t *flags);
+void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                           int i, const filter_map **fine, const filter_map **coarse,
+                           uint32_t *flags);
+const transfer *measure_choose_transfer(const shear_plan *plan, shear_workspace *ws,
+                                        const shear_stamps *stamps, int i, uint32_t *flags);
 
 #endif

@@ -8,8 +8,9 @@
 
 #include <math.h>
 
-void choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                   const filter_map **fine, const filter_map **coarse, uint32_t *flags) {
+void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
+                           int i, const filter_map **fine, const filter_map **coarse,
+                           uint32_t *flags) {
     const bool one_grid = plan->info.oversample == 1;
     if (!plan->info.filter_per_stamp) {
         *fine = plan->filtered ? &plan->fine : NULL;
@@ -39,8 +40,8 @@ static const double *psf_of(const shear_plan *plan, const shear_stamps *stamps, 
                : stamps->psf + (size_t)index * (size_t)p->psf_nx * (size_t)p->psf_ny;
 }
 
-const transfer *choose_transfer(const shear_plan *plan, shear_workspace *ws,
-                                const shear_stamps *stamps, int i, uint32_t *flags) {
+const transfer *measure_choose_transfer(const shear_plan *plan, shear_workspace *ws,
+                                        const shear_stamps *stamps, int i, uint32_t *flags) {
     if (plan->has_psf) {
         return &plan->transfer;
     }
@@ -131,9 +132,9 @@ static uint32_t bad_values(const shear_plan *plan, const shear_stamps *stamps,
 static void prepare(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                     stamp_pair *s, uint32_t *flags) {
     uint32_t psf_flag = 0;
-    choose_filter(plan, ws, stamps, i, &s->fine, &s->coarse, flags);
+    measure_choose_filter(plan, ws, stamps, i, &s->fine, &s->coarse, flags);
     if (*flags == 0) {
-        s->transfer = choose_transfer(plan, ws, stamps, i, &psf_flag);
+        s->transfer = measure_choose_transfer(plan, ws, stamps, i, &psf_flag);
     }
     if (s->transfer != NULL) {
         s->packed = pack_pair(plan, ws, s->fine, s->galaxy, s->noise, false, s->transfer, &s->ph,
@@ -260,7 +261,7 @@ static bool more_noise(const shear_plan *plan, shear_workspace *ws, const shear_
     return true;
 }
 
-static stamp_pair stamp_pair_of(const shear_stamps *stamps, int i) {
+static stamp_pair stamp_pair_at(const shear_stamps *stamps, int i) {
     const size_t at = (size_t)i * (size_t)stamps->nx * (size_t)stamps->ny;
     return (stamp_pair){.galaxy = stamps->galaxy + at,
                         .noise = stamps->noise + (size_t)noise_planes(stamps) * at};
@@ -273,7 +274,7 @@ static void row_begin(shear_row *row, const shear_stamps *stamps, int i) {
 
 static int measure_one(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps,
                        int i, shear_row *row, shear_error *err) {
-    stamp_pair s = stamp_pair_of(stamps, i);
+    stamp_pair s = stamp_pair_at(stamps, i);
     row_begin(row, stamps, i);
     prepare(plan, ws, stamps, i, &s, &row->flags);
     if (row->flags == 0) {
@@ -337,12 +338,12 @@ int shear_examine(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     if (code != SHEAR_OK) {
         return code;
     }
-    stamp_pair s = stamp_pair_of(stamps, i);
+    stamp_pair s = stamp_pair_at(stamps, i);
     row_begin(row, stamps, i);
     ws->sharpness_of = NULL;
     s.ph = photometry_of(s.galaxy, s.noise, stamps->nx, stamps->ny, ws->strip_most);
     row->flags |= flags_of_pixels(&s.ph) | bad_values(plan, stamps, &s);
-    choose_filter(plan, ws, stamps, i, &s.fine, &s.coarse, &row->flags);
+    measure_choose_filter(plan, ws, stamps, i, &s.fine, &s.coarse, &row->flags);
     row->flags |=
         !plan->has_psf && psf_of(plan, stamps, i) == NULL ? (uint32_t)SHEAR_FLAG_PSF_UNUSABLE : 0u;
     if (row->flags == 0) {

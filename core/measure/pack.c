@@ -176,8 +176,8 @@ static void transpose_strip(const shear_plan *plan, shear_workspace *ws, fft_lan
                             const transfer *t) {
     const size_t to = (size_t)x0 * FFT_LANES;
     close_period(from, plan->info.fine_ny);
-    for (int group = 0; group <= last_group(plan, t); group++) {
-        if (!wants_group(plan, t, group)) {
+    for (int group = 0; group <= mode_groups_last(plan, t); group++) {
+        if (!mode_groups_want(plan, t, group)) {
             continue;
         }
         const size_t up = (size_t)group * BLOCK;
@@ -248,7 +248,7 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
         if (st.y0 < st.y1) {
             transpose_strip(plan, ws, transform_strip(plan, ws, &sums, filter, &st), st.x0, t);
         } else {
-            clear_columns(ws, st.x0, last_group(plan, t));
+            clear_columns(ws, st.x0, mode_groups_last(plan, t));
         }
         if (as_pixels) {
             photometry_end_strip(&sums);
@@ -260,7 +260,7 @@ bool pack_pair(const shear_plan *plan, shear_workspace *ws, const filter_map *fi
     return true;
 }
 
-mode_rows transform_rows(const shear_plan *plan, shear_workspace *ws, int group) {
+mode_rows pack_transform_rows(const shear_plan *plan, shear_workspace *ws, int group) {
     const int nx = plan->info.fine_nx;
     const fft_lanes from = group_lanes(ws, group, UP);
     const fft_lanes mirrored = group_lanes(ws, group, DOWN);

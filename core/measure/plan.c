@@ -38,7 +38,7 @@ static bool make_grids(shear_plan *plan, int psf_factor) {
            plan->along_y != NULL;
 }
 
-bool filters_init(filter_map *fine, filter_map *coarse, const shear_plan_info *info) {
+bool plan_init_filters(filter_map *fine, filter_map *coarse, const shear_plan_info *info) {
     const shear_geometry *g = &info->geometry;
     return filter_map_init(fine, g->nx, g->ny, info->oversample) &&
            (info->oversample == 1 || filter_map_init(coarse, g->nx, g->ny, 1));
@@ -50,7 +50,7 @@ static bool make_filter(shear_plan *plan) {
     if (!plan->filtered || info->filter_per_stamp) {
         return true;
     }
-    if (!filters_init(&plan->fine, &plan->coarse, info)) {
+    if (!plan_init_filters(&plan->fine, &plan->coarse, info)) {
         return false;
     }
     filter_map_fill(&plan->fine, info->core_px, info->width_px);

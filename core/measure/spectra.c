@@ -1,20 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/spectra.h"
 
-int last_group(const shear_plan *plan, const transfer *t) {
-    if (plan->settings.shot_noise == SHEAR_SHOT_PLATEAU) {
-        return plan->plateau.last_group;
-    }
-    const int last = t->jy / FFT_LANES;
-    return high_band_is_set(&plan->high) && plan->high.last_group > last ? plan->high.last_group
-                                                                         : last;
-}
-
-bool wants_group(const shear_plan *plan, const transfer *t, int group) {
-    return plan->settings.shot_noise == SHEAR_SHOT_PLATEAU || group * FFT_LANES <= t->jy ||
-           high_band_wants(&plan->high, group);
-}
-
 static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows *rows, spectra *s) {
     const transfer_plan *p = &plan->transfer_plan;
     if (rows->group * FFT_LANES <= t->jy) {
@@ -34,11 +20,11 @@ static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows 
 
 spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t) {
     spectra s = {0};
-    for (int group = 0; group <= last_group(plan, t); group++) {
-        if (!wants_group(plan, t, group)) {
+    for (int group = 0; group <= mode_groups_last(plan, t); group++) {
+        if (!mode_groups_want(plan, t, group)) {
             continue;
         }
-        const mode_rows rows = transform_rows(plan, ws, group);
+        const mode_rows rows = pack_transform_rows(plan, ws, group);
         if (group == 0) { /* Z(0) = sum of galaxy + i sum of noise */
             s.flux = rows.up.re[0] - rows.up.im[0];
         }

@@ -6,7 +6,7 @@
 /* Room for the rows of modes that any transfer of the plan may want. */
 static bool modes_init(shear_workspace *ws, const shear_plan *plan) {
     const transfer widest = {.jy = plan->has_psf ? plan->transfer.jy : plan->transfer_plan.max_jy};
-    const size_t groups = (size_t)last_group(plan, &widest) + 1;
+    const size_t groups = (size_t)mode_groups_last(plan, &widest) + 1;
     /* A column more, so that parts do not share cache sets. */
     ws->lane_size = ((size_t)plan->info.fine_nx + 1) * FFT_LANES;
     ws->modes = fft_alloc(4 * groups * ws->lane_size * sizeof *ws->modes);
@@ -26,7 +26,7 @@ static bool allocate(shear_workspace *ws, const shear_plan *plan) {
     }
     ok = modes_init(ws, plan) && ok;
     if (info->filter_per_stamp) {
-        ok = filters_init(&ws->fine, &ws->coarse, info) && ok;
+        ok = plan_init_filters(&ws->fine, &ws->coarse, info) && ok;
     }
     if (!plan->has_psf) {
         ok = transfer_scratch_init(&ws->psf_scratch, &plan->transfer_plan) && ok;
