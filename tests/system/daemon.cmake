@@ -49,6 +49,10 @@ foreach(name ${names})
     ENVIRONMENT "SHEARD=$<TARGET_FILE:sheard>;SHEARCTL=$<TARGET_FILE:shearctl>;FAULTSHIM=$<TARGET_FILE:faultshim>;SHEAR_SANITIZED=${sanitized};SHEARD_SERVICE=${PROJECT_BINARY_DIR}/systemd/sheard.service${counts}")
 endforeach()
 
+add_test(NAME system_library COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_library.py)
+set_tests_properties(system_library PROPERTIES
+  LABELS system TIMEOUT 600
+  ENVIRONMENT "BUILD=${PROJECT_BINARY_DIR};CMAKE=${CMAKE_COMMAND};SHEARCTL=$<TARGET_FILE:shearctl>;SHEAR_SANITIZED=${sanitized}")
 add_test(NAME system_install COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_install.py)
 set_tests_properties(system_install PROPERTIES
   LABELS "system;daemon" TIMEOUT 600

@@ -6,26 +6,12 @@ import gzip
 import os
 import re
 import shutil
-import subprocess
 import tempfile
 import unittest
 
 from daemon import DaemonTest, measured, mock, until
+from install import BUILD, CMAKE, CPACK, files_of, installed_and_moved, run
 from tool import SANITIZED
-
-BUILD, CMAKE = os.environ["BUILD"], os.environ["CMAKE"]
-CPACK = os.path.join(os.path.dirname(CMAKE), "cpack")
-
-
-def run(*command, code=0, **more):
-    process = subprocess.run(command, capture_output=True, encoding="utf-8", check=False, **more)
-    if process.returncode != code:
-        raise AssertionError(f"{command} gave {process.returncode}:\n{process.stdout}\n{process.stderr}")
-    return process.stdout + process.stderr
-
-
-def files_of(root):
-    return {os.path.relpath(os.path.join(folder, name), root) for folder, _, names in os.walk(root) for name in names}
 
 
 class Installed(DaemonTest):
@@ -33,9 +19,7 @@ class Installed(DaemonTest):
 
     def setUp(self):
         super().setUp()
-        first, self.prefix = os.path.join(self.directory, "first"), os.path.join(self.directory, "prefix")
-        run(CMAKE, "--install", BUILD, "--prefix", first)
-        os.rename(first, self.prefix)
+        self.prefix = installed_and_moved(self.directory)
 
     def path(self, *names):
         return os.path.join(self.prefix, *names)
@@ -69,14 +53,6 @@ class Installed(DaemonTest):
         self.assertIn("workers = 7", run(sheard, "--print-config"), "a new installation replaced the administrator's file")
         os.remove(own)
         self.assertIn("(default /etc/sheard/sheard.conf)", run(sheard, "--help"))
-
-    @unittest.skipUnless(shutil.which("pkg-config"), "pkg-config is not installed")
-    def test_the_library_is_found(self):
-        found = next(name for name in files_of(self.prefix) if name.endswith("libshear.pc"))
-        flags = run("pkg-config", "--cflags", "--libs", self.path(found)).split()
-        include, lib = flags[0][2:], next(flag for flag in flags if flag.startswith("-L"))[2:]
-        self.assertTrue(os.path.samefile(include, self.path("include")))
-        self.assertTrue(os.path.exists(os.path.join(lib, "libshear.so")))
 
 
 @unittest.skipIf(SANITIZED, "nobody packages programs with sanitizers")

@@ -14,6 +14,10 @@
 #include "shear/plan.h"
 #include "shear/sums.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct shear_catalog shear_catalog; /* a catalog being written */
 
 /* Begin `path` for the stamps of `info`; temporary file, fsync and rename as for field files. Not
@@ -61,5 +65,9 @@ typedef struct shear_catalog_table {
 } shear_catalog_table;
 int shear_catalog_read(shear_catalog_table **t, const char *path, shear_error *err);
 void shear_catalog_table_free(shear_catalog_table *t);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

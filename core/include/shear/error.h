@@ -11,6 +11,10 @@
 
 #include <stdarg.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum shear_code {
     SHEAR_OK = 0,
     SHEAR_E_NOMEM = 1,    /* out of memory */
@@ -44,5 +48,9 @@ int shear_fail(shear_error *err, int code, const char *advice, const char *forma
  * err->code, or `code` where err is NULL. */
 int shear_prefix(shear_error *err, int code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -19,6 +19,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct shear_field shear_field;
 
 enum shear_layout { SHEAR_LAYOUT_CUBE = 0, SHEAR_LAYOUT_MOSAIC };
@@ -183,5 +187,9 @@ int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *ps
                           shear_error *err);
 int shear_field_finish(shear_field_writer *w, shear_error *err); /* frees w, whatever it returns */
 void shear_field_abort(shear_field_writer *w);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

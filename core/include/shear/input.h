@@ -12,6 +12,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum shear_part {
     SHEAR_PART_GALAXY = 0,
     SHEAR_PART_NOISE,
@@ -41,5 +45,9 @@ shear_input shear_input_of_file(const char *path);
  * Returns buf. */
 enum { SHEAR_INPUT_TEXT_SIZE = 4 * 4200 };
 char *shear_input_text(const shear_input *input, char *buf, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,10 @@
 #include "shear/stamp.h"
 #include "shear/sums.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct shear_plan shear_plan;
 typedef struct shear_workspace shear_workspace;
 
@@ -163,5 +167,9 @@ typedef struct shear_inspection {
 int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
                   shear_inspection *out, shear_error *err);
 void shear_inspection_deinit(shear_inspection *out);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

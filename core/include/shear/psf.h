@@ -12,6 +12,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What an image tells of itself. Lengths in galaxy pixels, levels in units of the brightest sample.
  * NaN: the image is too small to tell. */
 typedef struct shear_psf_quality {
@@ -72,5 +76,9 @@ typedef struct shear_psf_summary {
 } shear_psf_summary;
 /* Count one more image. NULL: an unusable one. */
 void shear_psf_summary_add(shear_psf_summary *s, const shear_psf_quality *q, double beta_px);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

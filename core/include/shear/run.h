@@ -12,6 +12,10 @@
 #include "shear/symmetry.h"
 #include "shear/work.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Where PSF images come from: `read` gives image `index` of a field as out[psf_ny][psf_nx]. */
 typedef struct shear_psf_source {
     void *self;
@@ -65,5 +69,9 @@ int shear_run_file(const char *path, const shear_settings *settings,
 int shear_run_input(const shear_input *input, const shear_settings *settings,
                     const shear_run_options *options, shear_field_sums *sums, shear_jackknife *jack,
                     shear_run_report *report, shear_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

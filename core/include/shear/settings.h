@@ -13,6 +13,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum shear_preset {
     SHEAR_PRESET_DEFAULT = 0, /* the library's own */
     SHEAR_PRESET_ZHANG2010    /* the paper's, which were sheard's up to 0.1 */
@@ -164,5 +168,9 @@ bool shear_interpolation_is_rule(enum shear_interpolation interpolation);
 
 /* True for the three methods that interpolate ln(pixel). */
 bool shear_interpolation_is_log(enum shear_interpolation interpolation);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

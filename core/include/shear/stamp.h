@@ -11,6 +11,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { SHEAR_MIN_SIDE = 8, SHEAR_MAX_SIDE = 1024 }; /* of a stamp, pixels */
 
 /* Why a stamp is left out of the field's sums. A row may carry several. */
@@ -97,5 +101,9 @@ typedef struct shear_row {
     int artefact_x, artefact_y; /* the worst such pixel, from 0; -1: there is none */
     uint32_t flags;             /* or of enum shear_flag; 0 = in the sums */
 } shear_row;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

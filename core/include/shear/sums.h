@@ -21,6 +21,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
     SHEAR_BLOCK = 16
 }; /* stamps in a block; a multiple of 4, so that rotated fours stay together */
@@ -196,5 +200,9 @@ int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_err
 /* Append all blocks of `other`. All or nothing. */
 int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err);
 int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -36,6 +36,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
     SHEAR_SYMMETRY_BINS = 10, /* on each side, where none are asked for */
     SHEAR_SYMMETRY_MAX_BINS = 1000,
@@ -80,5 +84,9 @@ int shear_symmetry_solve(const shear_symmetry *s, int bins, shear_result *out, s
  * and, of `terms` (NULL for the mean), shear_symmetry_solve. On error *out is that of the sums. */
 int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
                    const shear_symmetry *terms, shear_result *out, shear_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

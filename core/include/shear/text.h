@@ -11,6 +11,10 @@
 
 #include <stddef.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Bytes of the character that begins at `text` where it is shown as it is; 0 where it is not, and
  * at the end. */
 size_t shear_text_shown(const char *text);
@@ -18,5 +22,9 @@ size_t shear_text_shown(const char *text);
 /* The text into buf[size], '?' in place of each character that is not shown and of each byte that
  * is no UTF-8; what does not fit is cut off between characters. Returns buf. */
 char *shear_text_clean(const char *text, char *buf, size_t size);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -17,6 +17,10 @@
 #include "shear/sums.h"
 #include "shear/symmetry.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Where stamps come from. `read` is called by one thread at a time (the work's lock is held), and
  * gives pairs [first, first+count) as *block, which stays valid until the same slot reads again.
  * Slots are 0 .. slots-1, one per worker. */
@@ -105,5 +109,9 @@ int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums);
  * either. */
 int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
                           shear_symmetry *terms, int64_t *next_block, shear_error *err);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Stamps that come block by block, as from a camera or a pipeline: plan once, measure each block
+ * when it is there, and add its rows to the sums. Here the blocks are read from a field file. */
+#include <shear.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { STAMPS = 4 * SHEAR_BLOCK }; /* at a time: whole blocks of the sums */
+
+typedef struct stream {
+    shear_field *field;
+    shear_plan *plan;
+    shear_block *block;
+    shear_field_sums *sums;
+} stream;
+
+static int open_stream(stream *s, const char *path, shear_error *err) {
+    shear_settings settings;
+    shear_settings_init(&settings);
+    int code = shear_field_open(&s->field, path, err);
+    if (code == SHEAR_OK) {
+        code = shear_plan_for_field(&s->plan, &settings, s->field, err);
+    }
+    if (code == SHEAR_OK) {
+        code = shear_block_new(&s->block, shear_field_get_info(s->field), STAMPS, err);
+    }
+    return code == SHEAR_OK ? shear_field_sums_new(&s->sums, err) : code;
+}
+
+static void close_stream(stream *s) {
+    shear_field_sums_free(s->sums);
+    shear_block_free(s->block);
+    shear_plan_free(s->plan);
+    shear_field_close(s->field);
+}
+
+/* Blocks of SHEAR_BLOCK stamps are summed in the order of the stamps: the result is the same to the
+ * last bit, however many stamps come at a time. */
+static void add_rows(shear_field_sums *sums, const shear_row *rows, int count) {
+    for (int i = 0; i < count; i += SHEAR_BLOCK) {
+        shear_block_sums block;
+        shear_block_sums_init(&block);
+        for (int k = i; k < count && k < i + SHEAR_BLOCK; k++) {
+            shear_block_sums_add(&block, &rows[k]);
+        }
+        shear_field_sums_add(sums, &block);
+    }
+}
+
+static int measure(stream *s, shear_error *err) {
+    const int64_t n = shear_field_get_info(s->field)->n_stamps;
+    for (int64_t first = 0; first < n; first += STAMPS) {
+        shear_row rows[STAMPS];
+        const int count = n - first < STAMPS ? (int)(n - first) : STAMPS;
+        int code = shear_field_read(s->field, first, count, s->block, err);
+        if (code == SHEAR_OK) {
+            code = shear_measure_batch(s->plan, &s->block->stamps, 0, NULL, rows, err);
+        }
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        add_rows(s->sums, rows, count);
+    }
+    return SHEAR_OK;
+}
+
+int main(int argc, char **argv) {
+    stream s = {0};
+    shear_error err;
+    if (argc != 2) {
+        fprintf(stderr, "usage: streaming FIELD.fits\n");
+        return EXIT_FAILURE;
+    }
+    int code = open_stream(&s, argv[1], &err);
+    if (code == SHEAR_OK) {
+        code = measure(&s, &err);
+    }
+    if (code != SHEAR_OK) {
+        fprintf(stderr, "%s (%s)\n", err.message, err.advice);
+    } else {
+        shear_result result;
+        shear_field_result(s.sums, &result);
+        printf("g1 = %+.17g +- %.2g\n", result.g1, result.g1_err);
+        printf("g2 = %+.17g +- %.2g\n", result.g2, result.g2_err);
+    }
+    close_stream(&s);
+    return code == SHEAR_OK ? EXIT_SUCCESS : EXIT_FAILURE;
+}

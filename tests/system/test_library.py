@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""libshear for programs of others: its headers, and examples/ built against an installation that was moved, by pkg-config
+and by CMake's find_package. BUILD is the build directory, CMAKE the program."""
+import os
+import re
+import shutil
+import tempfile
+import unittest
+
+from install import BUILD, CMAKE, files_of, installed_and_moved, run
+from tool import SANITIZED, shearctl
+
+ROOT = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
+EXAMPLES = ("arrays", "file", "streaming")
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+
+
+def compilers(*names):
+    return [name for name in names if shutil.which(name)]
+
+
+def needs(*programs):
+    missing = [name for name in programs if not shutil.which(name)]
+    return unittest.skipIf(missing, f"not installed: {missing}")
+
+
+class Installation(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        directory = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(directory.cleanup)
+        cls.directory = directory.name
+        cls.prefix = installed_and_moved(directory.name)
+        cls.files = sorted(files_of(cls.prefix))
+        cls.lib = os.path.join(cls.prefix, os.path.dirname(next(f for f in cls.files if f.endswith("/libshear.so"))))
+        cls.headers = [f[len("include/"):] for f in cls.files if f.startswith("include/")]
+
+    def path(self, *names):
+        return os.path.join(self.directory, *names)
+
+    def compile(self, compiler, standard, source, *more):
+        return run(compiler, f"-std={standard}", *WARNINGS, "-I", os.path.join(self.prefix, "include"), *more, source)
+
+
+class Headers(Installation):
+    """Each alone, for every language that it is meant for."""
+
+    def compile_alone(self, compiler, standard, suffix):
+        for header in self.headers:
+            source = self.path("alone" + suffix)
+            with open(source, "w", encoding="utf-8") as file:
+                file.write(f"#include <{header}>\n#include <{header}>\nint alone;\n")
+            self.compile(compiler, standard, source, "-fsyntax-only")
+
+    def test_all_are_installed(self):
+        self.assertIn("shear.h", self.headers)
+        with open(os.path.join(self.prefix, "include/shear.h"), encoding="utf-8") as file:
+            included = set(re.findall(r'#include "(\S+)"', file.read()))
+        self.assertEqual(included, set(self.headers) - {"shear.h"}, "shear.h includes all the others")
+
+    def test_as_c(self):
+        for compiler in compilers("gcc", "clang-14"):
+            for standard in ("c99", "c17"):
+                self.compile_alone(compiler, standard, ".c")
+
+    def test_as_cpp(self):
+        for compiler in compilers("g++", "clang++-14"):
+            for standard in ("c++11", "c++20"):
+                self.compile_alone(compiler, standard, ".cpp")
+
+    def test_names_are_the_librarys(self):
+        for header in self.headers:
+            with open(os.path.join(self.prefix, "include", header), encoding="utf-8") as file:
+                text = re.sub(r"/\*.*?\*/", "", file.read(), flags=re.S)
+            if header != "shear.h":
+                self.assertIn('extern "C"', text, header)
+            for name in re.findall(r"^#define (\w+)|^\w[\w *]*?\b(\w+)\(", text, re.M):
+                self.assertRegex("".join(name), "^(SHEAR|shear)_", header)
+
+
+@unittest.skipIf(SANITIZED, "the library wants its sanitizer's runtime")
+class Linked(Installation):
+    """Programs that know nothing but where the library is."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.mock = os.path.join(cls.directory, "mock.fits")
+        answer = shearctl("mock", "--stamps", "40", "--size", "48", "--seed", "5", cls.mock)
+        assert answer.code == 0, answer.err
+        cls.measured = shearctl("measure", "--json", "--quiet", cls.mock).json()[0]
+
+    def run_program(self, program, *args):
+        return run(program, *args, env={**os.environ, "LD_LIBRARY_PATH": self.lib})
+
+    def expect_right(self, program):
+        """`program` gives the path of an example by its name."""
+        number = r"g1 = (\S+) .*\ng2 = (\S+) "
+        for name in ("file", "streaming"):
+            told = re.match(number, self.run_program(program(name), self.mock))
+            self.assertEqual([float(g) for g in told.groups()], [self.measured["g1"], self.measured["g2"]], name)
+        lines = re.findall(r"(\S+) \+- (\S+), true (\S+)", self.run_program(program("arrays")))
+        self.assertEqual(len(lines), 2)
+        for g, error, truth in lines:
+            self.assertLess(abs(float(g) - float(truth)), 4 * float(error))
+
+    def flags(self):
+        return run("pkg-config", "--cflags", "--libs", "libshear", env={
+            **os.environ, "PKG_CONFIG_PATH": os.path.join(self.lib, "pkgconfig")}).split()
+
+    @needs("pkg-config", "gcc")
+    def test_pkg_config(self):
+        flags = self.flags()
+        self.assertIn("-lshear", flags)
+        self.assertTrue(os.path.samefile(next(f[2:] for f in flags if f.startswith("-L")), self.lib))
+        for name in EXAMPLES:
+            run("gcc", *WARNINGS, "-o", self.path(name), os.path.join(ROOT, "examples", name + ".c"), *flags, "-lm")
+        self.expect_right(self.path)
+
+    @needs("pkg-config", "g++")
+    def test_cpp(self):
+        source = os.path.join(ROOT, "tests", "system", "link.cpp")
+        run("g++", "-std=c++11", *WARNINGS, "-Wno-missing-field-initializers", "-o", self.path("cpp"), source, *self.flags())
+        self.assertRegex(self.run_program(self.path("cpp")), r"^\d+\.\d+\.\d+\n$")
+
+    def test_cmake(self):
+        build = self.path("build")
+        run(CMAKE, "-S", os.path.join(ROOT, "examples"), "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}")
+        run(CMAKE, "--build", build)
+        self.expect_right(lambda name: os.path.join(build, "example_" + name))
+
+    def test_cmake_asks_for_the_version(self):
+        with open(self.path("CMakeLists.txt"), "w", encoding="utf-8") as file:
+            file.write("cmake_minimum_required(VERSION 3.25)\nproject(x LANGUAGES C)\nfind_package(shear 99 REQUIRED)\n")
+        self.assertIn("99", run(CMAKE, "-S", self.directory, "-B", self.path("other"),
+                                f"-DCMAKE_PREFIX_PATH={self.prefix}", code=1))
+
+    def test_nothing_of_the_build_is_in_it(self):
+        for name in self.files:
+            if "/cmake/shear/" in name or name.endswith(".pc"):
+                with open(os.path.join(self.prefix, name), encoding="utf-8") as file:
+                    text = file.read()
+                for place in (BUILD, ROOT, self.prefix, os.path.join(self.directory, "first"), "/usr/"):
+                    self.assertNotIn(place, text, name)
+
+
+if __name__ == "__main__":
+    unittest.main()
