@@ -1,64 +1,53 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The files of incoming/ as they are known: by name, and in two queues. */
-#ifndef SHEARD_SPOOL_WAITING_H
-#define SHEARD_SPOOL_WAITING_H
+/* spool/candidates.h: the files of incoming/ as they are known: by name, and in a queue for each
+ * state. */
+#ifndef SHEARD_SPOOL_CANDIDATES_H
+#define SHEARD_SPOOL_CANDIDATES_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/queue.h>
-#include <sys/stat.h>
 
-enum waiting_state {
-    WAITING_SETTLING, /* queue by since_ms */
-    WAITING_BEGUN,    /* being written, it seems; queue by since_ms, too */
-    WAITING_READY,    /* queue by arrival here */
-    WAITING_IGNORED,
-    WAITING_N_STATES
+#include "spool/fingerprint.h"
+
+enum candidate_state {
+    CANDIDATE_SETTLING, /* to stand still for a while; queue by since_ms */
+    CANDIDATE_BEGUN,    /* being written, it seems; queue by since_ms, too */
+    CANDIDATE_READY,    /* queue by arrival here */
+    CANDIDATE_IGNORED,
+    CANDIDATE_N_STATES
 };
 
-/* What tells whether a file was touched. */
-typedef struct waiting_print {
-    dev_t device;
-    ino_t inode;
-    off_t size;
-    struct timespec modified, changed;
-} waiting_print;
-waiting_print waiting_print_of(const struct stat *st);
-/* The same file with, as far as can be seen, the same content; its owner or mode may have changed,
- * and it may have been renamed. */
-bool waiting_same_content(const waiting_print *a, const waiting_print *b);
-bool waiting_same(const waiting_print *a, const waiting_print *b);
-
-typedef struct waiting_file {
-    TAILQ_ENTRY(waiting_file) link;
+typedef struct candidate {
+    TAILQ_ENTRY(candidate) link;
     char *name;
-    int state;
-    int reason; /* why it is ignored: the caller's number; 0 = not told yet */
-
+    enum candidate_state state;
+    int reason;          /* why it is ignored: the caller's number; 0: not told yet */
     uint64_t generation; /* the last scan that saw it */
-    int64_t since_ms;    /* settling, begun: it has this print since then */
-    waiting_print print;
-} waiting_file;
-TAILQ_HEAD(waiting_queue, waiting_file);
+    int64_t since_ms;    /* settling, begun: it has this fingerprint since then */
+    file_fingerprint fingerprint;
+} candidate;
+TAILQ_HEAD(candidate_queue, candidate);
 
-typedef struct waiting {
-    waiting_file **files; /* [n], sorted by name */
-    size_t n, room;
-    struct waiting_queue queues[WAITING_N_STATES];
-    size_t counts[WAITING_N_STATES];
-} waiting;
+typedef struct candidates {
+    candidate **files; /* [n] of [capacity], sorted by name */
+    size_t n, capacity;
+    struct candidate_queue queues[CANDIDATE_N_STATES];
+    size_t counts[CANDIDATE_N_STATES];
+} candidates;
 
-void waiting_init(waiting *w);
-void waiting_deinit(waiting *w);
-waiting_file *waiting_find(const waiting *w, const char *name); /* or NULL */
+void candidates_init(candidates *w);
+void candidates_deinit(candidates *w);
+candidate *candidates_find(const candidates *w, const char *name); /* or NULL */
 /* A new one, ignored; the name is not yet there. NULL: out of memory. */
-waiting_file *waiting_add(waiting *w, const char *name);
-void waiting_remove(waiting *w, waiting_file *file);
-void waiting_forget_others(waiting *w, uint64_t generation); /* those that it did not see */
+candidate *candidates_add(candidates *w, const char *name);
+void candidates_remove(candidates *w, candidate *file);
+void candidates_forget_unseen(candidates *w,
+                              uint64_t generation); /* those that this scan did not see */
 /* Put it at the end of that state's queue. */
-void waiting_set(waiting *w, waiting_file *file, int state);
-waiting_file *waiting_first(const waiting *w, int state); /* or NULL */
-waiting_file *waiting_next(const waiting_file *file);     /* of the same state; or NULL */
+void candidates_set_state(candidates *w, candidate *file, enum candidate_state state);
+candidate *candidates_first(const candidates *w, enum candidate_state state); /* or NULL */
+candidate *candidates_next(const candidate *file); /* of the same state; or NULL */
 
 #endif

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/folders.h"
 
-#include "spool/spool.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -11,6 +9,8 @@
 #include <string.h>
 #include <sys/file.h>
 #include <unistd.h>
+
+#include "spool/spool.h"
 
 static const struct {
     const char *name;
@@ -24,7 +24,7 @@ static const struct {
     [FAILED] = {"failed", 02750},
 };
 
-const char *folder_name(int folder) {
+const char *folder_name(enum folder folder) {
     return layout[folder].name;
 }
 
@@ -44,7 +44,7 @@ static int set_mode(int fd, mode_t mode) {
 }
 
 /* Folders that exist keep the mode that the administrator gave them. */
-static int open_folder(const folders *f, int folder, int *fd, shear_error *err) {
+static int open_folder(const folders *f, enum folder folder, int *fd, shear_error *err) {
     const char *name = layout[folder].name;
     const bool made = mkdirat(f->root, name, 0700) == 0;
     if (!made && errno != EEXIST) {
@@ -73,7 +73,7 @@ static int open_root(folders *f, shear_error *err) {
 
 /* The holder's process number is in the file, for the message; the lock itself is the kernel's and
  * ends with its holder. */
-static int take_lock(folders *f, shear_error *err) {
+static int acquire_lock(folders *f, shear_error *err) {
     char holder[24] = "";
     f->lock = openat(f->root, ".lock", O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0640);
     if (f->lock < 0) {
@@ -118,21 +118,24 @@ static int check_one_mount(const folders *f, shear_error *err) {
     return SHEAR_OK;
 }
 
+static int open_all(folders *f, shear_error *err) {
+    int code = open_root(f, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = acquire_lock(f, err);
+    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++) {
+        code = open_folder(f, i, &f->fd[i], err);
+    }
+    return code != SHEAR_OK ? code : check_one_mount(f, err);
+}
+
 int folders_open(folders *f, const char *path, shear_error *err) {
     *f = (folders){strdup(path), -1, -1, {-1, -1, -1, -1}};
     if (f->path == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the spool");
     }
-    int code = open_root(f, err);
-    if (code == SHEAR_OK) {
-        code = take_lock(f, err);
-    }
-    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++) {
-        code = open_folder(f, i, &f->fd[i], err);
-    }
-    if (code == SHEAR_OK) {
-        code = check_one_mount(f, err);
-    }
+    const int code = open_all(f, err);
     if (code != SHEAR_OK) {
         folders_close(f);
     }
@@ -198,7 +201,8 @@ int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
     return code;
 }
 
-int folder_move(const folders *f, int from, const char *name, int to, const char *new_name) {
+int folder_move(const folders *f, enum folder from, const char *name, enum folder to,
+                const char *new_name) {
     struct stat st;
     if (renameat2(f->fd[from], name, f->fd[to], new_name, RENAME_NOREPLACE) == 0) {
         return 0;
@@ -214,15 +218,20 @@ int folder_move(const folders *f, int from, const char *name, int to, const char
     return renameat(f->fd[from], name, f->fd[to], new_name) == 0 ? 0 : errno;
 }
 
-int folder_sync(const folders *f, int folder) {
+int folder_sync(const folders *f, enum folder folder) {
     return fsync(f->fd[folder]) == 0 ? 0 : errno;
 }
 
-int folder_stat(const folders *f, int folder, const char *name, struct stat *st) {
+int folder_sync_move(const folders *f, enum folder folder) {
+    const int error = folder_sync(f, folder);
+    return error != 0 ? error : folder_sync(f, ACTIVE);
+}
+
+int folder_stat(const folders *f, enum folder folder, const char *name, struct stat *st) {
     return fstatat(f->fd[folder], name, st, AT_SYMLINK_NOFOLLOW) == 0 ? 0 : errno;
 }
 
-DIR *folder_list(const folders *f, int folder) {
+DIR *folder_list(const folders *f, enum folder folder) {
     const int fd = openat(f->fd[folder], ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
     if (dir == NULL && fd >= 0) {
@@ -231,4 +240,21 @@ DIR *folder_list(const folders *f, int folder) {
         errno = saved;
     }
     return dir;
+}
+
+void folder_list_close(DIR **dir) {
+    if (*dir != NULL) {
+        closedir(*dir);
+    }
+}
+
+const char *folder_of_place(const char *text, enum folder *folder) {
+    for (*folder = DONE; *folder <= FAILED; (*folder)++) {
+        const char *prefix = folder_name(*folder);
+        const size_t n = strlen(prefix);
+        if (strncmp(text, prefix, n) == 0 && text[n] == '/') {
+            return text + n + 1;
+        }
+    }
+    return NULL;
 }

@@ -5,68 +5,46 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/random.h>
-#include <time.h>
 
-static bool ends_with(const char *name, const char *suffix) {
-    const size_t n = strlen(name);
-    const size_t m = strlen(suffix);
-    return n > m && strcasecmp(name + n - m, suffix) == 0;
-}
+#include "base/clock.h"
+#include "base/text.h"
+#include "base/utf8.h"
 
 /* The extension, in upper or lower case, or NULL where the name has none that is taken. */
 static const char *extension_of(const char *name) {
     static const char *const taken[] = {".fits",    ".fit",    ".fits.gz", ".fit.gz",
                                         ".fits.fz", ".fit.fz", ".fz",      ".json"};
     for (size_t i = 0; i < sizeof taken / sizeof taken[0]; i++) {
-        if (ends_with(name, taken[i])) {
+        if (text_ends_with(name, taken[i])) {
             return name + strlen(name) - strlen(taken[i]);
         }
     }
     return NULL;
 }
 
-/* The code point at *p, which moves on; -1 where it is not well formed (Unicode, table 3-7). */
-static int32_t next_code_point(const unsigned char **p) {
-    static const int32_t least[] = {0, 0x80, 0x800, 0x10000};
-    const unsigned char first = *(*p)++;
-    const int more = first < 0x80 ? 0 : first < 0xc2 ? -1 : first < 0xe0 ? 1 : first < 0xf0 ? 2 : 3;
-    if (more < 0 || first > 0xf4) {
-        return -1;
-    }
-    int32_t point = more == 0 ? first : first & (0x3f >> more);
-    for (int i = 0; i < more; i++) {
-        if ((**p & 0xc0) != 0x80) {
-            return -1;
-        }
-        point = (point << 6) | (*(*p)++ & 0x3f);
-    }
-    const bool surrogate = point >= 0xd800 && point <= 0xdfff;
-    return point < least[more] || surrogate || point > 0x10ffff ? -1 : point;
-}
-
-static int judge_characters(const char *name) {
-    const unsigned char *p = (const unsigned char *)name;
-    while (*p != '\0') {
-        const int32_t point = next_code_point(&p);
-        if (point < 0) {
+static enum name_status validate_characters(const char *name) {
+    while (*name != '\0') {
+        uint32_t point = 0;
+        const size_t bytes = utf8_decode(name, &point);
+        if (bytes == 0) {
             return NAME_NOT_UTF8;
         }
         if (point < 0x20 || (point >= 0x7f && point < 0xa0)) {
             return NAME_CONTROL;
         }
+        name += bytes;
     }
     return NAME_GOOD;
 }
 
-int name_judge(const char *name) {
-    if (name[0] == '.' || ends_with(name, ".tmp") || ends_with(name, ".part")) {
+enum name_status name_validate(const char *name) {
+    if (name[0] == '.' || text_ends_with(name, ".tmp") || text_ends_with(name, ".part")) {
         return NAME_QUIET;
     }
-    const int verdict = judge_characters(name);
-    if (verdict != NAME_GOOD) {
-        return verdict;
+    const enum name_status status = validate_characters(name);
+    if (status != NAME_GOOD) {
+        return status;
     }
     if (strchr(name, '/') != NULL || extension_of(name) == NULL) {
         return NAME_SUFFIX;
@@ -74,15 +52,14 @@ int name_judge(const char *name) {
     return strlen(name) > NAME_GOOD_MAX ? NAME_LONG : NAME_GOOD;
 }
 
-const char *name_complaint(int verdict) {
-    static const char *const texts[NAME_N_VERDICTS] = {
+const char *name_complaint(enum name_status status) {
+    static const char *const texts[NAME_N_STATUSES] = {
         [NAME_SUFFIX] = "ends neither in .fits, .fit, .fits.gz, .fit.gz, .fz nor .json",
         [NAME_CONTROL] = "has control characters",
         [NAME_NOT_UTF8] = "is not UTF-8",
         [NAME_LONG] = "is too long",
     };
-    return verdict >= 0 && verdict < NAME_N_VERDICTS && texts[verdict] != NULL ? texts[verdict]
-                                                                               : "";
+    return status < NAME_N_STATUSES && texts[status] != NULL ? texts[status] : "";
 }
 
 void name_printable(char out[NAME_SIZE], const char *name) {
@@ -98,15 +75,13 @@ void name_printable(char out[NAME_SIZE], const char *name) {
 
 int name_make_active(char out[NAME_SIZE], const char *name, uint64_t counter) {
     uint64_t chance = 0;
-    struct timespec now;
     if (strlen(name) > NAME_GOOD_MAX) {
         return ENAMETOOLONG;
     }
-    if (getrandom(&chance, sizeof chance, 0) != (ssize_t)sizeof chance ||
-        clock_gettime(CLOCK_REALTIME, &now) != 0) {
+    if (getrandom(&chance, sizeof chance, 0) != (ssize_t)sizeof chance) {
         return errno;
     }
-    const uint64_t us = (uint64_t)now.tv_sec * 1000000 + (uint64_t)now.tv_nsec / 1000;
+    const uint64_t us = (uint64_t)clock_us(CLOCK_REALTIME);
     snprintf(out, NAME_SIZE, "%014" PRIx64 "%04x%016" PRIx64 "-%s", us & 0xffffffffffffff,
              (unsigned)(counter & 0xffff), chance, name);
     return 0;
@@ -117,7 +92,12 @@ const char *name_of_active(const char *active_name) {
     if (n != SPOOL_KEY_SIZE - 1 || active_name[n] != '-') {
         return NULL;
     }
-    return name_judge(active_name + n + 1) == NAME_GOOD ? active_name + n + 1 : NULL;
+    return name_validate(active_name + n + 1) == NAME_GOOD ? active_name + n + 1 : NULL;
+}
+
+int name_fail_active(const char *active_name, shear_error *err) {
+    return shear_fail(err, SHEAR_E_INTERNAL, NULL, "'%.255s' is no name of the spool's",
+                      active_name);
 }
 
 void name_key(char key[SPOOL_KEY_SIZE], const char *active_name) {
@@ -132,4 +112,8 @@ void name_number(char out[NAME_SIZE], const char *name, int64_t n) {
     } else {
         snprintf(out, NAME_SIZE, "%.*s.%" PRId64 "%s", (int)(extension - name), name, n, extension);
     }
+}
+
+void name_report(char out[NAME_REPORT_SIZE], const char *name) {
+    snprintf(out, NAME_REPORT_SIZE, "%s.json", name);
 }

@@ -1,41 +1,47 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The names of files: which are taken, what they are called in active/, done/ and failed/. */
+/* spool/names.h: the names of files: which are taken, what they are called in active/, done/ and
+ * failed/. */
 #ifndef SHEARD_SPOOL_NAMES_H
 #define SHEARD_SPOOL_NAMES_H
 
-#include "spool/spool.h"
-
 #include <limits.h>
 
-enum name_verdict {
+#include "spool/spool.h"
+
+enum name_status {
     NAME_GOOD,
     NAME_QUIET, /* meant to be passed over: a dotfile, *.tmp, *.part */
     NAME_SUFFIX,
     NAME_CONTROL,
     NAME_NOT_UTF8,
     NAME_LONG,
-    NAME_N_VERDICTS
+    NAME_N_STATUSES
 };
 
 enum {
     NAME_SIZE = NAME_MAX + 1,
+    NAME_REPORT_SIZE = NAME_SIZE + sizeof ".json" - 1,
     /* Longest NAME: with key, '-', '.' and ".end" around it, it is still a file name. */
     NAME_GOOD_MAX = NAME_MAX - (SPOOL_KEY_SIZE - 1) - 6
 };
 
-int name_judge(const char *name);
+enum name_status name_validate(const char *name);
 /* What is wrong with it, as the end of "its name ..."; "" for NAME_GOOD and NAME_QUIET. */
-const char *name_complaint(int verdict);
+const char *name_complaint(enum name_status status);
 /* For messages: what is no printable ASCII becomes '?'. */
 void name_printable(char out[NAME_SIZE], const char *name);
 
 /* KEY-NAME with a new key: time, `counter` and random bits. Returns 0 or errno. */
 int name_make_active(char out[NAME_SIZE], const char *name, uint64_t counter);
-/* NAME within an active name, or NULL where it is none. */
+/* NAME within an active name, or NULL where that is not one. */
 const char *name_of_active(const char *active_name);
+/* SHEAR_E_INTERNAL: the caller's text is not an active name. */
+int name_fail_active(const char *active_name, shear_error *err);
 void name_key(char key[SPOOL_KEY_SIZE], const char *active_name);
 
 /* NAME with ".n" before its extension; NAME itself for n = 0. NAME is good. */
 void name_number(char out[NAME_SIZE], const char *name, int64_t n);
+/* "NAME.json". */
+void name_report(char out[NAME_REPORT_SIZE], const char *name);
 
 #endif

@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/retention.h"
 
-#include "spool/internal.h"
-
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/array.h"
+#include "spool/internal.h"
+#include "spool/report.h"
+
 static const int64_t ns_per_s = 1000000000;
 static const int64_t ns_per_ms = 1000000;
 
-static void forget_items(sweep *w) {
+static void forget_items(retention *w) {
     for (size_t i = 0; w->items != NULL && i < w->n; i++) {
         free(w->items[i].name);
     }
     free(w->items);
     w->items = NULL;
-    w->n = w->room = w->next = 0;
+    w->n = w->capacity = w->next = 0;
     w->bytes = 0;
     if (w->dir != NULL) {
         closedir(w->dir);
@@ -26,27 +27,27 @@ static void forget_items(sweep *w) {
     w->dir = NULL;
 }
 
-void sweep_init(sweep *w) {
-    *w = (sweep){.folder = N_FOLDERS};
+void retention_init(retention *w) {
+    *w = (retention){.folder = N_FOLDERS};
 }
 
-void sweep_deinit(sweep *w) {
+void retention_deinit(retention *w) {
     forget_items(w);
     w->folder = N_FOLDERS;
 }
 
-bool sweep_idle(const sweep *w) {
+bool retention_idle(const retention *w) {
     return w->folder == N_FOLDERS;
 }
 
-void sweep_begin(sweep *w) {
-    if (sweep_idle(w)) {
+void retention_begin(retention *w) {
+    if (retention_idle(w)) {
         w->folder = DONE;
     }
 }
 
 static const spool_retention *limits(const spool *s) {
-    return s->sweep.folder == DONE ? &s->tuning.done : &s->tuning.failed;
+    return s->retention.folder == DONE ? &s->tuning.done : &s->tuning.failed;
 }
 
 /* ---- reading ---- */
@@ -55,15 +56,9 @@ static int64_t to_ns(struct timespec t) {
     return (int64_t)t.tv_sec * ns_per_s + t.tv_nsec;
 }
 
-static bool append(sweep *w, const char *name, const struct stat *st) {
-    if (w->n == w->room) {
-        const size_t room = w->room == 0 ? 64 : 2 * w->room;
-        sweep_item *items = reallocarray(w->items, room, sizeof *items);
-        if (items == NULL) {
-            return false;
-        }
-        w->items = items;
-        w->room = room;
+static bool append(retention *w, const char *name, const struct stat *st) {
+    if (!ARRAY_RESERVE(w->items, w->capacity, w->n + 1)) {
+        return false;
     }
     char *copy = strdup(name);
     if (copy == NULL) {
@@ -71,7 +66,7 @@ static bool append(sweep *w, const char *name, const struct stat *st) {
     }
     /* The last modification of the file is older than its end; the last change is its move here.
      * Better is the time when the report was written, if there is one. */
-    w->items[w->n++] = (sweep_item){.name = copy,
+    w->items[w->n++] = (ended_file){.name = copy,
                                     .inode = st->st_ino,
                                     .modified_ns = to_ns(st->st_mtim),
                                     .ended_ns = to_ns(st->st_ctim),
@@ -80,25 +75,25 @@ static bool append(sweep *w, const char *name, const struct stat *st) {
 }
 
 static int by_name(const void *a, const void *b) {
-    return strcmp(((const sweep_item *)a)->name, ((const sweep_item *)b)->name);
+    return strcmp(((const ended_file *)a)->name, ((const ended_file *)b)->name);
 }
 
 static int by_time(const void *a, const void *b) {
-    const sweep_item *x = a;
-    const sweep_item *y = b;
+    const ended_file *x = a;
+    const ended_file *y = b;
     return x->ended_ns != y->ended_ns ? (x->ended_ns > y->ended_ns) - (x->ended_ns < y->ended_ns)
                                       : by_name(a, b);
 }
 
 /* A name sorts before the name of its report; so a report is known as one before it could be taken
  * for a job with a report of its own. */
-static void pair_with_reports(sweep *w) {
+static void pair_with_reports(retention *w) {
     for (size_t i = 0; i < w->n; i++) {
-        char name[NAME_SIZE + 8];
-        sweep_item *item = &w->items[i];
-        snprintf(name, sizeof name, "%s.json", item->name);
-        const sweep_item key = {.name = name};
-        sweep_item *report =
+        char name[NAME_REPORT_SIZE];
+        ended_file *item = &w->items[i];
+        name_report(name, item->name);
+        const ended_file key = {.name = name};
+        ended_file *report =
             item->is_report ? NULL : bsearch(&key, w->items, w->n, sizeof key, by_name);
         if (report != NULL) {
             report->is_report = true;
@@ -109,7 +104,7 @@ static void pair_with_reports(sweep *w) {
     }
 }
 
-static void sort_out(sweep *w) {
+static void sort_out(retention *w) {
     size_t kept = 0;
     if (w->n == 0) {
         return;
@@ -128,42 +123,52 @@ static void sort_out(sweep *w) {
     qsort(w->items, w->n, sizeof *w->items, by_time);
 }
 
-static void end_folder(sweep *w) {
+static void end_folder(retention *w) {
     forget_items(w);
     w->folder++;
 }
 
-/* Only what this service put there, or could have put there, is counted and removed. */
-static bool read_some(spool *s) {
-    sweep *w = &s->sweep;
+static void end_reading(retention *w) {
+    closedir(w->dir);
+    w->dir = NULL;
+    sort_out(w);
+    if (w->n == 0) {
+        end_folder(w);
+    }
+}
+
+/* Only what this service put there, or could have put there, is counted and removed. False: memory
+ * is out. */
+static bool read_name(spool *s, const char *name) {
+    struct stat st;
+    const enum name_status status = name_validate(name);
+    if ((status != NAME_GOOD && status != NAME_LONG) ||
+        folder_stat(&s->folders, s->retention.folder, name, &st) != 0 || !S_ISREG(st.st_mode)) {
+        return true;
+    }
+    return append(&s->retention, name, &st);
+}
+
+static void read_some(spool *s) {
+    retention *w = &s->retention;
     for (int i = 0; i < SPOOL_STEP_NAMES; i++) {
-        struct stat st;
         const struct dirent *entry = readdir(w->dir);
         if (entry == NULL) {
-            closedir(w->dir);
-            w->dir = NULL;
-            sort_out(w);
-            if (w->n == 0) {
-                end_folder(w);
-            }
-            return true;
+            end_reading(w);
+            return;
         }
-        const int verdict = name_judge(entry->d_name);
-        if ((verdict == NAME_GOOD || verdict == NAME_LONG) &&
-            folder_stat(&s->folders, w->folder, entry->d_name, &st) == 0 && S_ISREG(st.st_mode) &&
-            !append(w, entry->d_name, &st)) {
-            spool_log(s, SPOOL_WARNING, "%s/%s: out of memory while looking for old files",
-                      s->folders.path, folder_name(w->folder));
+        if (!read_name(s, entry->d_name)) {
+            report_line(s, SPOOL_WARNING, "%s/%s: out of memory while looking for old files",
+                        s->folders.path, folder_name(w->folder));
             end_folder(w);
-            return true;
+            return;
         }
     }
-    return true;
 }
 
 /* ---- removing ---- */
 
-static bool too_much(const sweep *w, const spool_retention *keep, int64_t now_ns) {
+static bool too_much(const retention *w, const spool_retention *keep, int64_t now_ns) {
     if (w->next == w->n) {
         return false;
     }
@@ -174,28 +179,28 @@ static bool too_much(const sweep *w, const spool_retention *keep, int64_t now_ns
 }
 
 /* The file first: no file is ever without its report. */
-static void remove_item(spool *s, const sweep_item *item) {
-    const int folder = s->sweep.folder;
+static void remove_item(spool *s, const ended_file *item) {
+    const enum folder folder = s->retention.folder;
     const int fd = s->folders.fd[folder];
     struct stat st;
     if (folder_stat(&s->folders, folder, item->name, &st) != 0 || st.st_ino != item->inode) {
-        return; /* somebody has been faster, and the name may stand for a younger file by now */
+        return; /* somebody was faster, and the name may stand for a younger file by now */
     }
     if (unlinkat(fd, item->name, 0) != 0) {
-        spool_log(s, SPOOL_WARNING, "%s/%s/%s: is to be removed, but cannot: %s", s->folders.path,
-                  folder_name(folder), item->name, strerror(errno));
+        report_line(s, SPOOL_WARNING, "%s/%s/%s: is to be removed, but cannot: %s", s->folders.path,
+                    folder_name(folder), item->name, strerror(errno));
         return;
     }
     s->stats.removed++;
     if (item->has_report) {
-        char report[NAME_SIZE + 8];
-        snprintf(report, sizeof report, "%s.json", item->name);
+        char report[NAME_REPORT_SIZE];
+        name_report(report, item->name);
         unlinkat(fd, report, 0);
     }
 }
 
 static bool remove_some(spool *s) {
-    sweep *w = &s->sweep;
+    retention *w = &s->retention;
     const int64_t now_ns = s->call.now_ms(s->call.context) * ns_per_ms;
     for (int i = 0; i < SPOOL_STEP_FILES && too_much(w, limits(s), now_ns); i++) {
         remove_item(s, &w->items[w->next]);
@@ -205,16 +210,17 @@ static bool remove_some(spool *s) {
     if (!too_much(w, limits(s), now_ns)) {
         end_folder(w);
     }
-    return !sweep_idle(w);
+    return !retention_idle(w);
 }
 
-bool sweep_step(spool *s) {
-    sweep *w = &s->sweep;
-    if (sweep_idle(w)) {
+bool retention_step(spool *s) {
+    retention *w = &s->retention;
+    if (retention_idle(w)) {
         return false;
     }
     if (w->dir != NULL) {
-        return read_some(s);
+        read_some(s);
+        return true;
     }
     if (w->items != NULL) {
         return remove_some(s);
@@ -225,5 +231,5 @@ bool sweep_step(spool *s) {
     if (w->dir == NULL) {
         end_folder(w);
     }
-    return !sweep_idle(w);
+    return !retention_idle(w);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Retention: what is too old or too much in done/ and failed/ is removed, in small steps. */
-#ifndef SHEARD_SPOOL_SWEEP_H
-#define SHEARD_SPOOL_SWEEP_H
+/* spool/retention.h: what is too old or too much in done/ and failed/ is removed, in small steps.
+ */
+#ifndef SHEARD_SPOOL_RETENTION_H
+#define SHEARD_SPOOL_RETENTION_H
 
 #include <dirent.h>
 #include <stdbool.h>
@@ -9,27 +10,32 @@
 #include <stdint.h>
 #include <sys/types.h>
 
+#include "spool/folders.h"
+#include "spool/spool.h"
+
 /* A file, with its report where there is one. */
-typedef struct sweep_item {
+typedef struct ended_file {
     char *name;
     ino_t inode;
     int64_t modified_ns, ended_ns; /* since 1970 */
     int64_t bytes;                 /* of both */
     bool has_report, is_report;
-} sweep_item;
+} ended_file;
 
-typedef struct sweep {
-    int folder; /* the one under way; N_FOLDERS: none */
-    DIR *dir;   /* open while it is being read */
-    sweep_item *items;
-    size_t n, room;
-    size_t next;   /* read: the first item not yet removed */
+typedef struct retention {
+    enum folder folder; /* the one under way; N_FOLDERS: none */
+    DIR *dir;           /* open while it is being read */
+    ended_file *items;
+    size_t n, capacity;
+    size_t next;   /* the first item not yet removed */
     int64_t bytes; /* of those from next on */
-} sweep;
+} retention;
 
-void sweep_init(sweep *w);
-void sweep_deinit(sweep *w);
-void sweep_begin(sweep *w); /* unless one is under way */
-bool sweep_idle(const sweep *w);
+void retention_init(retention *w);
+void retention_deinit(retention *w);
+void retention_begin(retention *w); /* unless one is under way */
+bool retention_idle(const retention *w);
+/* Some of the work. True: there is more. */
+bool retention_step(spool *s);
 
 #endif

@@ -1,77 +1,67 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Opening, closing, and the turn: what the spool does when the timer or inotify wakes it. */
-#include "spool/internal.h"
+/* Opening, closing, and what is done when the timer or inotify wakes the spool. */
+#include "spool/spool.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
-int64_t spool_clock_ms(void) {
-    return (int64_t)(uv_hrtime() / 1000000);
-}
-
-void spool_log(const spool *s, int level, const char *format, ...) {
-    char text[1024];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(text, sizeof text, format, list);
-    va_end(list);
-    s->call.log(s->call.context, level, text);
-}
+#include "base/cleanup.h"
+#include "base/clock.h"
+#include "spool/acquire.h"
+#include "spool/announce.h"
+#include "spool/incoming.h"
+#include "spool/internal.h"
+#include "spool/report.h"
+#include "spool/undo_log.h"
 
 static int64_t wall_clock_ms(void *nothing) {
-    struct timespec now;
     (void)nothing;
-    clock_gettime(CLOCK_REALTIME, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+    return clock_ms(CLOCK_REALTIME);
 }
 
-/* ---- the turn ---- */
+/* ---- what is done when the timer or inotify wakes it ---- */
 
 static void on_timer(uv_timer_t *timer);
 
 static void sleep_until_next(spool *s, bool more) {
-    int64_t next_ms = s->scan.next_ms;
-    if (incoming_next_ms(s) < next_ms) {
-        next_ms = incoming_next_ms(s);
-    }
-    const int64_t left_ms = next_ms - spool_clock_ms();
-    /* The loop's clock stands still during a turn: without this the timer would come early. A time
-     * of 0 would come in this very turn of the loop, again and again, and nobody else would. */
+    const int64_t acquire_ms = acquire_next_ms(s);
+    const int64_t next_ms = acquire_ms < s->scan.next_ms ? acquire_ms : s->scan.next_ms;
+    const int64_t left_ms = next_ms - clock_ms(CLOCK_MONOTONIC);
+    /* The loop's clock stands still during an iteration: without this the timer would come early. A
+     * time of 0 would come in this very iteration, again and again, and nobody else would. */
     uv_update_time(s->loop);
     uv_timer_start(&s->timer, on_timer, more || left_ms <= 0 ? 1 : (uint64_t)left_ms + 1, 0);
 }
 
-static void take_turn(spool *s) {
+static void work(spool *s) {
     bool more = false;
-    if (s->scan.dir == NULL && s->scan.next_ms <= spool_clock_ms()) {
-        offers_revive(&s->offers);
+    if (s->scan.dir == NULL && s->scan.next_ms <= clock_ms(CLOCK_MONOTONIC)) {
+        unacknowledged_retry(&s->unacknowledged);
         if (incoming_begin_scan(s)) {
-            sweep_begin(&s->sweep);
+            retention_begin(&s->retention);
         }
     }
     more |= incoming_scan(s);
-    more |= incoming_settle(s);
-    more |= offers_tell(s);
+    more |= acquire_settled(s);
+    more |= announce_files(s);
     if (!s->closed) {
-        more |= incoming_take(s);
+        more |= acquire_ready(s);
     }
     if (!s->closed) {
-        more |= offers_tell(s);
+        more |= announce_files(s);
     }
     if (!s->closed) {
-        more |= sweep_step(s);
+        more |= retention_step(s);
         sleep_until_next(s, more);
     }
 }
 
 static void on_timer(uv_timer_t *timer) {
-    take_turn(timer->data);
+    work(timer->data);
 }
 
 static void free_when_closed(spool *s) {
@@ -96,7 +86,7 @@ static void stop_watch(spool *s) {
     s->stats.watching = false;
 }
 
-static void handle_event(void *context, int event, const char *name) {
+static void handle_event(void *context, enum watch_event event, const char *name) {
     incoming_event(context, event, name);
 }
 
@@ -105,78 +95,99 @@ static void on_readable(uv_poll_t *poll, int status, int events) {
     (void)events;
     const int error = status < 0 ? -status : watch_read(&s->watch, handle_event, s);
     if (error != 0) {
-        spool_log(s, SPOOL_ERROR, "%s/incoming: events cannot be read, scans alone find files: %s",
-                  s->folders.path, strerror(error));
+        report_line(s, SPOOL_ERROR,
+                    "%s/incoming: events cannot be read, scans alone find files: %s",
+                    s->folders.path, strerror(error));
         stop_watch(s);
     }
-    take_turn(s);
+    work(s);
 }
 
 void spool_wake(spool *s) {
-    offers_revive(&s->offers);
+    unacknowledged_retry(&s->unacknowledged);
     uv_timer_start(&s->timer, on_timer, 0, 0);
 }
 
 void spool_tune(spool *s, const spool_tuning *tuning) {
     s->tuning = *tuning;
-    const int64_t latest_ms = spool_clock_ms() + tuning->scan_ms;
+    const int64_t latest_ms = clock_ms(CLOCK_MONOTONIC) + tuning->scan_ms;
     s->scan.next_ms = s->scan.next_ms < latest_ms ? s->scan.next_ms : latest_ms;
     uv_timer_start(&s->timer, on_timer, 0, 0);
 }
 
 /* ---- opening and closing ---- */
 
-/* What the last owner had taken. */
+CLEANUP_DEFINE(spool, spool_close)
+
+static int no_memory(shear_error *err) {
+    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the spool");
+}
+
+static int list_one(spool *s, const char *active_name, shear_error *err) {
+    if (active_name[0] == '.') {
+        return SHEAR_OK;
+    }
+    if (name_of_active(active_name) == NULL) {
+        char name[NAME_SIZE];
+        name_printable(name, active_name);
+        report_line(s, SPOOL_WARNING, "active/%s: ignored: it was not put there by this service",
+                    name);
+        return SHEAR_OK;
+    }
+    if (!unacknowledged_add(&s->unacknowledged, active_name, true, false)) {
+        return no_memory(err);
+    }
+    s->stats.active++;
+    return SHEAR_OK;
+}
+
+/* What the last owner had acquired. */
 static int list_active(spool *s, shear_error *err) {
-    int code = SHEAR_OK;
-    DIR *dir = folder_list(&s->folders, ACTIVE);
+    CLEANUP(folder_list_close) DIR *dir = folder_list(&s->folders, ACTIVE);
     if (dir == NULL) {
         return shear_fail(err, SHEAR_E_IO, NULL, "%s/active: cannot be read: %s", s->folders.path,
                           strerror(errno));
     }
-    for (const struct dirent *entry = readdir(dir); entry != NULL && code == SHEAR_OK;
-         entry = readdir(dir)) {
-        char name[NAME_SIZE];
-        name_printable(name, entry->d_name);
-        if (entry->d_name[0] == '.') {
-            continue;
-        }
-        if (name_of_active(entry->d_name) == NULL) {
-            spool_log(s, SPOOL_WARNING, "active/%s: ignored: it was not put there by this service",
-                      name);
-        } else if (!offers_add(&s->offers, entry->d_name, true, false)) {
-            code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the spool");
-        } else {
-            s->stats.active++;
+    for (const struct dirent *entry = readdir(dir); entry != NULL; entry = readdir(dir)) {
+        const int code = list_one(s, entry->d_name, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
     }
-    closedir(dir);
-    return code;
+    return SHEAR_OK;
+}
+
+/* Returns 0 or errno. */
+static int watch_incoming(spool *s) {
+    int error = watch_init(&s->watch);
+    if (error != 0) {
+        return error;
+    }
+    error = watch_start(&s->watch, s->folders.fd[INCOMING], s->folders.root);
+    if (error != 0) {
+        return error;
+    }
+    error = -uv_poll_init(s->loop, &s->poll, s->watch.fd);
+    if (error != 0) {
+        return error;
+    }
+    s->polling = true;
+    s->poll.data = s;
+    s->handles++;
+    return -uv_poll_start(&s->poll, UV_READABLE, on_readable);
 }
 
 /* Failures here cost speed only. */
 static void start_watch(spool *s) {
-    int error = watch_init(&s->watch);
-    if (error == 0) {
-        error = watch_start(&s->watch, s->folders.fd[INCOMING], s->folders.root);
-    }
-    if (error == 0) {
-        error = -uv_poll_init(s->loop, &s->poll, s->watch.fd);
-        s->polling = error == 0;
-        s->poll.data = s;
-        s->handles += s->polling;
-    }
-    if (error == 0) {
-
-        error = -uv_poll_start(&s->poll, UV_READABLE, on_readable);
-    }
+    const int error = watch_incoming(s);
     s->stats.watching = error == 0;
     if (error != 0) {
-        spool_log(s, SPOOL_WARNING, "%s/incoming: cannot be watched, scans alone find files: %s%s",
-                  s->folders.path, strerror(error),
-                  error == EMFILE || error == ENOSPC
-                      ? "; raise fs.inotify.max_user_instances and max_user_watches"
-                      : "");
+        report_line(s, SPOOL_WARNING,
+                    "%s/incoming: cannot be watched, scans alone find files: %s%s", s->folders.path,
+                    strerror(error),
+                    error == EMFILE || error == ENOSPC
+                        ? "; raise fs.inotify.max_user_instances and max_user_watches"
+                        : "");
         stop_watch(s);
     }
 }
@@ -191,9 +202,9 @@ void spool_close(spool *s) {
         closedir(s->scan.dir);
     }
     s->scan.dir = NULL;
-    sweep_deinit(&s->sweep);
-    offers_deinit(&s->offers);
-    waiting_deinit(&s->waiting);
+    retention_deinit(&s->retention);
+    unacknowledged_deinit(&s->unacknowledged);
+    candidates_deinit(&s->candidates);
     folders_close(&s->folders);
     if (s->started) {
         uv_close((uv_handle_t *)&s->timer, on_closed);
@@ -202,10 +213,11 @@ void spool_close(spool *s) {
 }
 
 static int start(spool *s, shear_error *err) {
-    int code = ending_recover(&s->folders, err);
-    if (code == SHEAR_OK) {
-        code = list_active(s, err);
+    int code = undo_log_recover(&s->folders, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = list_active(s, err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -214,7 +226,7 @@ static int start(spool *s, shear_error *err) {
     s->handles = 1;
     s->started = true;
     start_watch(s);
-    s->scan.next_ms = spool_clock_ms();
+    s->scan.next_ms = clock_ms(CLOCK_MONOTONIC);
     uv_timer_start(&s->timer, on_timer, 0, 0);
     return SHEAR_OK;
 }
@@ -222,35 +234,35 @@ static int start(spool *s, shear_error *err) {
 int spool_open(spool **out, uv_loop_t *loop, const char *directory, const spool_tuning *tuning,
                const spool_callbacks *callbacks, shear_error *err) {
     *out = NULL;
-    spool *s = calloc(1, sizeof *s);
+    CLEANUP(spool_release) spool *s = calloc(1, sizeof *s);
     if (s == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the spool");
+        return no_memory(err);
     }
     s->loop = loop;
     s->tuning = *tuning;
     s->call = *callbacks;
     s->call.now_ms = callbacks->now_ms != NULL ? callbacks->now_ms : wall_clock_ms;
     s->watch = (watch){-1, -1, -1};
-    waiting_init(&s->waiting);
-    offers_init(&s->offers);
-    sweep_init(&s->sweep);
+    candidates_init(&s->candidates);
+    unacknowledged_init(&s->unacknowledged);
+    retention_init(&s->retention);
     int code = folders_open(&s->folders, directory, err);
-    if (code == SHEAR_OK) {
-        code = start(s, err);
-    }
     if (code != SHEAR_OK) {
-        spool_close(s);
         return code;
     }
-    *out = s;
+    code = start(s, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    *out = CLEANUP_TAKE(s);
     return SHEAR_OK;
 }
 
 /* ---- the rest ---- */
 
 int spool_refuse(spool *s, const char *active_name, shear_error *err) {
-    if (!offers_add(&s->offers, active_name, true, true)) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the spool");
+    if (!unacknowledged_add(&s->unacknowledged, active_name, true, true)) {
+        return no_memory(err);
     }
     return SHEAR_OK;
 }
@@ -260,8 +272,7 @@ int spool_open_file(const spool *s, const char *active_name, int *out, shear_err
     struct stat st;
     *out = -1;
     if (name == NULL) {
-        return shear_fail(err, SHEAR_E_INTERNAL, NULL, "'%.255s' is no name of the spool's",
-                          active_name);
+        return name_fail_active(active_name, err);
     }
     /* Not to wait for the other end, should it be a pipe. */
     const int fd = openat(s->folders.fd[ACTIVE], active_name,
@@ -288,10 +299,10 @@ int spool_open_file(const spool *s, const char *active_name, int *out, shear_err
 
 spool_stats spool_get_stats(const spool *s) {
     spool_stats stats = s->stats;
-    const size_t *counts = s->waiting.counts;
+    const size_t *counts = s->candidates.counts;
     stats.waiting =
-        (int64_t)(counts[WAITING_SETTLING] + counts[WAITING_BEGUN] + counts[WAITING_READY]);
-    stats.ignored = (int64_t)s->waiting.counts[WAITING_IGNORED];
+        (int64_t)(counts[CANDIDATE_SETTLING] + counts[CANDIDATE_BEGUN] + counts[CANDIDATE_READY]);
+    stats.ignored = (int64_t)counts[CANDIDATE_IGNORED];
     if (s->away || stats.waiting > 0) { /* who cannot be taken may have been taken away */
         snprintf(stats.trouble, sizeof stats.trouble, "%s", s->trouble);
         stats.trouble_since_ms = s->trouble_since_ms;

@@ -27,12 +27,12 @@
 #ifndef SHEARD_SPOOL_H
 #define SHEARD_SPOOL_H
 
-#include "shear/error.h"
-
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
 #include <uv.h>
+
+#include "shear/error.h"
 
 enum spool_code {
     SPOOL_LOCKED = 100, /* another process owns this spool */
@@ -156,7 +156,7 @@ typedef struct spool_ignored {
     const char *name; /* any bytes; lives until the next call that is given this spool, or turn */
     char reason[96];
 } spool_ignored;
-/* The first `room` of them; how many. */
-size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t room);
+/* The first `capacity` of them; how many. */
+size_t spool_get_ignored(const spool *s, spool_ignored *list, size_t capacity);
 
 #endif

@@ -1,31 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files in active/ that the owner has not accepted yet. */
-#ifndef SHEARD_SPOOL_OFFERS_H
-#define SHEARD_SPOOL_OFFERS_H
+/* spool/unacknowledged.h: files in active/ that the owner has not accepted yet. */
+#ifndef SHEARD_SPOOL_UNACKNOWLEDGED_H
+#define SHEARD_SPOOL_UNACKNOWLEDGED_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/queue.h>
 
-typedef struct offer {
-    TAILQ_ENTRY(offer) link;
+typedef struct unacknowledged_file {
+    TAILQ_ENTRY(unacknowledged_file) link;
     bool again; /* not for the first time */
     char active_name[];
-} offer;
-TAILQ_HEAD(offer_queue, offer);
+} unacknowledged_file;
+TAILQ_HEAD(unacknowledged_queue, unacknowledged_file);
 
-typedef struct offers {
-    struct offer_queue pending;
-    struct offer_queue refused; /* not before the next scan */
-    bool unsynced;              /* files were moved to active/ since the last fsync */
-} offers;
+typedef struct unacknowledged {
+    struct unacknowledged_queue pending;
+    struct unacknowledged_queue refused; /* not before the next scan */
+    bool unsynced;                       /* files were moved to active/ since the last fsync */
+} unacknowledged;
 
-void offers_init(offers *o);
-void offers_deinit(offers *o);
+void unacknowledged_init(unacknowledged *o);
+void unacknowledged_deinit(unacknowledged *o);
 /* False: out of memory. */
-bool offers_add(offers *o, const char *active_name, bool again, bool refused);
-void offers_drop(offers *o, const char *active_name);
-void offers_revive(offers *o); /* those that were refused */
-bool offers_pending(const offers *o);
+bool unacknowledged_add(unacknowledged *o, const char *active_name, bool again, bool refused);
+void unacknowledged_remove(unacknowledged *o, const char *active_name);
+/* Those that were refused are to be told again. */
+void unacknowledged_retry(unacknowledged *o);
+/* The next one that is to be told, out of the list and the caller's to free; NULL: none is. */
+unacknowledged_file *unacknowledged_next(unacknowledged *o);
+bool unacknowledged_pending(const unacknowledged *o);
 
 #endif

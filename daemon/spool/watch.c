@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/watch.h"
 
-#include "spool/folders.h"
-
 #include <errno.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -11,6 +9,8 @@
 #include <string.h>
 #include <sys/inotify.h>
 #include <unistd.h>
+
+#include "spool/folders.h"
 
 static const uint32_t of_directory =
     IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;
@@ -54,7 +54,7 @@ int watch_start(watch *w, int directory, int parent) {
     return error == 0 ? add(w, directory, of_directory, &w->id) : error;
 }
 
-static int meaning(uint32_t mask) {
+static enum watch_event meaning(uint32_t mask) {
     if ((mask & IN_Q_OVERFLOW) != 0) {
         return WATCH_OVERFLOW;
     }
@@ -68,9 +68,9 @@ static int meaning(uint32_t mask) {
 }
 
 static void dispatch(watch *w, const struct inotify_event *event,
-                     void (*handle)(void *, int, const char *), void *context) {
+                     void (*handle)(void *, enum watch_event, const char *), void *context) {
     const bool named = event->len > 0;
-    int kind = meaning(event->mask);
+    enum watch_event kind = meaning(event->mask);
     if (event->wd == w->parent && kind == WATCH_GONE && named &&
         strcmp(event->name, folder_name(INCOMING)) == 0) {
         kind = WATCH_LOST;
@@ -87,7 +87,7 @@ static void dispatch(watch *w, const struct inotify_event *event,
     }
 }
 
-int watch_read(watch *w, void (*handle)(void *, int, const char *), void *context) {
+int watch_read(watch *w, void (*handle)(void *, enum watch_event, const char *), void *context) {
     _Alignas(struct inotify_event) char buffer[16384];
     for (;;) {
         const ssize_t n = read(w->fd, buffer, sizeof buffer);

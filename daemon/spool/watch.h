@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* inotify on incoming/. */
+/* spool/watch.h: inotify on incoming/. */
 #ifndef SHEARD_SPOOL_WATCH_H
 #define SHEARD_SPOOL_WATCH_H
 
@@ -8,7 +8,8 @@ enum watch_event {
     WATCH_BEGUN,    /* a new name: made, or linked */
     WATCH_GONE,     /* removed, or renamed away */
     WATCH_OVERFLOW, /* events were lost */
-    WATCH_LOST      /* the directory was removed, renamed or unmounted */
+    WATCH_LOST,     /* the directory was removed, renamed or unmounted */
+    WATCH_NONE      /* no event: a scan found it */
 };
 
 typedef struct watch {
@@ -20,10 +21,11 @@ typedef struct watch {
 /* Returns 0 or errno; w->fd is -1 then. */
 int watch_init(watch *w);
 void watch_deinit(watch *w);
-/* Watch this directory, which is called incoming in `parent`, and no other any more. Returns 0 or
+/* Watch this directory, which is called incoming in `parent`, and no other. Returns 0 or
  * errno. */
 int watch_start(watch *w, int directory, int parent);
 /* Hand over what is there, in order; the name is NULL for overflow and loss. Returns 0 or errno. */
-int watch_read(watch *w, void (*handle)(void *context, int event, const char *name), void *context);
+int watch_read(watch *w, void (*handle)(void *context, enum watch_event event, const char *name),
+               void *context);
 
 #endif

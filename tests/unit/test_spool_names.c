@@ -10,7 +10,7 @@ static void good_and_bad_names(void **state) {
     (void)state;
     static const struct {
         const char *name;
-        int verdict;
+        enum name_status status;
     } cases[] = {
         {"a.fits", NAME_GOOD},
         {"a.fits.gz", NAME_GOOD},
@@ -54,8 +54,9 @@ static void good_and_bad_names(void **state) {
         {"a.fits\xc3", NAME_NOT_UTF8},             /* cut off */
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        if (name_judge(cases[i].name) != cases[i].verdict) {
-            fail_msg("case %zu: %d instead of %d", i, name_judge(cases[i].name), cases[i].verdict);
+        if (name_validate(cases[i].name) != cases[i].status) {
+            fail_msg("case %zu: %d instead of %d", i, name_validate(cases[i].name),
+                     cases[i].status);
         }
     }
 }
@@ -71,9 +72,9 @@ static void longest_name_fits_everywhere(void **state) {
     char active[NAME_SIZE];
     char numbered[NAME_SIZE];
     fill(name, NAME_GOOD_MAX + 1);
-    assert_int_equal(name_judge(name), NAME_LONG);
+    assert_int_equal(name_validate(name), NAME_LONG);
     fill(name, NAME_GOOD_MAX);
-    assert_int_equal(name_judge(name), NAME_GOOD);
+    assert_int_equal(name_validate(name), NAME_GOOD);
     assert_int_equal(name_make_active(active, name, 0), 0);
     assert_string_equal(name_of_active(active), name);
     assert_true(1 + strlen(active) + strlen(".end") <= NAME_MAX);
