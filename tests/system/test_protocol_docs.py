@@ -7,6 +7,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 import unittest
 
 try:
@@ -259,6 +260,11 @@ class SchemaAndTables(unittest.TestCase):
                     self.assertEqual(resolve(part).get("maximum", setting["max"]), setting["max"])
                 elif setting["type"] == "choice":
                     self.assertEqual(part["enum"], setting["names"])
+
+    def test_what_is_made_of_the_tables_is_current(self):
+        made = subprocess.run([sys.executable, "-B", os.path.join(ROOT, "protocol", "schema.py"), PROBE, "--check"],
+                              capture_output=True, encoding="utf-8", check=False)
+        self.assertEqual(made.returncode, 0, made.stdout + made.stderr)
 
     @unittest.skipUnless(jsonschema, "python3-jsonschema is not installed")
     def test_schema_is_a_schema(self):

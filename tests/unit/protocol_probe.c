@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* protocol_probe: what the code knows of the protocol, for tests/system/test_protocol_docs.py.
+/* protocol_probe: what the code knows of the protocol, for protocol/schema.py and
+ * tests/system/test_protocol_docs.py.
  *   protocol_probe tables   all codes, methods, notifications and messages, as JSON
  *   protocol_probe check    lines "KIND[ METHOD]<tab>TEXT" from standard input, each answered by
  * "ok" or "CODE: MESSAGE"; KIND is request, reply, error, notification, job-file or side-file */
-#include "rpc/methods.h"
-
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "rpc/methods.h"
+#include "json/settings.h"
+#include "json/tree.h"
 
 /* ---- tables ---- */
 
@@ -40,7 +43,7 @@ static void print_member(const msg_member *m) {
         print_names(m->names);
     }
     if (m->table != NULL) {
-        printf(",\"members\":");
+        printf(",\"table\":\"%s\",\"members\":", m->table->name);
         print_table(m->table);
     }
     printf("}");
@@ -66,19 +69,30 @@ static void print_codes(void) {
     printf("]");
 }
 
+/* Is a request without any refused? */
+static bool needs_params(const msg_table *table) {
+    sheard_params params;
+    sheard_rpc_error error;
+    const bool refused = msg_read(&params, table, NULL, MSG_STRICT, &error) != SHEARD_RPC_OK;
+    msg_deinit(&params, table);
+    return refused;
+}
+
 static void print_methods(void) {
     printf(",\"methods\":[");
     for (int i = 0; i < SHEARD_N_METHODS; i++) {
-        printf("%s{\"name\":\"%s\",\"admin\":%s,\"params\":", i > 0 ? "," : "", rpc_methods[i].name,
-               rpc_methods[i].admin ? "true" : "false");
+        printf("%s{\"name\":\"%s\",\"admin\":%s,\"needs_params\":%s,\"params\":", i > 0 ? "," : "",
+               rpc_methods[i].name, rpc_methods[i].admin ? "true" : "false",
+               needs_params(rpc_methods[i].params) ? "true" : "false");
         print_table(rpc_methods[i].params);
-        printf(",\"reply\":");
+        printf(",\"table\":\"%s\",\"reply\":", rpc_methods[i].reply->name);
         print_table(rpc_methods[i].reply);
         printf("}");
     }
     printf("],\"notifications\":[");
     for (int i = 0; i < SHEARD_N_NOTICES; i++) {
-        printf("%s{\"name\":\"%s\",\"params\":", i > 0 ? "," : "", rpc_notices[i].name);
+        printf("%s{\"name\":\"%s\",\"table\":\"%s\",\"params\":", i > 0 ? "," : "",
+               rpc_notices[i].name, rpc_notices[i].params->name);
         print_table(rpc_notices[i].params);
         printf("}");
     }
@@ -93,18 +107,24 @@ static void print_settings(void) {
                                         [SHEAR_T_BOOL] = "bool"};
     size_t n = 0;
     const shear_setting_def *table = shear_settings_table(&n);
+    shear_settings defaults;
+    shear_settings_init(&defaults);
+    json_t *values = json_settings(&defaults);
     printf(",\"settings\":[");
     for (size_t i = 0; i < n; i++) {
-        printf("%s{\"name\":\"%s\",\"type\":\"%s\",\"auto\":%s,\"min\":%.17g,\"max\":%.17g",
-               i > 0 ? "," : "", table[i].name, types[table[i].type],
-               table[i].has_auto && strcmp(shear_setting_auto(&table[i]), "auto") == 0 ? "true"
-                                                                                       : "false",
-               table[i].min, table[i].max);
+        char *value = tree_dump(json_object_get(values, table[i].name), 0, "", NULL);
+        printf("%s{\"name\":\"%s\",\"type\":\"%s\",\"default\":%s", i > 0 ? "," : "", table[i].name,
+               types[table[i].type], value);
+        printf(",\"min\":%.17g,\"max\":%.17g", table[i].min, table[i].max);
+        const char *word = table[i].has_auto ? shear_setting_auto(&table[i]) : "";
+        printf(",\"auto\":%s,\"word\":\"%s\"", strcmp(word, "auto") == 0 ? "true" : "false", word);
         if (table[i].choices != NULL) {
             print_names(table[i].choices);
         }
         printf("}");
+        free(value);
     }
+    json_decref(values);
     printf("]");
 }
 

@@ -15,6 +15,10 @@ add_executable(protocol_probe ${CMAKE_CURRENT_LIST_DIR}/protocol_probe.c)
 target_include_directories(protocol_probe PRIVATE ${PROJECT_SOURCE_DIR}/protocol)
 target_link_libraries(protocol_probe PRIVATE shear_flags shear_protocol PkgConfig::JANSSON)
 set_target_properties(protocol_probe PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+add_custom_target(protocol-docs
+  COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/protocol/schema.py $<TARGET_FILE:protocol_probe>
+  COMMENT "Renewing docs/protocol.schema.json, and the examples of docs/protocol.md" VERBATIM)
+add_dependencies(protocol-docs protocol_probe)
 add_test(NAME protocol_docs
   COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tests/system/test_protocol_docs.py)
 set_tests_properties(protocol_docs PROPERTIES LABELS protocol TIMEOUT 60
