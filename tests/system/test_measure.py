@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """shearctl measure on good files: numbers against closed forms, several files of a field, --json
 and the table."""
+import json
 import math
 import os
 import re
@@ -16,10 +17,17 @@ KEYS = ["field", "g1", "g1_err", "g2", "g2_err", "cov12", "n_stamps", "n_used", 
         "seconds"]
 FLAGS = ["galaxy_not_finite", "noise_not_finite", "masked", "empty", "psf_unusable", "bad_weight",
          "bad_r_gal", "overflow", "artefact", "noise_artefact"]
-SETTINGS = {"preset": "default", "interpolation": "auto", "oversample": "auto", "beta": "auto", "beta-ratio": 2, "beta-floor": 1.4,
-            "filter": "auto", "core": "auto", "width": "auto", "background": "auto", "zeros": "skip", "pedestal": 0.0,
-            "psf-threshold": 1e-8, "power-tolerance": 1e-3, "noise-correction": True,
-            "noise-level": "field", "shot-noise": "none", "estimator": "mean", "artefacts": "flag", "bad-value": "none"}
+
+
+def default_settings():
+    """As config/sheard.conf documents them (a test of its own keeps it current), in JSON's types."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "config", "sheard.conf"), encoding="utf-8") as f:
+        section = f.read().split("[measure]\n")[1]
+    words = dict(re.findall(r"^#([a-z-]+) = (\S+)$", section, re.M))
+    return {name: json.loads(word) if re.match(r"[-0-9]|true|false", word) else word for name, word in words.items()}
+
+
+SETTINGS = default_settings()
 RESOLVED = ["interpolation", "oversample", "beta_px", "r_psf_px", "filter", "core_px", "core_found", "width_px",
             "noise_band", "k_cut"]
 
