@@ -16,18 +16,22 @@ size_t array_next_capacity(size_t capacity, size_t needed, size_t item_size) {
     return larger > needed ? larger : needed;
 }
 
-bool array_reserve(void *items, size_t *capacity, size_t needed, size_t item_size) {
+bool array_reserve_exact(void *items, size_t *capacity, size_t needed, size_t item_size) {
     void *old = NULL; /* copied: a pointer to another type must not be read as a void pointer */
     memcpy(&old, items, sizeof old);
     if (needed <= *capacity) {
         return true;
     }
-    const size_t larger = array_next_capacity(*capacity, needed, item_size);
-    void *grown = larger <= SIZE_MAX / item_size ? realloc(old, larger * item_size) : NULL;
+    void *grown = needed <= SIZE_MAX / item_size ? realloc(old, needed * item_size) : NULL;
     if (grown == NULL) {
         return false;
     }
     memcpy(items, &grown, sizeof grown);
-    *capacity = larger;
+    *capacity = needed;
     return true;
+}
+
+bool array_reserve(void *items, size_t *capacity, size_t needed, size_t item_size) {
+    const size_t larger = array_next_capacity(*capacity, needed, item_size);
+    return needed <= *capacity || array_reserve_exact(items, capacity, larger, item_size);
 }

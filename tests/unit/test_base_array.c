@@ -35,6 +35,18 @@ static void nothing_changes_where_nothing_is_needed(void **state) {
     assert_ptr_equal(items, before);
 }
 
+static void scratch_is_no_larger_than_needed(void **state) {
+    (void)state;
+    CLEANUP(release_free) double *items = NULL;
+    size_t capacity = 0;
+    assert_true(ARRAY_RESERVE_EXACT(items, capacity, 3));
+    assert_int_equal(capacity, 3);
+    assert_true(ARRAY_RESERVE_EXACT(items, capacity, 4));
+    assert_int_equal(capacity, 4);
+    assert_true(ARRAY_RESERVE_EXACT(items, capacity, 2));
+    assert_int_equal(capacity, 4);
+}
+
 static void too_many_are_refused(void **state) {
     (void)state;
     CLEANUP(release_free) double *items = NULL;
@@ -105,6 +117,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(growing_keeps_the_items),
         cmocka_unit_test(nothing_changes_where_nothing_is_needed),
+        cmocka_unit_test(scratch_is_no_larger_than_needed),
         cmocka_unit_test(too_many_are_refused),
         cmocka_unit_test(a_buffer_collects),
         cmocka_unit_test(a_failed_buffer_gives_nothing),

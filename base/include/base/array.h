@@ -19,8 +19,13 @@
 #define ARRAY_RESERVE(items, capacity, needed)                                                     \
     array_reserve((void *)&(items), &(capacity), (needed), sizeof *(items))
 
-/* What ARRAY_RESERVE calls; `items` is the address of the pointer. */
+/* The same for scratch memory, of which no more is wanted than what is needed. */
+#define ARRAY_RESERVE_EXACT(items, capacity, needed)                                               \
+    array_reserve_exact((void *)&(items), &(capacity), (needed), sizeof *(items))
+
+/* What these call; `items` is the address of the pointer. */
 bool array_reserve(void *items, size_t *capacity, size_t needed, size_t item_size);
+bool array_reserve_exact(void *items, size_t *capacity, size_t needed, size_t item_size);
 
 /* The capacity that follows `capacity` and holds `needed` items: for arrays with limits of their
  * own. At least 64 bytes. */

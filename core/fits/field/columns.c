@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/columns.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 
 const sf_column_def sf_column_defs[SF_COLUMNS] = {
@@ -38,12 +40,14 @@ int sf_columns_init(sf_columns *c, const sf_part *part, int64_t rows, shear_erro
     }
     const sf_place at = {part->file->source.name, part->label};
     int rc = check_table(part->hdu, at, rows, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_cards_init(&c->cards, part->file, part->hdu, part->label, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
+    rc = sf_cards_init(&c->cards, part->file, part->hdu, part->label, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
+    rc = sf_table_init(&c->table, part->file, part->hdu, &c->cards, err);
     for (int i = 0; rc == SHEAR_OK && i < SF_COLUMNS; i++) {
         rc = sf_table_find_number(&c->table, sf_column_defs[i].name, &c->column[i], err);
         c->have |= rc == SHEAR_OK && c->column[i] != NULL ? sf_column_defs[i].bit : 0u;
@@ -74,13 +78,8 @@ int sf_columns_read_int64(sf_columns *c, unsigned bit, int64_t first, int64_t co
 
 int sf_columns_read_int32(sf_columns *c, unsigned bit, int64_t first, int64_t count,
                           int32_t undefined, int32_t *out, shear_error *err) {
-    if (count > c->scratch_size) {
-        int64_t *grown = realloc(c->scratch, (size_t)count * sizeof *grown);
-        if (grown == NULL) {
-            return sf_fail_memory(err, c->cards.at);
-        }
-        c->scratch = grown;
-        c->scratch_size = count;
+    if (!ARRAY_RESERVE_EXACT(c->scratch, c->capacity, (size_t)count)) {
+        return sf_fail_memory(err, c->cards.at);
     }
     const int rc = sf_columns_read_int64(c, bit, first, count, undefined, c->scratch, err);
     for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {

@@ -25,8 +25,8 @@ typedef struct sf_columns {
     sf_table table;
     unsigned have; /* or of enum shear_column */
     const sf_column *column[SF_COLUMNS];
-    int64_t *scratch; /* [scratch_size] */
-    int64_t scratch_size;
+    int64_t *scratch; /* [capacity] */
+    size_t capacity;
 } sf_columns;
 
 /* Open the table of `part` where there is one, of `rows` rows; `part` outlives *c. In place: parts

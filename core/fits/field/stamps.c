@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/stamps.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,10 +41,10 @@ static int lay_out_mosaic(sf_stamps *s, int64_t nx, int64_t ny, shear_error *err
     }
     s->layout = SHEAR_LAYOUT_MOSAIC;
     s->columns = axes[0] / nx;
-    const int64_t room = s->columns * (axes[1] / ny);
-    s->n = room;
+    const int64_t most = s->columns * (axes[1] / ny);
+    s->n = most;
     bool found = false;
-    return sf_key_int(&s->image.cards, "NSTAMP", 1, room, &s->n, &found, err);
+    return sf_key_int(&s->image.cards, "NSTAMP", 1, most, &s->n, &found, err);
 }
 
 static int lay_out(sf_stamps *s, shear_error *err) {
@@ -52,17 +54,19 @@ static int lay_out(sf_stamps *s, shear_error *err) {
     bool has_nx = false;
     bool has_ny = false;
     int rc = sf_key_int(&image->cards, "STAMPNX", 1, INT32_MAX, &nx, &has_nx, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK && has_nx != has_ny) {
-        rc = sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
-                     "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
-                     has_nx ? "STAMPNY" : "STAMPNX");
+    rc = sf_key_int(&image->cards, "STAMPNY", 1, INT32_MAX, &ny, &has_ny, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = check_sides(s, nx, ny, err);
+    if (has_nx != has_ny) {
+        return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, "give both, or neither",
+                       "it has the keyword %s without %s", has_nx ? "STAMPNX" : "STAMPNY",
+                       has_nx ? "STAMPNY" : "STAMPNX");
     }
+    rc = check_sides(s, nx, ny, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -75,9 +79,10 @@ static int lay_out(sf_stamps *s, shear_error *err) {
 int sf_stamps_init(sf_stamps *s, const sf_part *part, shear_error *err) {
     *s = (sf_stamps){0};
     int rc = sf_part_require(part, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_image_init(&s->image, part->file, part->hdu, part->label, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
+    rc = sf_image_init(&s->image, part->file, part->hdu, part->label, err);
     return rc != SHEAR_OK ? rc : lay_out(s, err);
 }
 
@@ -93,13 +98,8 @@ static int read_run(sf_stamps *s, int64_t first, int64_t count, double *out, she
     const int64_t row = s->nx * count;
     const int64_t low[SF_AXES] = {first % s->columns * s->nx, first / s->columns * s->ny, 0};
     const int64_t size[SF_AXES] = {row, s->ny, 1};
-    if (row * s->ny > s->scratch_size) {
-        double *grown = realloc(s->scratch, (size_t)(row * s->ny) * sizeof *grown);
-        if (grown == NULL) {
-            return sf_fail_memory(err, s->image.cards.at);
-        }
-        s->scratch = grown;
-        s->scratch_size = row * s->ny;
+    if (!ARRAY_RESERVE_EXACT(s->scratch, s->capacity, (size_t)(row * s->ny))) {
+        return sf_fail_memory(err, s->image.cards.at);
     }
     const int rc = sf_image_read(&s->image, low, size, s->scratch, err);
     for (int64_t i = 0; rc == SHEAR_OK && i < count; i++) {

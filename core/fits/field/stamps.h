@@ -13,8 +13,8 @@ typedef struct sf_stamps {
     int nx, ny;      /* of a stamp */
     int64_t columns; /* stamps in a row of the mosaic */
     int64_t n;
-    double *scratch; /* [scratch_size]: a run of stamps of one mosaic row */
-    int64_t scratch_size;
+    double *scratch; /* [capacity]: a run of stamps of one mosaic row */
+    size_t capacity;
 } sf_stamps;
 
 /* Open the HDU of `part`, which outlives *s. Deinit it, also after an error. SHEAR_E_FORMAT. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/header/cards.h"
 
+#include "base/io.h"
 #include "fits/header/card.h"
 
 #include <errno.h>
@@ -8,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 static int64_t count_cards(const char *text, int64_t bytes) {
@@ -26,16 +26,10 @@ static int64_t count_cards(const char *text, int64_t bytes) {
 
 static int read_text(char *text, const sf_file *file, const sf_hdu *hdu, sf_place at,
                      shear_error *err) {
-    for (int64_t done = 0; done < hdu->header_bytes;) {
-        const ssize_t n = pread(file->source.fd, text + done, (size_t)(hdu->header_bytes - done),
-                                (off_t)(hdu->header_offset + done));
-        if (n < 0 && errno != EINTR) {
-            return sf_fail_errno(err, at, errno, "its header cannot be read");
-        }
-        if (n == 0) {
-            break;
-        }
-        done += n > 0 ? n : 0;
+    const ssize_t n =
+        io_read_at(file->source.fd, text, (size_t)hdu->header_bytes, (off_t)hdu->header_offset);
+    if (n < 0) {
+        return sf_fail_errno(err, at, errno, "its header cannot be read");
     }
     return XXH3_64bits(text, (size_t)hdu->header_bytes) == hdu->header_hash
                ? SHEAR_OK
@@ -144,27 +138,8 @@ static bool continues(const sf_cards *c, const char *card) {
     return card < c->text + c->count * SF_CARD && memcmp(card, "CONTINUE", SF_KEY) == 0;
 }
 
-/* A string that ends with & goes on in the card CONTINUE behind it. */
-int sf_key_string(const sf_cards *c, const char *key, char **text, shear_error *err) {
-    const char *card = NULL;
-    *text = NULL;
-    const int rc = sf_cards_find(c, key, &card, err);
-    if (rc != SHEAR_OK || card == NULL) {
-        return rc;
-    }
-    int64_t room = 1;
-    for (const char *k = card; k == card || continues(c, k); k += SF_CARD) {
-        room += SF_CARD;
-    }
-    char *out = calloc(1, (size_t)room);
-    if (out == NULL) {
-        return sf_fail_memory(err, c->at);
-    }
-    if (!sf_card_string(card, out, SF_CARD)) {
-        sf_card_token(card, out);
-        *text = out;
-        return SHEAR_OK;
-    }
+/* Append the strings of the CONTINUE cards behind `card` to `out`, as long as it ends with &. */
+static void append_continued(const sf_cards *c, const char *card, char *out) {
     size_t n = strlen(out);
     for (card += SF_CARD; n > 0 && out[n - 1] == '&' && continues(c, card); card += SF_CARD) {
         char next[SF_CARD];
@@ -174,6 +149,28 @@ int sf_key_string(const sf_cards *c, const char *key, char **text, shear_error *
             break;
         }
         n = strlen(out);
+    }
+}
+
+int sf_key_string(const sf_cards *c, const char *key, char **text, shear_error *err) {
+    const char *card = NULL;
+    *text = NULL;
+    const int rc = sf_cards_find(c, key, &card, err);
+    if (rc != SHEAR_OK || card == NULL) {
+        return rc;
+    }
+    size_t capacity = 1;
+    for (const char *k = card; k == card || continues(c, k); k += SF_CARD) {
+        capacity += SF_CARD;
+    }
+    char *out = calloc(1, capacity);
+    if (out == NULL) {
+        return sf_fail_memory(err, c->at);
+    }
+    if (sf_card_string(card, out, SF_CARD)) {
+        append_continued(c, card, out);
+    } else {
+        sf_card_token(card, out);
     }
     *text = out;
     return SHEAR_OK;

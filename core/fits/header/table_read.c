@@ -1,29 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/io.h"
 #include "fits/header/card.h"
 #include "fits/header/table.h"
+#include "fits/io/bits.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { BUFFER = 1 << 15 };
 
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
                    shear_error *err) {
     const int64_t at = t->hdu->data_offset + row * t->hdu->axes[0] + offset;
-    for (int64_t done = 0; done < bytes;) {
-        const ssize_t n = pread(t->file->source.fd, (char *)out + done, (size_t)(bytes - done),
-                                (off_t)(at + done));
-        if (n < 0 && errno != EINTR) {
-            return sf_fail_errno(err, t->cards->at, errno, "cannot be read");
-        }
-        if (n == 0) {
-            return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "leave a file alone while it is read",
-                           "its data end at row %lld: the file has become shorter",
-                           (long long)row + 1);
-        }
-        done += n > 0 ? n : 0;
+    const ssize_t n = io_read_at(t->file->source.fd, out, (size_t)bytes, (off_t)at);
+    if (n < 0) {
+        return sf_fail_errno(err, t->cards->at, errno, "cannot be read");
+    }
+    if (n < bytes) {
+        return sf_fail(err, SHEAR_E_FORMAT, t->cards->at, "leave a file alone while it is read",
+                       "its data end at row %lld: the file has become shorter", (long long)row + 1);
     }
     return SHEAR_OK;
 }
@@ -34,14 +30,6 @@ typedef struct cell {
     int64_t integer;
     double real;
 } cell;
-
-static uint64_t big_endian(const unsigned char *bytes, int64_t n) {
-    uint64_t v = 0;
-    for (int64_t i = 0; i < n; i++) {
-        v = v << 8 | bytes[i];
-    }
-    return v;
-}
 
 static cell real_of(double v) {
     return (cell){.floating = true, .real = v, .undefined = isnan(v)};
@@ -55,19 +43,19 @@ static cell cell_of(char type, const unsigned char *bytes) {
     case 'B':
         return (cell){.integer = bytes[0]};
     case 'I':
-        return (cell){.integer = (int16_t)big_endian(bytes, 2)};
+        return (cell){.integer = (int16_t)sf_bits_big_endian(bytes, 2)};
     case 'J':
-        return (cell){.integer = (int32_t)big_endian(bytes, 4)};
+        return (cell){.integer = (int32_t)sf_bits_big_endian(bytes, 4)};
     case 'K':
-        return (cell){.integer = (int64_t)big_endian(bytes, 8)};
+        return (cell){.integer = (int64_t)sf_bits_big_endian(bytes, 8)};
     case 'E': {
-        const uint32_t bits = (uint32_t)big_endian(bytes, 4);
+        const uint32_t bits = (uint32_t)sf_bits_big_endian(bytes, 4);
         float v;
         memcpy(&v, &bits, sizeof v);
         return real_of((double)v);
     }
     default: {
-        const uint64_t bits = big_endian(bytes, 8);
+        const uint64_t bits = sf_bits_big_endian(bytes, 8);
         double v;
         memcpy(&v, &bits, sizeof v);
         return real_of(v);

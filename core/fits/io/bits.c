@@ -29,3 +29,11 @@ bool sf_bits_skip_unary(sf_bits *b) {
     }
     return false;
 }
+
+uint64_t sf_bits_big_endian(const unsigned char *bytes, int64_t n) {
+    uint64_t v = 0;
+    for (int64_t i = 0; i < n; i++) {
+        v = v << 8 | bytes[i];
+    }
+    return v;
+}

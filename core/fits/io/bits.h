@@ -18,4 +18,7 @@ bool sf_bits_read(sf_bits *b, int n, int *out);
 /* Skip zeros and the one behind them. */
 bool sf_bits_skip_unary(sf_bits *b);
 
+/* The unsigned number in n bytes, at most 8, the most significant one first. */
+uint64_t sf_bits_big_endian(const unsigned char *bytes, int64_t n);
+
 #endif

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Checksums of inputs: XXH3 of the bytes as they are on disk, packed or not. */
+#include "base/io.h"
+#include "base/text.h"
+#include "common/release.h"
 #include "fits/io/source.h"
 #include "shear/field.h"
 
@@ -50,10 +53,7 @@ static int stream_open(stream *f, const char *path, int fd, shear_error *err) {
 /* One buffer more; *count 0: the end. A file that grows for ever would never end. */
 static int stream_read(stream *f, unsigned char *buffer, size_t *count, shear_error *err) {
     const sf_place at = {f->name, NULL};
-    ssize_t n;
-    do {
-        n = pread(f->fd, buffer, BUFFER, f->offset);
-    } while (n < 0 && errno == EINTR);
+    const ssize_t n = io_read_at(f->fd, buffer, BUFFER, f->offset);
     if (n < 0) {
         return sf_fail_errno(err, at, errno, "cannot be read");
     }
@@ -116,8 +116,8 @@ static int file_of(const shear_hashing *h, int part) {
 
 int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *fds,
                       const shear_field_info *info, shear_error *err) {
-    shear_hashing *h = calloc(1, sizeof *h);
-    *out = h;
+    CLEANUP(shear_hashing_release) shear_hashing *h = calloc(1, sizeof *h);
+    *out = NULL;
     if (h != NULL) {
         *h = (shear_hashing){.input = input,
                              .fds = fds,
@@ -127,8 +127,6 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
                              .buffer = malloc(BUFFER)};
     }
     if (h == NULL || h->state == NULL || h->buffer == NULL) {
-        shear_hashing_free(h);
-        *out = NULL;
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a checksum");
     }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
@@ -136,6 +134,7 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
         h->hdu[i] = info != NULL ? (long long)info->hdu[i] : -1;
         h->parts[i].file = !there ? -1 : h->whole ? 0 : file_of(h, i);
     }
+    *out = CLEANUP_TAKE(h);
     return SHEAR_OK;
 }
 
@@ -175,33 +174,43 @@ static void end_part(shear_hashing *h) {
     h->part++;
 }
 
+/* One buffer more of the part that is being read, or its beginning or end. */
+static int hash_some(shear_hashing *h, shear_error *err) {
+    size_t count = 0;
+    if (!h->open) {
+        return begin_part(h, err);
+    }
+    const int code = stream_read(&h->file, h->buffer, &count, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (count > 0) {
+        XXH3_128bits_update(h->state, h->buffer, count);
+    } else {
+        end_part(h);
+    }
+    return SHEAR_OK;
+}
+
 int shear_hashing_step(shear_hashing *h, int64_t bytes, bool *done, shear_error *err) {
-    int code = SHEAR_OK;
     const int64_t begun = shear_hashing_bytes(h);
-    while (code == SHEAR_OK && h->part < SHEAR_N_PARTS && shear_hashing_bytes(h) - begun < bytes) {
-        size_t count = 0;
-        if (!h->open) {
-            code = begin_part(h, err);
-            continue;
-        }
-        code = stream_read(&h->file, h->buffer, &count, err);
-        if (code == SHEAR_OK && count > 0) {
-            XXH3_128bits_update(h->state, h->buffer, count);
-        } else if (code == SHEAR_OK) {
-            end_part(h);
+    *done = false;
+    while (h->part < SHEAR_N_PARTS && shear_hashing_bytes(h) - begun < bytes) {
+        const int code = hash_some(h, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
     }
-    *done = code == SHEAR_OK && h->part == SHEAR_N_PARTS;
-    return code;
+    *done = h->part == SHEAR_N_PARTS;
+    return SHEAR_OK;
 }
 
 void shear_hashing_text(const shear_hashing *h, char out[SHEAR_CHECKSUM_SIZE]) {
     char text[SHEAR_N_PARTS * 80] = "";
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        const size_t used = strlen(text);
         if (h->parts[i].file >= 0) {
-            snprintf(text + used, sizeof text - used, "%s %s %lld\n", shear_part_name(i),
-                     h->parts[h->parts[i].file].sum, h->hdu[i]);
+            text_append(text, sizeof text, "%s %s %lld\n", shear_part_name(i),
+                        h->parts[h->parts[i].file].sum, h->hdu[i]);
         }
     }
     if (!h->whole && h->separate) {
@@ -213,16 +222,16 @@ void shear_hashing_text(const shear_hashing *h, char out[SHEAR_CHECKSUM_SIZE]) {
 
 int shear_input_checksum(const shear_input *input, const int *fds, const shear_field_info *info,
                          char out[SHEAR_CHECKSUM_SIZE], shear_error *err) {
-    shear_hashing *h = NULL;
+    CLEANUP(shear_hashing_release) shear_hashing *h = NULL;
     bool done = false;
     int code = shear_hashing_new(&h, input, fds, info, err);
-    if (code == SHEAR_OK) {
-        code = shear_hashing_step(h, INT64_MAX, &done, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = shear_hashing_step(h, INT64_MAX, &done, err);
     if (code == SHEAR_OK) {
         shear_hashing_text(h, out);
     }
-    shear_hashing_free(h);
     return code;
 }
 

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/io/gunzip.h"
 
+#include "base/cleanup.h"
+#include "base/io.h"
+#include "base/text.h"
 #include "shear/field.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdatomic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <zlib.h>
 
 enum { CHUNK = 1 << 18 };
@@ -24,13 +24,8 @@ bool sf_is_gzip(const unsigned char *bytes, int64_t count) {
 
 static int64_t unpack_limit(void) {
     const char *text = getenv("SHEAR_UNPACK_LIMIT");
-    if (text == NULL) {
-        return SHEAR_UNPACK_LIMIT;
-    }
-    char *end = NULL;
-    errno = 0;
-    const long long value = strtoll(text, &end, 10);
-    return errno == 0 && end != text && *end == '\0' && value > 0 ? value : SHEAR_UNPACK_LIMIT;
+    int64_t limit = 0;
+    return text != NULL && text_to_int64(text, &limit) && limit > 0 ? limit : SHEAR_UNPACK_LIMIT;
 }
 
 /* Given to this process, which may open none. */
@@ -43,7 +38,7 @@ void shear_field_use_scratch(const int *fds, int n) {
     memcpy(given, fds, (size_t)n_given * sizeof *given);
 }
 
-static int take_given(sf_place at, int *out, shear_error *err) {
+static int next_scratch(sf_place at, int *out, shear_error *err) {
     const int i = atomic_fetch_add(&next_given, 1);
     if (i >= n_given) {
         return sf_fail(err, SHEAR_E_IO, at, "look at the directory for unpacked copies",
@@ -53,56 +48,22 @@ static int take_given(sf_place at, int *out, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int temporary(sf_place at, int *out, shear_error *err) {
+static int open_copy(sf_place at, int *out, shear_error *err) {
     if (n_given > 0) {
-        return take_given(at, out, err);
+        return next_scratch(at, out, err);
     }
     const char *dir = getenv("TMPDIR");
     if (dir == NULL || dir[0] == '\0') {
         dir = "/tmp";
     }
-    int fd = open(dir, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
-    if (fd < 0) { /* not every file system knows O_TMPFILE */
-        char path[4096];
-        const int n = snprintf(path, sizeof path, "%s/.shear-XXXXXX", dir);
-        fd = n > 0 && (size_t)n < sizeof path ? mkostemp(path, O_CLOEXEC) : -1;
-        if (fd >= 0) {
-            unlink(path);
-        }
-    }
-    if (fd < 0) {
+    *out = io_open_nameless(dir);
+    if (*out < 0) {
         const int number = errno;
         char doing[300];
         snprintf(doing, sizeof doing, "cannot make a temporary file in '%.200s' (TMPDIR)", dir);
         return sf_fail_errno(err, at, number, doing);
     }
-    *out = fd;
     return SHEAR_OK;
-}
-
-static int write_all(int fd, const unsigned char *bytes, size_t count, sf_place at,
-                     shear_error *err) {
-    while (count > 0) {
-        const ssize_t n = write(fd, bytes, count);
-        if (n < 0 && errno == EINTR) {
-            continue;
-        }
-        if (n < 0) {
-            return sf_fail_errno(err, at, errno, "cannot write its temporary copy");
-        }
-        bytes += n;
-        count -= (size_t)n;
-    }
-    return SHEAR_OK;
-}
-
-/* Bytes read, 0 at the end, or -1 with errno. */
-static ssize_t read_at(int fd, void *buffer, size_t count, int64_t offset) {
-    ssize_t n;
-    do {
-        n = pread(fd, buffer, count, (off_t)offset);
-    } while (n < 0 && errno == EINTR);
-    return n;
 }
 
 /* One file being unpacked. */
@@ -116,7 +77,7 @@ typedef struct unpacking {
 } unpacking;
 
 static int refill(unpacking *u, shear_error *err) {
-    const ssize_t n = read_at(u->in, u->packed, CHUNK, u->position);
+    const ssize_t n = io_read_at(u->in, u->packed, CHUNK, u->position);
     if (n < 0) {
         return sf_fail_errno(err, u->at, errno, "cannot read");
     }
@@ -145,11 +106,12 @@ static int flush(unpacking *u, shear_error *err) {
                        "the gzip data unpack to more than the limit of %lld bytes",
                        (long long)u->limit);
     }
-    const int rc = write_all(u->out, u->plain, count, u->at, err);
+    const int error = io_write(u->out, u->plain, count);
     u->written += (int64_t)count;
     u->z.next_out = u->plain;
     u->z.avail_out = CHUNK;
-    return rc;
+    return error == 0 ? SHEAR_OK
+                      : sf_fail_errno(err, u->at, error, "cannot write its temporary copy");
 }
 
 /* Unpack until the end of one gzip member. */
@@ -184,7 +146,7 @@ static int unpack_member(unpacking *u, shear_error *err) {
 static int more_members(unpacking *u, shear_error *err) {
     const int64_t next = u->position - u->z.avail_in;
     unsigned char head[2] = {0, 0};
-    const ssize_t n = read_at(u->in, head, sizeof head, next);
+    const ssize_t n = io_read_at(u->in, head, sizeof head, next);
     if (n < 0) {
         return -sf_fail_errno(err, u->at, errno, "cannot read");
     }
@@ -212,33 +174,34 @@ static int unpack(unpacking *u, shear_error *err) {
     return more < 0 ? -more : flush(u, err);
 }
 
+static void unpacking_deinit(unpacking *u) {
+    inflateEnd(&u->z);
+    free(u->packed);
+    free(u->plain);
+    release_fd(&u->out);
+}
+
 int sf_gunzip(int in, sf_place at, int *out, int64_t *out_size, shear_error *err) {
+    CLEANUP(unpacking_deinit)
     unpacking u = {.in = in, .out = -1, .limit = unpack_limit(), .at = at};
-    int rc = SHEAR_OK;
-    if (inflateInit2(&u.z, 15 + 16) != Z_OK) { /* 16: expect gzip's header and check its CRC */
-        return sf_fail_memory(err, at);
-    }
     u.packed = malloc(CHUNK);
     u.plain = malloc(CHUNK);
-    if (u.packed == NULL || u.plain == NULL) {
-        rc = sf_fail_memory(err, at);
-        goto done;
-    }
     u.z.next_out = u.plain;
     u.z.avail_out = CHUNK;
-    rc = temporary(at, &u.out, err);
-    if (rc == SHEAR_OK) {
-        rc = unpack(&u, err);
+    if (u.packed == NULL || u.plain == NULL || /* 16: expect gzip's header and check its CRC */
+        inflateInit2(&u.z, 15 + 16) != Z_OK) {
+        return sf_fail_memory(err, at);
     }
-done:
-    inflateEnd(&u.z);
-    free(u.packed);
-    free(u.plain);
-    if (rc != SHEAR_OK && u.out >= 0) {
-        close(u.out);
-        u.out = -1;
+    int rc = open_copy(at, &u.out, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = unpack(&u, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
     *out = u.out;
     *out_size = u.written;
-    return rc;
+    u.out = -1;
+    return SHEAR_OK;
 }

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/tiles/tiles.h"
 
+#include "base/array.h"
+#include "base/io.h"
+#include "fits/io/bits.h"
 #include "fits/tiles/tile_stream.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* A stream longer than this is no compression; it bounds what is read for one tile. */
 static int64_t max_stream_bytes(int64_t pixels) {
@@ -34,14 +36,6 @@ static int bad_tile(const sf_tiles *t, int64_t tile, const char *what, shear_err
                    (long long)tile + 1, what);
 }
 
-static uint64_t big_endian(const unsigned char *bytes, int n) {
-    uint64_t v = 0;
-    for (int i = 0; i < n; i++) {
-        v = v << 8 | bytes[i];
-    }
-    return v;
-}
-
 static int64_t element_bytes(char type) {
     return type == 'B' ? 1 : type == 'I' ? 2 : type == 'D' ? 8 : 4;
 }
@@ -61,8 +55,8 @@ static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *coun
     if (rc != SHEAR_OK) {
         return rc;
     }
-    const uint64_t n = big_endian(cell, width);
-    const uint64_t at = big_endian(cell + width, width);
+    const uint64_t n = sf_bits_big_endian(cell, width);
+    const uint64_t at = sf_bits_big_endian(cell + width, width);
     const uint64_t heap = (uint64_t)t->heap_bytes;
     if (at > heap || n > (heap - at) / (uint64_t)element_bytes(c->element)) {
         return bad_tile(t, tile, "its data lie outside of the HDU", err);
@@ -77,26 +71,16 @@ static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_
     if (bytes > max_stream_bytes(pixels)) {
         return bad_tile(t, tile, "its data are absurdly long", err);
     }
-    const int64_t room =
-        bytes + (t->tiling->algorithm == SF_HCOMPRESS ? 3 * pixels : 0); /* and work space */
-    if (room > t->buffer_size) {
-        unsigned char *grown = realloc(t->buffer, (size_t)room);
-        if (grown == NULL) {
-            return sf_fail_memory(err, t->table->cards->at);
-        }
-        t->buffer = grown;
-        t->buffer_size = room;
+    const int64_t work = t->tiling->algorithm == SF_HCOMPRESS ? 3 * pixels : 0;
+    if (!ARRAY_RESERVE_EXACT(t->buffer, t->capacity, (size_t)(bytes + work))) {
+        return sf_fail_memory(err, t->table->cards->at);
     }
-    for (int64_t done = 0; done < bytes;) {
-        const ssize_t n = pread(t->table->file->source.fd, t->buffer + done, (size_t)(bytes - done),
-                                (off_t)(t->heap_offset + offset + done));
-        if (n <= 0) {
-            return n < 0 ? sf_fail_errno(err, t->table->cards->at, errno, "cannot be read")
-                         : bad_tile(t, tile, "the file ends before its data do", err);
-        }
-        done += n;
+    const ssize_t n = io_read_at(t->table->file->source.fd, t->buffer, (size_t)bytes,
+                                 (off_t)(t->heap_offset + offset));
+    if (n < 0) {
+        return sf_fail_errno(err, t->table->cards->at, errno, "cannot be read");
     }
-    return SHEAR_OK;
+    return n == bytes ? SHEAR_OK : bad_tile(t, tile, "the file ends before its data do", err);
 }
 
 /* Gzipped pixels must be exactly as many bytes as CFITSIO will take them for. */
@@ -132,10 +116,12 @@ static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_e
     int64_t count = 0;
     int64_t offset = 0;
     int rc = descriptor(t, SF_RAW_DATA, tile, &count, &offset, err);
-    if (rc != SHEAR_OK || count > 0) {
-        return rc == SHEAR_OK && count != pixels
-                   ? bad_tile(t, tile, "it has the wrong number of pixels", err)
-                   : rc;
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (count > 0) {
+        return count == pixels ? SHEAR_OK
+                               : bad_tile(t, tile, "it has the wrong number of pixels", err);
     }
     rc = descriptor(t, SF_GZIP_DATA, tile, &count, &offset, err);
     if (rc != SHEAR_OK) {
@@ -145,14 +131,16 @@ static int check_alternatives(sf_tiles *t, int64_t tile, int64_t pixels, shear_e
         return bad_tile(t, tile, "it has no data", err);
     }
     rc = load(t, tile, pixels, count, offset, err);
-    const int64_t wanted = pixels * -t->tiling->bitpix / 8; /* of floating pixels only */
-    if (rc == SHEAR_OK && (wanted < 0 || sf_gzip_size(t->buffer, count, wanted) != wanted)) {
-        rc = bad_tile(t, tile, "its gzip data are damaged", err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    return rc;
+    const int64_t wanted = pixels * -t->tiling->bitpix / 8; /* of floating pixels only */
+    return wanted >= 0 && sf_gzip_size(t->buffer, count, wanted) == wanted
+               ? SHEAR_OK
+               : bad_tile(t, tile, "its gzip data are damaged", err);
 }
 
-static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], shear_error *err) {
+static int check_data(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], shear_error *err) {
     const int64_t pixels = sides[0] * sides[1] * sides[2];
     const int64_t element = t->tiling->algorithm == SF_PLIO ? 2 : 1;
     int64_t count = 0;
@@ -165,8 +153,20 @@ static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], s
         return check_alternatives(t, tile, pixels, err);
     }
     rc = load(t, tile, pixels, count * element, offset, err);
-    if (rc == SHEAR_OK && !stream_sound(t, count * element, sides)) {
-        rc = bad_tile(t, tile, "its data are damaged", err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    return stream_sound(t, count * element, sides) ? SHEAR_OK
+                                                   : bad_tile(t, tile, "its data are damaged", err);
+}
+
+static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], shear_error *err) {
+    if (sf_bitset_has(&t->sound, tile)) {
+        return SHEAR_OK;
+    }
+    const int rc = check_data(t, tile, sides, err);
+    if (rc == SHEAR_OK) {
+        sf_bitset_add(&t->sound, tile, 1);
     }
     return rc;
 }
@@ -194,12 +194,10 @@ int sf_tiles_check(sf_tiles *t, const int64_t first[SF_AXES], const int64_t size
                 const int64_t tile = (c[2] * t->tiling->grid[1] + c[1]) * t->tiling->grid[0] + c[0];
                 int64_t sides[SF_AXES];
                 tile_sides(t->tiling, c, sides);
-                const int rc =
-                    sf_bitset_has(&t->sound, tile) ? SHEAR_OK : check_tile(t, tile, sides, err);
+                const int rc = check_tile(t, tile, sides, err);
                 if (rc != SHEAR_OK) {
                     return rc;
                 }
-                sf_bitset_add(&t->sound, tile, 1);
             }
         }
     }

@@ -11,8 +11,8 @@ typedef struct sf_tiles {
     const sf_tiling *tiling;
     int64_t heap_offset, heap_bytes; /* in the file */
     sf_bitset sound;                 /* tiles already checked */
-    unsigned char *buffer;           /* [buffer_size]: one tile's stream, and work space */
-    int64_t buffer_size;
+    unsigned char *buffer;           /* [capacity]: one tile's stream, and work space */
+    size_t capacity;
 } sf_tiles;
 
 /* `table` and `tiling` outlive *t. Deinit it, also after an error. SHEAR_E_NOMEM. */

@@ -5,35 +5,15 @@
 #include "fits/tiles/view_driver.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 void sf_view_init(sf_view *v, const sf_file *file, const sf_hdu *hdu) {
     *v = (sf_view){.file = file, .data_offset = hdu->data_offset, .data_bytes = hdu->data_bytes};
 }
 
-/* Room for `bytes` more. */
-static bool grow(sf_view *v, int64_t bytes) {
-    if (v->header_bytes + bytes > v->header_capacity) {
-        const int64_t room = 2 * v->header_capacity + SF_BLOCK_BYTES;
-        char *grown = realloc(v->header, (size_t)room);
-        if (grown == NULL) {
-            v->lost = true;
-            return false;
-        }
-        v->header = grown;
-        v->header_capacity = room;
-    }
-    return true;
-}
-
 static void add(sf_view *v, const char *text) {
-    if (!v->lost && grow(v, SF_CARD)) {
-        char padded[SF_CARD + 1];
-        snprintf(padded, sizeof padded, "%-80.80s", text);
-        memcpy(v->header + v->header_bytes, padded, SF_CARD);
-        v->header_bytes += SF_CARD;
-    }
+    char padded[SF_CARD + 1];
+    snprintf(padded, sizeof padded, "%-80.80s", text);
+    buffer_add(&v->header, padded, SF_CARD);
 }
 
 static void add_value(sf_view *v, const char *key, const char *value) {
@@ -66,25 +46,24 @@ void sf_view_string(sf_view *v, const char *key, const char *value) {
 
 void sf_view_end(sf_view *v) {
     add(v, "END");
-    while (!v->lost && v->header_bytes % SF_BLOCK_BYTES != 0) {
+    while (!v->header.failed && v->header.n % SF_BLOCK_BYTES != 0) {
         add(v, "");
     }
 }
 
 int sf_view_open(sf_view *v, int number, sf_place at, fitsfile **fits, shear_error *err) {
     *fits = NULL;
-    if (v->lost) {
+    if (v->header.failed) {
         return sf_fail_memory(err, at);
     }
     int status = 0;
     int rc = sf_view_driver_open(v, fits, &status, err);
-    if (rc == SHEAR_OK && status == 0) {
-        fits_movabs_hdu(*fits, number + 1, NULL, &status);
-    }
-    if (rc == SHEAR_OK && status != 0) {
-        rc = sf_fail_status(err, at, status, "cannot be opened");
-    }
     if (rc != SHEAR_OK) {
+        return rc;
+    }
+    fits_movabs_hdu(*fits, number + 1, NULL, &status);
+    if (status != 0) {
+        rc = sf_fail_status(err, at, status, "cannot be opened");
         sf_view_close(*fits);
         *fits = NULL;
     }
@@ -103,7 +82,5 @@ void sf_view_close(fitsfile *fits) {
 
 void sf_view_deinit(sf_view *v) {
     sf_view_driver_release(v);
-    free(v->header);
-    v->header = NULL;
-    v->header_bytes = v->header_capacity = 0;
+    buffer_deinit(&v->header);
 }

@@ -10,6 +10,7 @@
 #ifndef SHEAR_FITS_TILES_VIEW_H
 #define SHEAR_FITS_TILES_VIEW_H
 
+#include "base/buffer.h"
 #include "fits/header/file.h"
 
 #include <fitsio.h>
@@ -17,10 +18,8 @@
 typedef struct sf_view {
     const sf_file *file;
     int64_t data_offset, data_bytes; /* in the file; zeros behind them up to a whole block */
-    char *header;                    /* [header_bytes], whole blocks once it is open */
-    int64_t header_bytes, header_capacity;
-    bool lost; /* memory ran out for a card */
-    int slot;  /* the driver's, from 1; 0 = none */
+    buffer header;                   /* whole blocks once it is open */
+    int slot;                        /* the driver's, from 1; 0 = none */
 } sf_view;
 
 /* Begin a view of the data of `hdu`, and write its header card by card, END excepted. */

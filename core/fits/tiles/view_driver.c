@@ -6,13 +6,13 @@
  * its fitsfile; its slot's position needs no lock. */
 #include "fits/tiles/view_driver.h"
 
-#include <errno.h>
+#include "base/io.h"
+
 #include <fitsio2.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { MAX_VIEWS = 1024 };
 
@@ -51,7 +51,8 @@ void sf_view_driver_release(sf_view *v) {
 }
 
 static int64_t padded_bytes(const sf_view *v) {
-    return v->header_bytes + (v->data_bytes + SF_BLOCK_BYTES - 1) / SF_BLOCK_BYTES * SF_BLOCK_BYTES;
+    return (int64_t)v->header.n +
+           (v->data_bytes + SF_BLOCK_BYTES - 1) / SF_BLOCK_BYTES * SF_BLOCK_BYTES;
 }
 
 static int on_open(char *name, int mode, int *handle) {
@@ -85,34 +86,31 @@ static int on_seek(int handle, LONGLONG offset) {
 
 /* Of the data; zeros where its last block is not full. */
 static int read_data(const sf_view *v, int64_t from, char *out, int64_t bytes) {
-    while (bytes > 0 && from < v->data_bytes) {
-        const int64_t most = v->data_bytes - from < bytes ? v->data_bytes - from : bytes;
-        const ssize_t n =
-            pread(v->file->source.fd, out, (size_t)most, (off_t)(v->data_offset + from));
-        if (n == 0 || (n < 0 && errno != EINTR)) {
-            return n == 0 ? END_OF_FILE : READ_ERROR;
-        }
-        from += n > 0 ? n : 0;
-        out += n > 0 ? n : 0;
-        bytes -= n > 0 ? n : 0;
+    const int64_t left = v->data_bytes > from ? v->data_bytes - from : 0;
+    const int64_t wanted = left < bytes ? left : bytes;
+    const ssize_t n =
+        io_read_at(v->file->source.fd, out, (size_t)wanted, (off_t)(v->data_offset + from));
+    if (n < wanted) {
+        return n < 0 ? READ_ERROR : END_OF_FILE;
     }
-    memset(out, 0, (size_t)bytes);
+    memset(out + wanted, 0, (size_t)(bytes - wanted));
     return 0;
 }
 
-static int on_read(int handle, void *buffer, long bytes) {
+static int on_read(int handle, void *into, long bytes) {
     const sf_view *v = slots[handle].view;
     int64_t *position = &slots[handle].position;
-    char *out = buffer;
+    char *out = into;
     if (bytes < 0 || *position < 0 || *position > padded_bytes(v) - bytes) {
         return END_OF_FILE;
     }
-    int64_t of_header = v->header_bytes - *position;
+    const int64_t header_bytes = (int64_t)v->header.n;
+    int64_t of_header = header_bytes - *position;
     of_header = of_header < 0 ? 0 : of_header > bytes ? bytes : of_header;
     if (of_header > 0) {
-        memcpy(out, v->header + *position, (size_t)of_header);
+        memcpy(out, v->header.bytes + *position, (size_t)of_header);
     }
-    const int64_t from = *position + of_header - v->header_bytes;
+    const int64_t from = *position + of_header - header_bytes;
     *position += bytes;
     return bytes > of_header ? read_data(v, from, out + of_header, bytes - of_header) : 0;
 }
