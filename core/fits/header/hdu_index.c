@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/header/hdu_index.h"
 
+#include "base/array.h"
+#include "base/cleanup.h"
+#include "base/text.h"
 #include "fits/header/card.h"
 #include "fits/header/header.h"
 
@@ -60,8 +63,8 @@ static int endless(const reader *r, const sf_header *h, shear_error *err) {
 }
 
 /* One block's cards; *ended at END. */
-static int take_block(sf_header *h, const char *block, bool *ended, const char *file,
-                      shear_error *err) {
+static int parse_block(sf_header *h, const char *block, bool *ended, const char *file,
+                       shear_error *err) {
     sf_header_find_label(h, block);
     for (int i = 0; i < SF_BLOCK_BYTES && !*ended; i += SF_CARD) {
         char key[SF_KEY + 1];
@@ -88,16 +91,18 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *has
     for (int blocks = 0; !ended; blocks++) {
         const char *block = NULL;
         int rc = read_block(r, *end, &block, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
         *end += SF_BLOCK_BYTES;
-        if (rc == SHEAR_OK && block == NULL) {
-            rc = truncated(r, h, "header (no END card so far)", *end, err);
-        } else if (rc == SHEAR_OK && blocks == MAX_HEADER_BLOCKS) {
-            rc = endless(r, h, err);
+        if (block == NULL) {
+            return truncated(r, h, "header (no END card so far)", *end, err);
         }
-        if (rc == SHEAR_OK) {
-            XXH3_64bits_update(hash, block, SF_BLOCK_BYTES);
-            rc = take_block(h, block, &ended, r->file, err);
+        if (blocks == MAX_HEADER_BLOCKS) {
+            return endless(r, h, err);
         }
+        XXH3_64bits_update(hash, block, SF_BLOCK_BYTES);
+        rc = parse_block(h, block, &ended, r->file, err);
         if (rc != SHEAR_OK) {
             return rc;
         }
@@ -112,9 +117,10 @@ static int read_cards(reader *r, sf_header *h, int64_t offset, XXH3_state_t *has
 static int read_hdu(reader *r, sf_header *h, int64_t offset, int64_t *next, shear_error *err) {
     sf_hdu *hdu = &h->hdu;
     int rc = read_cards(r, h, offset, r->hash, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_header_end(h, r->file, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
+    rc = sf_header_end(h, r->file, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -130,13 +136,8 @@ static int append(sf_hdu_index *s, const sf_hdu *hdu, shear_error *err) {
         return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
                        "has more than %d HDUs", MAX_HDUS);
     }
-    if ((s->count & (s->count - 1)) == 0) { /* grow at powers of two */
-        const size_t room = s->count == 0 ? 1 : 2 * (size_t)s->count;
-        sf_hdu *grown = realloc(s->hdus, room * sizeof *grown);
-        if (grown == NULL) {
-            return sf_fail_memory(err, (sf_place){s->file, NULL});
-        }
-        s->hdus = grown;
+    if (!ARRAY_RESERVE(s->hdus, s->capacity, (size_t)s->count + 1)) {
+        return sf_fail_memory(err, (sf_place){s->file, NULL});
     }
     s->hdus[s->count++] = *hdu;
     return SHEAR_OK;
@@ -171,9 +172,41 @@ static int is_extension(reader *r, int64_t offset, bool *yes, shear_error *err) 
                    (long long)offset);
 }
 
+/* All HDUs, one after the other. */
+static int read_all(sf_hdu_index *s, reader *r, shear_error *err) {
+    int64_t offset = 0;
+    bool more = true;
+    while (more) {
+        sf_header header;
+        sf_header_init(&header, s->count);
+        int rc = read_hdu(r, &header, offset, &offset, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+        rc = append(s, &header.hdu, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+        rc = is_extension(r, offset, &more, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+    }
+    return SHEAR_OK;
+}
+
+static void reader_free(reader *r) {
+    if (r != NULL) {
+        XXH3_freeState(r->hash);
+        free(r);
+    }
+}
+
+CLEANUP_DEFINE(reader, reader_free)
+
 int sf_hdu_index_init(sf_hdu_index *s, int fd, int64_t size, const char *file, shear_error *err) {
     *s = (sf_hdu_index){.file = file};
-    reader *r = calloc(1, sizeof *r);
+    CLEANUP(reader_release) reader *r = calloc(1, sizeof *r);
     if (r == NULL) {
         return sf_fail_memory(err, (sf_place){file, NULL});
     }
@@ -181,40 +214,20 @@ int sf_hdu_index_init(sf_hdu_index *s, int fd, int64_t size, const char *file, s
     r->size = size;
     r->file = file;
     r->hash = XXH3_createState();
-    int64_t offset = 0;
-    bool more = true;
-    int rc = r->hash != NULL ? SHEAR_OK : sf_fail_memory(err, (sf_place){file, NULL});
-    while (rc == SHEAR_OK && more) {
-        sf_header header;
-        sf_header_init(&header, s->count);
-        rc = read_hdu(r, &header, offset, &offset, err);
-        if (rc == SHEAR_OK) {
-            rc = append(s, &header.hdu, err);
-        }
-        if (rc == SHEAR_OK) {
-            rc = is_extension(r, offset, &more, err);
-        }
-    }
-    XXH3_freeState(r->hash);
-    free(r);
-    if (rc != SHEAR_OK) {
-        sf_hdu_index_deinit(s);
-    }
-    return rc;
+    return r->hash != NULL ? read_all(s, r, err) : sf_fail_memory(err, (sf_place){file, NULL});
 }
 
 void sf_hdu_index_deinit(sf_hdu_index *s) {
     free(s->hdus);
-    s->hdus = NULL;
-    s->count = 0;
+    *s = (sf_hdu_index){0};
 }
 
 static int missing(const sf_hdu_index *s, const char *name, shear_error *err) {
     char found[200] = "";
     for (int i = 1; i < s->count; i++) {
-        const size_t used = strlen(found);
-        snprintf(found + used, sizeof found - used, "%s%.40s", i > 1 ? ", " : "",
-                 s->hdus[i].name[0] != '\0' ? s->hdus[i].name : "(unnamed)");
+        char shown[41]; /* at most so much of a name */
+        text_set(shown, sizeof shown, s->hdus[i].name[0] != '\0' ? s->hdus[i].name : "(unnamed)");
+        text_append_item(found, sizeof found, shown);
     }
     return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL},
                    "HDUs are found by EXTNAME; the file may also be truncated",

@@ -12,6 +12,7 @@
 #include "fits/io/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum { SF_AXES = 3, SF_NAME = 72, SF_BLOCK_BYTES = 2880 };
@@ -22,9 +23,9 @@ enum { SF_AXES = 3, SF_NAME = 72, SF_BLOCK_BYTES = 2880 };
 enum sf_kind { SF_IMAGE = 0, SF_TABLE, SF_OTHER };
 
 typedef struct sf_hdu {
-    int number;         /* 0 = primary */
-    int kind;           /* enum sf_kind; a compressed image is a table with zimage */
-    char name[SF_NAME]; /* EXTNAME */
+    int number;                           /* 0 = primary */
+    enum sf_kind kind;                    /* a compressed image is a table with zimage */
+    char name[SF_NAME];                   /* EXTNAME */
     int64_t bitpix, naxis, axes[SF_AXES]; /* axes beyond naxis are 1 */
     int64_t pcount, gcount;
     int64_t header_offset, header_bytes;
@@ -34,12 +35,14 @@ typedef struct sf_hdu {
 } sf_hdu;
 
 typedef struct sf_hdu_index {
-    sf_hdu *hdus; /* [count] */
+    sf_hdu *hdus; /* [capacity], count in use */
     int count;
+    size_t capacity;
     const char *file; /* for messages; the source's */
 } sf_hdu_index;
 
 /* Index the FITS file `fd` of `size` bytes. SHEAR_E_FORMAT, SHEAR_E_IO, SHEAR_E_NOMEM. */
+/* Deinit it, also after an error. */
 int sf_hdu_index_init(sf_hdu_index *s, int fd, int64_t size, const char *file, shear_error *err);
 void sf_hdu_index_deinit(sf_hdu_index *s);
 

@@ -7,14 +7,14 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { INTEGER, LOGICAL, STRING };
+enum scalar_type { INTEGER, LOGICAL, STRING };
 
 #define HDU(member) (offsetof(sf_header, hdu) + offsetof(sf_hdu, member))
 
 /* What says where the HDU ends, and what it is. All else is looked at where the HDU is read. */
 static const struct {
     const char *key;
-    int type;
+    enum scalar_type type;
     size_t offset; /* in sf_header */
 } scalars[] = {
     {"BITPIX", INTEGER, HDU(bitpix)},
@@ -64,8 +64,8 @@ static int bad(const sf_header *h, const char *file, const char *key, const char
                    "keyword %s %s", key, what);
 }
 
-static int take_integer(sf_header *h, const char *card, const char *key, int64_t *out,
-                        const char *file, shear_error *err) {
+static int parse_integer(sf_header *h, const char *card, const char *key, int64_t *out,
+                         const char *file, shear_error *err) {
     if (*out != SF_ABSENT) {
         return bad(h, file, key, "is given twice", err);
     }
@@ -94,14 +94,14 @@ void sf_header_find_label(sf_header *h, const char *block) {
     }
 }
 
-static int take_scalar(sf_header *h, int i, const char *card, const char *file, shear_error *err) {
+static int parse_scalar(sf_header *h, int i, const char *card, const char *file, shear_error *err) {
     char *member = (char *)h + scalars[i].offset;
     if ((h->seen & 1u << i) != 0) {
         return bad(h, file, scalars[i].key, "is given twice", err);
     }
     h->seen |= 1u << i;
     if (scalars[i].type == INTEGER) {
-        return take_integer(h, card, scalars[i].key, integer_at(h, scalars[i].offset), file, err);
+        return parse_integer(h, card, scalars[i].key, integer_at(h, scalars[i].offset), file, err);
     }
     if (scalars[i].type == LOGICAL) {
         return sf_card_logical(card, (bool *)member)
@@ -115,14 +115,14 @@ static int take_scalar(sf_header *h, int i, const char *card, const char *file, 
     return SHEAR_OK;
 }
 
-static int take_axis(sf_header *h, const char *card, const char *key, int index, const char *file,
-                     shear_error *err) {
+static int parse_axis(sf_header *h, const char *card, const char *key, int index, const char *file,
+                      shear_error *err) {
     h->axes_seen++;
     if (index <= SF_AXES) {
-        return take_integer(h, card, key, &h->hdu.axes[index - 1], file, err);
+        return parse_integer(h, card, key, &h->hdu.axes[index - 1], file, err);
     }
     int64_t value = SF_ABSENT;
-    const int rc = take_integer(h, card, key, &value, file, err);
+    const int rc = parse_integer(h, card, key, &value, file, err);
     if (rc == SHEAR_OK && h->further_axes >= 0 &&
         (value < 0 || __builtin_mul_overflow(h->further_axes, value, &h->further_axes))) {
         h->further_axes = -1;
@@ -130,7 +130,7 @@ static int take_axis(sf_header *h, const char *card, const char *key, int index,
     return rc;
 }
 
-static int kind_of(const sf_header *h) {
+static enum sf_kind kind_of(const sf_header *h) {
     if (h->hdu.number == 0 || strcmp(h->xtension, "IMAGE") == 0) {
         return SF_IMAGE;
     }
@@ -172,11 +172,11 @@ int sf_header_card(sf_header *h, const char *card, const char *file, shear_error
     }
     for (int i = 0; i < N_SCALARS; i++) {
         if (strcmp(key, scalars[i].key) == 0) {
-            return take_scalar(h, i, card, file, err);
+            return parse_scalar(h, i, card, file, err);
         }
     }
     const int index = sf_card_index(key, "NAXIS");
-    return index > 0 ? take_axis(h, card, key, index, file, err) : SHEAR_OK;
+    return index > 0 ? parse_axis(h, card, key, index, file, err) : SHEAR_OK;
 }
 
 static bool bitpix_ok(int64_t bitpix) {
@@ -187,16 +187,23 @@ static bool bitpix_ok(int64_t bitpix) {
 /* |BITPIX|/8 GCOUNT (PCOUNT + product of the axes); false on overflow. */
 static bool data_bytes(const sf_header *h, int64_t *out) {
     const sf_hdu *hdu = &h->hdu;
+    const int64_t pixel_bytes = (hdu->bitpix < 0 ? -hdu->bitpix : hdu->bitpix) / 8;
     int64_t n = hdu->naxis > 0 ? h->further_axes : 0;
     for (int k = 0; k < SF_AXES && k < hdu->naxis; k++) {
         if (__builtin_mul_overflow(n, hdu->axes[k], &n)) {
             return false;
         }
     }
-    const int64_t width = (hdu->bitpix < 0 ? -hdu->bitpix : hdu->bitpix) / 8;
-    return !__builtin_add_overflow(n, hdu->pcount, &n) &&
-           !__builtin_mul_overflow(n, hdu->gcount, &n) && !__builtin_mul_overflow(n, width, out) &&
-           *out <= INT64_MAX - SF_BLOCK_BYTES;
+    if (__builtin_add_overflow(n, hdu->pcount, &n)) {
+        return false;
+    }
+    if (__builtin_mul_overflow(n, hdu->gcount, &n)) {
+        return false;
+    }
+    if (__builtin_mul_overflow(n, pixel_bytes, out)) {
+        return false;
+    }
+    return *out <= INT64_MAX - SF_BLOCK_BYTES; /* room for the last block's padding */
 }
 
 static int check_axes(sf_header *h, const char *file, shear_error *err) {

@@ -27,26 +27,27 @@ static int check_header(const sf_hdu *hdu, sf_place at, shear_error *err) {
     return SHEAR_OK;
 }
 
-static int take_plain(sf_image *image, const sf_hdu *hdu) {
+static int set_plain(sf_image *image, const sf_hdu *hdu) {
     image->naxis = (int)hdu->naxis;
     image->bitpix = (int)hdu->bitpix;
     memcpy(image->axes, hdu->axes, sizeof image->axes);
     return SHEAR_OK;
 }
 
-static int take_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
+static int set_tiled(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_error *err) {
     image->compressed = true;
     int rc = sf_table_init(&image->table, file, hdu, &image->cards, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_tiling_init(&image->tiling, &image->table, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_tiles_init(&image->tiles, &image->table, &image->tiling, err);
+    rc = sf_tiling_init(&image->tiling, &image->table, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
     image->naxis = (int)image->tiling.naxis;
     image->bitpix = (int)image->tiling.bitpix;
     memcpy(image->axes, image->tiling.axes, sizeof image->axes);
-    return rc;
+    return sf_tiles_init(&image->tiles, &image->table, &image->tiling, err);
 }
 
 /* Its header for CFITSIO, as a primary HDU. */
@@ -82,38 +83,42 @@ static int show(sf_image *image, const sf_file *file, const sf_hdu *hdu, shear_e
     bool found = false;
     sf_view_init(&image->view, file, hdu);
     int rc = sf_key_double(&image->cards, "BSCALE", &scale, &found, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_key_double(&image->cards, "BZERO", &zero, &found, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK && scale == 0.0) {
-        rc = sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
+    rc = sf_key_double(&image->cards, "BZERO", &zero, &found, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK && image->compressed) {
-        sf_tiling_show(&image->tiling, &image->table, scale, zero, &image->view);
-    } else if (rc == SHEAR_OK) {
-        rc = show_plain(image, scale, zero, err);
+    if (scale == 0.0) {
+        return sf_fail(err, SHEAR_E_FORMAT, image->cards.at, NULL, "keyword BSCALE is 0");
     }
-    return rc;
+    if (!image->compressed) {
+        return show_plain(image, scale, zero, err);
+    }
+    sf_tiling_show(&image->tiling, &image->table, scale, zero, &image->view);
+    return SHEAR_OK;
 }
 
 int sf_image_init(sf_image *image, const sf_file *file, const sf_hdu *hdu, const char *label,
                   shear_error *err) {
     *image = (sf_image){.cards.at = {file->source.name, label}};
     int rc = check_header(hdu, image->cards.at, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_cards_init(&image->cards, file, hdu, label, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = hdu->zimage ? take_tiled(image, file, hdu, err) : take_plain(image, hdu);
+    rc = sf_cards_init(&image->cards, file, hdu, label, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = show(image, file, hdu, err);
+    rc = hdu->zimage ? set_tiled(image, file, hdu, err) : set_plain(image, hdu);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at, &image->fits,
-                          err);
-    }
-    return rc;
+    rc = show(image, file, hdu, err);
+    return rc != SHEAR_OK ? rc
+                          : sf_view_open(&image->view, image->compressed ? 1 : 0, image->cards.at,
+                                         &image->fits, err);
 }
 
 void sf_image_deinit(sf_image *image) {

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/tiles/tiling.h"
 
+#include "base/cleanup.h"
+#include "base/text.h"
 #include "fits/header/card.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* CFITSIO holds a tile, and a row of tiles, in memory as doubles, and numbers tiles with an int, to
@@ -22,7 +23,7 @@ static int bad(const sf_table *t, const char *what, shear_error *err) {
 
 /* ---- sizes ---- */
 
-static int take_axis(sf_tiling *t, const sf_table *table, int k, shear_error *err) {
+static int read_axis(sf_tiling *t, const sf_table *table, int k, shear_error *err) {
     char key[SF_KEY + 16];
     bool found = false;
     t->axes[k] = t->tile[k] = t->grid[k] = 1;
@@ -31,11 +32,12 @@ static int take_axis(sf_tiling *t, const sf_table *table, int k, shear_error *er
     }
     snprintf(key, sizeof key, "ZNAXIS%d", k + 1);
     int rc = sf_need_int(table->cards, key, 1, INT32_MAX, &t->axes[k], err);
-    if (rc == SHEAR_OK) {
-        t->tile[k] = k == 0 ? t->axes[0] : 1;
-        snprintf(key, sizeof key, "ZTILE%d", k + 1);
-        rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
+    t->tile[k] = k == 0 ? t->axes[0] : 1;
+    snprintf(key, sizeof key, "ZTILE%d", k + 1);
+    rc = sf_key_int(table->cards, key, 1, INT32_MAX, &t->tile[k], &found, err);
     if (t->tile[k] > t->axes[k]) { /* the same tiles */
         t->tile[k] = t->axes[k];
     }
@@ -66,115 +68,132 @@ static int check_sizes(const sf_tiling *t, const sf_table *table, shear_error *e
                          (long long)tiles, (long long)rows);
 }
 
-static int take_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
+static int read_sizes(sf_tiling *t, const sf_table *table, shear_error *err) {
     int rc = sf_need_int(table->cards, "ZNAXIS", 2, SF_AXES, &t->naxis, err);
     for (int k = 0; k < SF_AXES && rc == SHEAR_OK; k++) {
-        rc = take_axis(t, table, k, err);
+        rc = read_axis(t, table, k, err);
     }
     return rc == SHEAR_OK ? check_sizes(t, table, err) : rc;
 }
 
 /* ---- algorithm ---- */
 
-/* One of `words`; -1 where the keyword is not there. */
-static int take_word(const sf_table *table, const char *key, const char *const words[], int n,
-                     int *out, shear_error *err) {
-    char *text = NULL;
-    char all[160] = "";
-    int rc = sf_key_string(table->cards, key, &text, err);
+/* One of `words`, a list ended by NULL; -1 if the keyword is not there. */
+static int read_word(const sf_table *table, const char *key, const char *const *words, int *out,
+                     shear_error *err) {
+    CLEANUP(release_free) char *text = NULL;
+    const int rc = sf_key_string(table->cards, key, &text, err);
     *out = -1;
-    for (int i = 0; text != NULL && i < n; i++) {
-        *out = strcmp(text, words[i]) == 0 ? i : *out;
-        const size_t used = strlen(all);
-        snprintf(all + used, sizeof all - used, "%s%s", i > 0 ? ", " : "", words[i]);
+    if (rc != SHEAR_OK || text == NULL) {
+        return rc;
     }
-    if (rc == SHEAR_OK && text != NULL && *out < 0) {
-        char shown[40];
-        sf_printable_name(shown, sizeof shown, text);
-        rc = sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
-                     "tile compression: %s is '%s', but must be one of %s", key, shown, all);
+    for (int i = 0; words[i] != NULL; i++) {
+        if (strcmp(text, words[i]) == 0) {
+            *out = i;
+            return SHEAR_OK;
+        }
     }
-    free(text);
-    return rc;
+    char all[160];
+    char shown[40];
+    text_list(all, sizeof all, words);
+    sf_printable_name(shown, sizeof shown, text);
+    return sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
+                   "tile compression: %s is '%s', but must be one of %s", key, shown, all);
 }
 
-static int take_algorithm(sf_tiling *t, const sf_table *table, shear_error *err) {
-    static const char *const names[] = {"RICE_1", "RICE_ONE", "GZIP_1",
-                                        "GZIP_2", "PLIO_1",   "HCOMPRESS_1"};
-    static const int algorithms[] = {SF_RICE, SF_RICE, SF_GZIP_1, SF_GZIP_2, SF_PLIO, SF_HCOMPRESS};
+static int read_bitpix(sf_tiling *t, const sf_table *table, shear_error *err) {
     static const int64_t depths[] = {8, 16, 32, -32, -64};
-    int chosen = -1;
-    int rc = take_word(table, "ZCMPTYPE", names, 6, &chosen, err);
-    if (rc == SHEAR_OK && chosen < 0) {
-        return bad(table, "ZCMPTYPE is missing", err);
+    const int rc = sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        t->algorithm = algorithms[chosen];
-        rc = sf_need_int(table->cards, "ZBITPIX", -64, 64, &t->bitpix, err);
-    }
-    for (int i = 0; rc == SHEAR_OK && i < 5; i++) {
+    for (size_t i = 0; i < sizeof depths / sizeof depths[0]; i++) {
         if (t->bitpix == depths[i]) {
             return SHEAR_OK;
         }
     }
-    return rc == SHEAR_OK ? bad(table, "ZBITPIX is not one of 8, 16, 32, -32, -64", err) : rc;
+    return bad(table, "ZBITPIX is not one of 8, 16, 32, -32, -64", err);
+}
+
+static int read_algorithm(sf_tiling *t, const sf_table *table, shear_error *err) {
+    static const char *const names[] = {"RICE_1", "RICE_ONE",    "GZIP_1", "GZIP_2",
+                                        "PLIO_1", "HCOMPRESS_1", NULL};
+    static const enum sf_algorithm algorithms[] = {SF_RICE,   SF_RICE, SF_GZIP_1,
+                                                   SF_GZIP_2, SF_PLIO, SF_HCOMPRESS};
+    int chosen = -1;
+    const int rc = read_word(table, "ZCMPTYPE", names, &chosen, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (chosen < 0) {
+        return bad(table, "ZCMPTYPE is missing", err);
+    }
+    t->algorithm = algorithms[chosen];
+    return read_bitpix(t, table, err);
 }
 
 /* A parameter is known by its place: where it has a name, that must be the one which belongs there.
  */
-static int take_parameter(const sf_table *table, int i, const char *name, int64_t min, int64_t max,
+static int read_parameter(const sf_table *table, int i, const char *name, int64_t min, int64_t max,
                           int64_t *value, bool *found, shear_error *err) {
     char key[SF_KEY + 16];
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     snprintf(key, sizeof key, "ZNAME%d", i);
-    int rc = sf_key_string(table->cards, key, &text, err);
+    const int rc = sf_key_string(table->cards, key, &text, err);
     *found = false;
-    if (rc == SHEAR_OK && text != NULL && strcmp(text, name) != 0) {
-        const bool old = i == 2 && strcmp(text, "NOISEBIT") == 0; /* files of before 2010 */
-        rc = old ? SHEAR_OK
-                 : sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
-                           "tile compression: %s is not '%s', which belongs there", key, name);
-        free(text);
+    if (rc != SHEAR_OK) {
         return rc;
     }
-    free(text);
+    if (text != NULL && strcmp(text, name) != 0) {
+        const bool old = i == 2 && strcmp(text, "NOISEBIT") == 0; /* files of before 2010 */
+        return old ? SHEAR_OK
+                   : sf_fail(err, SHEAR_E_FORMAT, table->cards->at, NULL,
+                             "tile compression: %s is not '%s', which belongs there", key, name);
+    }
     snprintf(key, sizeof key, "ZVAL%d", i);
-    return rc == SHEAR_OK ? sf_key_int(table->cards, key, min, max, value, found, err) : rc;
+    return sf_key_int(table->cards, key, min, max, value, found, err);
 }
 
-static int take_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
+static int read_rice(sf_tiling *t, const sf_table *table, shear_error *err) {
     bool found = false;
-    int rc = take_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err);
-    if (rc == SHEAR_OK && (!found || (t->block != 16 && t->block != 32))) {
+    int rc = read_parameter(table, 1, "BLOCKSIZE", 16, 32, &t->block, &found, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (!found || (t->block != 16 && t->block != 32)) {
         return bad(table, "RICE needs ZVAL1 (the block size) 16 or 32", err);
     }
     t->width = 4;
-    if (rc == SHEAR_OK) {
-        rc = take_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, &found, err);
+    rc = read_parameter(table, 2, "BYTEPIX", 1, 4, &t->width, &found, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK && t->width != 4 && (t->bitpix < 0 || t->width == 3)) {
-        rc = bad(table, "RICE needs ZVAL2 (bytes per pixel) 1, 2 or 4, and 4 for floating pixels",
-                 err);
-    }
-    return rc;
+    return t->width == 4 || (t->bitpix > 0 && t->width != 3)
+               ? SHEAR_OK
+               : bad(table,
+                     "RICE needs ZVAL2 (bytes per pixel) 1, 2 or 4, and 4 for floating pixels",
+                     err);
 }
 
-static int take_hcompress(sf_tiling *t, const sf_table *table, shear_error *err) {
+static int read_hcompress(sf_tiling *t, const sf_table *table, shear_error *err) {
     double scale = 0.0; /* the stream has its own */
     int64_t smooth = 0;
     bool found = false;
     int rc = sf_key_double(table->cards, "ZVAL1", &scale, &found, err);
-    if (rc == SHEAR_OK && !found) {
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (!found) {
         return bad(table, "HCOMPRESS needs ZVAL1 (the scale)", err);
     }
-    if (rc == SHEAR_OK) {
-        rc = take_parameter(table, 2, "SMOOTH", 0, 1, &smooth, &found, err);
+    rc = read_parameter(table, 2, "SMOOTH", 0, 1, &smooth, &found, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
     t->smooth = smooth != 0;
-    if (rc == SHEAR_OK && (t->tile[0] < 4 || t->tile[1] < 4 || t->tile[2] != 1)) {
-        rc = bad(table, "HCOMPRESS needs tiles of 4 x 4 pixels at least in one plane", err);
-    }
-    return rc;
+    return t->tile[0] >= 4 && t->tile[1] >= 4 && t->tile[2] == 1
+               ? SHEAR_OK
+               : bad(table, "HCOMPRESS needs tiles of 4 x 4 pixels at least in one plane", err);
 }
 
 /* ---- columns ---- */
@@ -192,7 +211,7 @@ static bool is_unscaled(const sf_column *c) {
            (c->zero == NULL || (sf_card_double(c->zero, &v) && v == 0.0));
 }
 
-static int take_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
+static int read_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
     static const char *const names[SF_TILE_COLUMNS] = {
         "COMPRESSED_DATA", "GZIP_COMPRESSED_DATA", "UNCOMPRESSED_DATA", "ZSCALE", "ZZERO",
         "ZBLANK"};
@@ -221,7 +240,7 @@ static int take_columns(sf_tiling *t, const sf_table *table, shear_error *err) {
                                       : bad(table, "there is no column COMPRESSED_DATA", err);
 }
 
-static int take_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
+static int read_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
     const sf_hdu *hdu = table->hdu;
     const int64_t rows = hdu->axes[0] * hdu->axes[1]; /* within data_bytes, which was checked */
     bool found = false;
@@ -233,16 +252,17 @@ static int take_heap(sf_tiling *t, const sf_table *table, shear_error *err) {
 
 /* Floating pixels are gzipped as they are, or quantized with a scale and a zero of each tile. Where
  * CFITSIO finds neither, it takes integers for floating numbers, and reads past their end. */
-static int take_quantization(sf_tiling *t, const sf_table *table, shear_error *err) {
+static int read_quantization(sf_tiling *t, const sf_table *table, shear_error *err) {
     static const char *const words[] = {"NO_DITHER", "SUBTRACTIVE_DITHER_1", "SUBTRACTIVE_DITHER_2",
-                                        "NONE"};
+                                        "NONE", NULL};
     int word = -1;
     bool found = false;
-    int rc = take_word(table, "ZQUANTIZ", words, 4, &word, err);
-    t->seed = 1;
-    if (rc == SHEAR_OK) {
-        rc = sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, &found, err);
+    int rc = read_word(table, "ZQUANTIZ", words, &word, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
+    t->seed = 1;
+    rc = sf_key_int(table->cards, "ZDITHER0", 1, 10000, &t->seed, &found, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -264,48 +284,52 @@ static int take_quantization(sf_tiling *t, const sf_table *table, shear_error *e
     return SHEAR_OK;
 }
 
-static int take_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
-    const sf_cards *cards = table->cards;
+/* ZSCALE and ZZERO as keywords, of pixels without such columns. */
+static int read_scale(sf_tiling *t, const sf_table *table, shear_error *err) {
     bool has_zero = false;
-    int rc = sf_key_int(cards, "ZBLANK", INT32_MIN, INT32_MAX, &t->blank, &t->has_blank, err);
-    if (rc == SHEAR_OK && !t->has_blank) {
-        rc = sf_key_int(cards, "BLANK", INT32_MIN, INT32_MAX, &t->blank, &t->has_blank, err);
-    }
     t->scale = 1.0;
     t->zero = 0.0;
-    if (rc == SHEAR_OK) {
-        rc = sf_key_double(cards, "ZSCALE", &t->scale, &t->has_scale, err);
+    int rc = sf_key_double(table->cards, "ZSCALE", &t->scale, &t->has_scale, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_key_double(cards, "ZZERO", &t->zero, &has_zero, err);
-    }
-    if (rc == SHEAR_OK && t->scale == 0.0) {
-        rc = bad(table, "ZSCALE is 0", err);
+    rc = sf_key_double(table->cards, "ZZERO", &t->zero, &has_zero, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
     t->has_scale = (t->has_scale || has_zero) && t->column[SF_ZSCALE] == NULL;
-    return rc;
+    return t->scale != 0.0 ? SHEAR_OK : bad(table, "ZSCALE is 0", err);
+}
+
+static int read_numbers(sf_tiling *t, const sf_table *table, shear_error *err) {
+    static const char *const keys[] = {"ZBLANK", "BLANK"};
+    for (int i = 0; i < 2 && !t->has_blank; i++) {
+        const int rc =
+            sf_key_int(table->cards, keys[i], INT32_MIN, INT32_MAX, &t->blank, &t->has_blank, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
+    }
+    return read_scale(t, table, err);
+}
+
+/* What the algorithm wants to know. */
+static int read_parameters(sf_tiling *t, const sf_table *table, shear_error *err) {
+    return t->algorithm == SF_RICE        ? read_rice(t, table, err)
+           : t->algorithm == SF_HCOMPRESS ? read_hcompress(t, table, err)
+                                          : SHEAR_OK;
 }
 
 int sf_tiling_init(sf_tiling *t, const sf_table *table, shear_error *err) {
+    static int (*const steps[])(sf_tiling *, const sf_table *, shear_error *) = {
+        read_algorithm, read_sizes,        read_parameters, read_columns,
+        read_heap,      read_quantization, read_numbers};
     *t = (sf_tiling){.block = 32, .width = 4};
-    int rc = take_algorithm(t, table, err);
-    if (rc == SHEAR_OK) {
-        rc = take_sizes(t, table, err);
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        const int rc = steps[i](t, table, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
     }
-    if (rc == SHEAR_OK && t->algorithm == SF_RICE) {
-        rc = take_rice(t, table, err);
-    }
-    if (rc == SHEAR_OK && t->algorithm == SF_HCOMPRESS) {
-        rc = take_hcompress(t, table, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = take_columns(t, table, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = take_heap(t, table, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = take_quantization(t, table, err);
-    }
-    return rc == SHEAR_OK ? take_numbers(t, table, err) : rc;
+    return SHEAR_OK;
 }

@@ -14,12 +14,12 @@ enum sf_tile_column { SF_DATA, SF_GZIP_DATA, SF_RAW_DATA, SF_ZSCALE, SF_ZZERO, S
 enum { SF_TILE_COLUMNS = 6 };
 
 typedef struct sf_tiling {
-    int algorithm; /* enum sf_algorithm */
+    enum sf_algorithm algorithm;
     int64_t bitpix, naxis;
     int64_t axes[SF_AXES], tile[SF_AXES]; /* of the image, of a whole tile; 1 beyond naxis */
     int64_t grid[SF_AXES];                /* tiles along each axis */
     bool lossless_float;                  /* floating pixels gzipped as they are */
-    int dither;                           /* enum sf_dither, of quantized floating pixels */
+    enum sf_dither dither;                /* of quantized floating pixels */
     int64_t seed;                         /* ZDITHER0 */
     int64_t block, width;                 /* Rice: pixels in a block, bytes of a pixel */
     bool smooth;                          /* H-compress */
