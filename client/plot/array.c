@@ -22,8 +22,8 @@ static shear_range edges(int first, int count, double origin, double step) {
     return (shear_range){(first - 0.5 - origin) * step, (first + count - 0.5 - origin) * step};
 }
 
-int plot_cut_new(plot_cut *cut, const double *array, const plot_lattice *lattice, double reach,
-                 shear_error *err) {
+int plot_cut_init(plot_cut *cut, const double *array, const plot_lattice *lattice, double reach,
+                  shear_error *err) {
     int x = 0;
     int y = 0;
     *cut = (plot_cut){0};
@@ -43,9 +43,13 @@ int plot_cut_new(plot_cut *cut, const double *array, const plot_lattice *lattice
     return SHEAR_OK;
 }
 
-void plot_cut_free(plot_cut *cut) {
+void plot_cut_deinit(plot_cut *cut) {
     free(cut->pixels);
     *cut = (plot_cut){0};
+}
+
+shear_range plot_cut_range(const plot_cut *cut) {
+    return shear_range_of(cut->pixels, (size_t)cut->nx * (size_t)cut->ny);
 }
 
 int plot_radial_mean(double *out, int bins, double width, const double *array,

@@ -21,9 +21,11 @@ typedef struct plot_lattice {
 } plot_lattice;
 
 /* Cut out all samples with |x|, |y| <= reach (all of them where reach is not finite). */
-int plot_cut_new(plot_cut *cut, const double *array, const plot_lattice *lattice, double reach,
-                 shear_error *err);
-void plot_cut_free(plot_cut *cut);
+int plot_cut_init(plot_cut *cut, const double *array, const plot_lattice *lattice, double reach,
+                  shear_error *err);
+void plot_cut_deinit(plot_cut *cut);
+/* Of its finite samples. */
+shear_range plot_cut_range(const plot_cut *cut);
 
 /* out[bins] = mean of the array's samples with radius in [b - 1/2, b + 1/2) * width from the
  * origin; NaN where there is none. */

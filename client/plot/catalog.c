@@ -13,16 +13,8 @@ enum { WIDTH = 1280, HEIGHT = 840, BINS = 48, MAX_BARS = SHEAR_N_FLAGS + 1 };
 /* A column of numbers of the unflagged rows. */
 typedef struct column_values {
     size_t n;
-    double *values; /* owned */
+    double *values;
 } column_values;
-
-static int column_new(column_values *c, const shear_catalog_table *t, shear_error *err) {
-    c->n = 0;
-    c->values = calloc((size_t)(t->n > 0 ? t->n : 1), sizeof *c->values);
-    return c->values != NULL
-               ? SHEAR_OK
-               : shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", t->n);
-}
 
 /* The mean of D with the weights: what N_i is measured in. */
 static double mean_d(const shear_catalog_table *t) {
@@ -40,7 +32,7 @@ static double mean_d(const shear_catalog_table *t) {
 }
 
 /* N_1 or N_2 over <D>. */
-static void take_terms(column_values *c, const shear_catalog_table *t, bool second) {
+static void set_terms(column_values *c, const shear_catalog_table *t, bool second) {
     const double d = mean_d(t);
     c->n = 0;
     for (int64_t i = 0; i < t->n; i++) {
@@ -50,7 +42,7 @@ static void take_terms(column_values *c, const shear_catalog_table *t, bool seco
     }
 }
 
-static void take_snr(column_values *c, const shear_catalog_table *t) {
+static void set_snr(column_values *c, const shear_catalog_table *t) {
     c->n = 0;
     for (int64_t i = 0; i < t->n; i++) {
         if (t->rows[i].flags == 0 && isfinite(t->rows[i].snr)) {
@@ -105,42 +97,45 @@ static int robust_range(shear_range *r, const column_values *c, shear_error *err
     return code;
 }
 
-static void draw_beyond(shear_figure *f, size_t n) {
-    char text[32];
-    snprintf(text, sizeof text, "%zu beyond", n);
-    if (n > 0) {
+/* The distribution of the column over `r`; axes that are begun, with `head` times the highest bar.
+ */
+static void begin_histogram(shear_figure *f, shear_axes axes, const column_values *c, shear_range r,
+                            double head, int hue) {
+    double counts[BINS];
+    const int bins = bins_for(c->n);
+    const size_t beyond = shear_histogram(counts, bins, r, c->values, c->n);
+    const double top = shear_range_of(counts, (size_t)bins).hi;
+    axes.x.range = r;
+    axes.y.range = (shear_range){0.0, head * fmax(top, 1.0)};
+    axes.y.label = "stamps";
+    shear_axes_begin(f, &axes);
+    shear_axes_histogram(f, bins, r, counts,
+                         &(shear_style){.colour = shear_palette(hue), .fill = 0.2});
+    if (beyond > 0) {
+        char text[32];
+        snprintf(text, sizeof text, "%zu beyond", beyond);
         shear_axes_text(f, 0.96, 0.83, true, text, &(shear_text_style){.size = 10.5, .align = 1.0});
     }
 }
 
 static int draw_terms(shear_figure *f, shear_rect cell, const shear_catalog_table *t, bool second,
                       column_values *c, shear_error *err) {
-    double counts[BINS];
     char title[PLOT_CELL];
     char label[PLOT_CELL];
     shear_range r;
-    take_terms(c, t, second);
+    set_terms(c, t, second);
     const int code = robust_range(&r, c, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    const int bins = bins_for(c->n);
-    const size_t beyond = shear_histogram(counts, bins, r, c->values, c->n);
-    const double top = shear_range_of(counts, (size_t)bins).hi;
     snprintf(label, sizeof label,
              "N_{%d} / \xe2\x9f\xa8"
              "D\xe2\x9f\xa9",
              second ? 2 : 1);
     shear_title(title, &t->result, second);
-    const shear_axes axes = {.cell = cell,
-                             .title = title,
-                             .x = {.range = r, .label = label},
-                             .y = {.range = {0.0, 1.35 * fmax(top, 1.0)}, .label = "stamps"}};
-    shear_axes_begin(f, &axes);
-    shear_axes_histogram(f, bins, r, counts,
-                         &(shear_style){.colour = shear_palette(SHEAR_BLUE), .fill = 0.2});
+    begin_histogram(f, (shear_axes){.cell = cell, .title = title, .x = {.label = label}}, c, r,
+                    1.35, SHEAR_BLUE);
     mark_shear(f, t, second);
-    draw_beyond(f, beyond);
     shear_axes_end(f);
     return SHEAR_OK;
 }
@@ -248,14 +243,15 @@ static void draw_flags(shear_figure *f, shear_rect cell, const shear_catalog_tab
 
 static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table *t,
                     column_values *c, shear_error *err) {
-    static const char title[] = "signal to noise of the stamps";
-    double counts[BINS];
+    const shear_axes axes = {.cell = cell,
+                             .title = "signal to noise of the stamps",
+                             .x = {.label = "S/N = flux / \xcf\x83(flux)"}};
     char text[PLOT_CELL];
     shear_range r;
     shear_range median;
-    take_snr(c, t);
+    set_snr(c, t);
     if (c->n == 0) {
-        draw_nothing(f, cell, title, "no noise: it has no S/N");
+        draw_nothing(f, cell, axes.title, "no noise: it has no S/N");
         return SHEAR_OK;
     }
     int code = robust_range(&r, c, err);
@@ -266,21 +262,11 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
         return code;
     }
     if (shear_range_of(c->values, c->n).lo >= 0.0) {
-        r.lo = fmax(r.lo, 0.0); /* no room for what cannot be */
+        r.lo = fmax(r.lo, 0.0); /* there is nothing below */
     }
-    const int bins = bins_for(c->n);
-    const size_t beyond = shear_histogram(counts, bins, r, c->values, c->n);
-    const double top = shear_range_of(counts, (size_t)bins).hi;
-    const shear_axes axes = {.cell = cell,
-                             .title = title,
-                             .x = {.range = r, .label = "S/N = flux / \xcf\x83(flux)"},
-                             .y = {.range = {0.0, 1.25 * fmax(top, 1.0)}, .label = "stamps"}};
-    shear_axes_begin(f, &axes);
-    shear_axes_histogram(f, bins, r, counts,
-                         &(shear_style){.colour = shear_palette(SHEAR_GREEN), .fill = 0.2});
+    begin_histogram(f, axes, c, r, 1.25, SHEAR_GREEN);
     plot_print(text, sizeof text, "median %.3g", median.lo);
     shear_axes_vline(f, median.lo, &(shear_style){.dash = SHEAR_DASHED, .label = text});
-    draw_beyond(f, beyond);
     shear_axes_end(f);
     return SHEAR_OK;
 }
@@ -319,30 +305,38 @@ static void draw_summary(shear_figure *f, shear_rect cell, const shear_catalog_t
     plot_table_draw(&table, f, cell, "Result");
 }
 
+/* What follows from the shear; or why there is none. */
+static int draw_shear(shear_figure *f, const shear_grid *grid, const shear_catalog_table *t,
+                      column_values *c, shear_error *err) {
+    static const char *const titles[] = {"first component", "second component",
+                                         "shear of the field"};
+    if (!t->result.valid) {
+        for (int i = 0; i < 3; i++) {
+            draw_nothing(f, shear_grid_cell(grid, 0, i, 1, 1), titles[i],
+                         "fewer than two usable stamps: no shear");
+        }
+        return SHEAR_OK;
+    }
+    for (int i = 0; i < 2; i++) {
+        const int code = draw_terms(f, shear_grid_cell(grid, 0, i, 1, 1), t, i == 1, c, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+    draw_plane(f, shear_grid_cell(grid, 0, 2, 1, 1), t);
+    return SHEAR_OK;
+}
+
 static int draw_panels(shear_figure *f, const shear_catalog_table *t, column_values *c,
                        shear_error *err) {
-    static const char no_shear[] = "fewer than two usable stamps: no shear";
     const shear_grid grid = {.area = {14.0, 12.0, WIDTH - 28.0, HEIGHT - 24.0},
                              .rows = 2,
                              .columns = 3,
                              .gap_x = 18.0,
                              .gap_y = 22.0};
-    int code = SHEAR_OK;
-    for (int i = 0; i < 2 && code == SHEAR_OK; i++) {
-        const shear_rect cell = shear_grid_cell(&grid, 0, i, 1, 1);
-        if (t->result.valid) {
-            code = draw_terms(f, cell, t, i == 1, c, err);
-        } else {
-            draw_nothing(f, cell, i != 0 ? "second component" : "first component", no_shear);
-        }
-    }
+    const int code = draw_shear(f, &grid, t, c, err);
     if (code != SHEAR_OK) {
         return code;
-    }
-    if (t->result.valid) {
-        draw_plane(f, shear_grid_cell(&grid, 0, 2, 1, 1), t);
-    } else {
-        draw_nothing(f, shear_grid_cell(&grid, 0, 2, 1, 1), "shear of the field", no_shear);
     }
     draw_flags(f, shear_grid_cell(&grid, 1, 0, 1, 1), t);
     draw_summary(f, shear_grid_cell(&grid, 1, 2, 1, 1), t);
@@ -350,18 +344,20 @@ static int draw_panels(shear_figure *f, const shear_catalog_table *t, column_val
 }
 
 int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_error *err) {
-    column_values column = {0};
-    int code = shear_figure_new(figure, WIDTH, HEIGHT, err);
-    if (code == SHEAR_OK) {
-        code = column_new(&column, table, err);
+    const size_t n = table->n > 0 ? (size_t)table->n : 1;
+    CLEANUP(release_free) double *values = calloc(n, sizeof *values);
+    column_values column = {.values = values};
+    CLEANUP(shear_figure_release) shear_figure *f = NULL;
+    *figure = NULL;
+    int code = shear_figure_new(&f, WIDTH, HEIGHT, err);
+    if (code == SHEAR_OK && values == NULL) {
+        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", table->n);
     }
     if (code == SHEAR_OK) {
-        code = draw_panels(*figure, table, &column, err);
+        code = draw_panels(f, table, &column, err);
     }
-    free(column.values);
-    if (code != SHEAR_OK) {
-        shear_figure_free(*figure);
-        *figure = NULL;
+    if (code == SHEAR_OK) {
+        *figure = CLEANUP_TAKE(f);
     }
     return code;
 }

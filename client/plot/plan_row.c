@@ -3,6 +3,8 @@
 #include "plot/sheet.h"
 #include "plot/text.h"
 
+#include "base/cleanup.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -17,97 +19,89 @@ static int draw_psf(shear_figure *f, shear_rect cell, const stamp_reader *b, con
     const double step = 1.0 / g->psf_oversample;
     const double radius = b->chosen->r_psf_px;
     plot_lattice lattice = {.nx = g->psf_nx, .ny = g->psf_ny, .step_x = step, .step_y = step};
-    plot_cut cut;
+    CLEANUP(plot_cut_deinit) plot_cut cut = {0};
     plot_core_centre(psf, g->psf_nx, g->psf_ny, &lattice.x0, &lattice.y0);
-    const int code = plot_cut_new(&cut, psf, &lattice, fmax(PSF_REACH * radius, 3.0 * step), err);
+    const int code = plot_cut_init(&cut, psf, &lattice, fmax(PSF_REACH * radius, 3.0 * step), err);
     if (code != SHEAR_OK) {
         return code;
     }
-    const double peak = shear_range_of(cut.pixels, (size_t)cut.nx * (size_t)cut.ny).hi;
-    const shear_image image = {.cell = cell,
-                               .title = "PSF, log scale",
-                               .pixels = cut.pixels,
-                               .nx = cut.nx,
-                               .ny = cut.ny,
-                               .stretch = SHEAR_LOG,
-                               .limits = {PSF_DEPTH * peak, peak},
-                               .x = cut.x,
-                               .y = cut.y,
-                               .equal = true,
-                               .ticks = true,
-                               .x_label = "x [px]",
-                               .colour_bar = true};
+    const double peak = plot_cut_range(&cut).hi;
     const shear_colour white = {1.0, 1.0, 1.0, 1.0};
+    shear_image image = sheet_cut_image(cell, "PSF, log scale", &cut);
+    image.limits = (shear_range){PSF_DEPTH * peak, peak};
+    image.ticks = true;
+    image.x_label = "x [px]";
     shear_image_begin(f, &image);
     shear_axes_circle(f, 0.0, 0.0, radius, &(shear_style){.colour = white, .width = 1.6});
     shear_axes_text(f, 0.04, 0.92, true, "circle: R_{PSF}", &(shear_text_style){.colour = white});
     shear_axes_end(f);
-    plot_cut_free(&cut);
     return SHEAR_OK;
 }
 
 static int draw_transfer(shear_figure *f, shear_rect cell, const stamp_reader *b,
                          const shear_inspection *steps, shear_error *err) {
-    plot_cut cut;
+    CLEANUP(plot_cut_deinit) plot_cut cut = {0};
     const int code = sheet_cut_modes(&cut, steps->transfer, b, steps, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    const shear_range range = shear_range_of(cut.pixels, (size_t)cut.nx * (size_t)cut.ny);
-    const shear_image image = {.cell = cell,
-                               .title = "transfer T(k), log scale",
-                               .pixels = cut.pixels,
-                               .nx = cut.nx,
-                               .ny = cut.ny,
-                               .stretch = SHEAR_LOG,
-                               .limits = {fmax(range.lo, PROFILE_DEPTH * range.hi), range.hi},
-                               .not_finite = sheet_left_out(),
-                               .x = cut.x,
-                               .y = cut.y,
-                               .equal = true,
-                               .ticks = true,
-                               .x_label = "k_{x} [rad/px]",
-                               .colour_bar = true};
+    const shear_range range = plot_cut_range(&cut);
+    shear_image image = sheet_cut_image(cell, "transfer T(k), log scale", &cut);
+    image.limits = (shear_range){fmax(range.lo, PROFILE_DEPTH * range.hi), range.hi};
+    image.ticks = true;
+    image.x_label = "k_{x} [rad/px]";
     shear_image_begin(f, &image);
     shear_axes_end(f);
-    plot_cut_free(&cut);
     return SHEAR_OK;
 }
 
 /* Azimuthal means over |k|. */
+enum {
+    PROFILE_K,
+    PROFILE_POWER,
+    PROFILE_TARGET_POWER,
+    PROFILE_TRANSFER,
+    PROFILE_TARGET,
+    PROFILE_PSF,
+    N_PROFILES
+};
 typedef struct profiles {
     int bins;
-    double *k, *power, *target_power, *transfer, *target, *psf; /* [bins]; k owns all */
+    double *of[N_PROFILES]; /* [bins]; the first owns all */
 } profiles;
 
-static int profiles_new(profiles *p, const stamp_reader *b, const shear_inspection *steps,
-                        shear_error *err) {
+static void profiles_deinit(profiles *p) {
+    free(p->of[0]);
+}
+
+static int profiles_init(profiles *p, const stamp_reader *b, const shear_inspection *steps,
+                         shear_error *err) {
     const plot_lattice modes = sheet_modes(b, steps);
     const double width = fmax(modes.step_x, modes.step_y);
+    const double beta = b->chosen->beta_px;
+    const double *const spectra[] = {steps->power, steps->target_power, steps->transfer};
     p->bins = (int)fmin(fmax(floor(b->chosen->k_cut / width - 0.5), 0.0), 1e5) + 1;
-    const size_t n = (size_t)p->bins;
-    p->k = calloc(6 * n, sizeof *p->k);
-    if (p->k == NULL) {
+    p->of[0] = calloc((size_t)p->bins * N_PROFILES, sizeof **p->of);
+    if (p->of[0] == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for profiles");
     }
-    p->power = p->k + n;
-    p->target_power = p->k + 2 * n;
-    p->transfer = p->k + 3 * n;
-    p->target = p->k + 4 * n;
-    p->psf = p->k + 5 * n;
-    int code = plot_radial_mean(p->power, p->bins, width, steps->power, &modes, err);
-    if (code == SHEAR_OK) {
-        code = plot_radial_mean(p->target_power, p->bins, width, steps->target_power, &modes, err);
+    for (int i = 1; i < N_PROFILES; i++) {
+        p->of[i] = p->of[i - 1] + p->bins;
     }
-    if (code == SHEAR_OK) {
-        code = plot_radial_mean(p->transfer, p->bins, width, steps->transfer, &modes, err);
+    for (int i = 0; i < 3; i++) {
+        const int code =
+            plot_radial_mean(p->of[PROFILE_POWER + i], p->bins, width, spectra[i], &modes, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
     for (int i = 0; i < p->bins; i++) {
-        p->k[i] = i * width;
-        p->target[i] = exp(-b->chosen->beta_px * b->chosen->beta_px * p->k[i] * p->k[i]);
-        p->psf[i] = p->target[i] / p->transfer[i];
+        const double k = i * width;
+        p->of[PROFILE_K][i] = k;
+        p->of[PROFILE_TARGET][i] = exp(-beta * beta * k * k);
+        p->of[PROFILE_PSF][i] = p->of[PROFILE_TARGET][i] / p->of[PROFILE_TRANSFER][i];
     }
-    return code;
+    return SHEAR_OK;
 }
 
 static void as_parts(double *v, int n) {
@@ -118,39 +112,39 @@ static void as_parts(double *v, int n) {
 }
 
 static int draw_profiles(shear_figure *f, shear_rect cell, const stamp_reader *b,
-                         const shear_inspection *steps, int64_t index, shear_error *err) {
-    profiles p = {0};
+                         const sheet_stamp *stamp, shear_error *err) {
+    CLEANUP(profiles_deinit) profiles p = {0};
     char label[64];
-    const int code = profiles_new(&p, b, steps, err);
-    if (code != SHEAR_OK || p.k == NULL) {
-        free(p.k);
+    const int code = profiles_init(&p, b, &stamp->steps, err);
+    if (code != SHEAR_OK) {
         return code;
     }
-    const size_t n = (size_t)p.bins;
-    as_parts(p.power, p.bins);
-    as_parts(p.target_power, p.bins);
-    plot_print(label, sizeof label, "|F|^{2} of stamp %" PRId64, index);
+    as_parts(p.of[PROFILE_POWER], p.bins);
+    as_parts(p.of[PROFILE_TARGET_POWER], p.bins);
+    plot_print(label, sizeof label, "|F|^{2} of stamp %" PRId64, stamp->index);
     const double k_cut = b->chosen->k_cut;
+    const shear_colour grey = shear_palette(SHEAR_GREY);
     const shear_axes axes = {.cell = cell,
                              .title = "azimuthal means, parts of the largest",
                              .x = {.range = {0.0, 1.6 * k_cut}, .label = "|k| [rad/px]"},
                              .y = {.range = {PROFILE_DEPTH, 4.0}, .log = true}};
+    const struct {
+        int profile;
+        shear_style style;
+    } lines[] = {
+        {PROFILE_PSF, {.colour = grey, .label = "PSF |W|^{2}"}},
+        {PROFILE_TRANSFER, {.colour = shear_palette(SHEAR_GREEN), .label = "T(k)"}},
+        {PROFILE_TARGET, {.dash = SHEAR_DASHED, .label = "target |W_{\xce\xb2}|^{2}"}},
+        {PROFILE_POWER, {.colour = shear_palette(SHEAR_BLUE), .label = label}},
+        {PROFILE_TARGET_POWER, {.colour = shear_palette(SHEAR_VERMILION), .label = "its P(k)"}}};
     shear_axes_begin(f, &axes);
-    shear_axes_vline(f, k_cut,
-                     &(shear_style){.colour = shear_palette(SHEAR_GREY), .dash = SHEAR_DASHED});
-    shear_axes_line(f, n, p.k, p.psf,
-                    &(shear_style){.colour = shear_palette(SHEAR_GREY), .label = "PSF |W|^{2}"});
-    shear_axes_line(f, n, p.k, p.transfer,
-                    &(shear_style){.colour = shear_palette(SHEAR_GREEN), .label = "T(k)"});
-    shear_axes_line(f, n, p.k, p.target,
-                    &(shear_style){.dash = SHEAR_DASHED, .label = "target |W_{\xce\xb2}|^{2}"});
-    shear_axes_line(f, n, p.k, p.power,
-                    &(shear_style){.colour = shear_palette(SHEAR_BLUE), .label = label});
-    shear_axes_line(f, n, p.k, p.target_power,
-                    &(shear_style){.colour = shear_palette(SHEAR_VERMILION), .label = "its P(k)"});
+    shear_axes_vline(f, k_cut, &(shear_style){.colour = grey, .dash = SHEAR_DASHED});
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        shear_axes_line(f, (size_t)p.bins, p.of[PROFILE_K], p.of[lines[i].profile],
+                        &lines[i].style);
+    }
     shear_axes_text(f, k_cut, 4.0 * PROFILE_DEPTH, false, " k_{cut}", &(shear_text_style){0});
     shear_axes_end(f);
-    free(p.k);
     return SHEAR_OK;
 }
 
@@ -193,28 +187,22 @@ static void draw_numbers(shear_figure *f, shear_rect cell, const stamp_reader *b
     plot_table_draw(&t, f, cell, "Plan");
 }
 
-static int draw_spectra(shear_figure *f, const shear_grid *grid, const stamp_reader *b,
-                        const plot_stamp *stamp, shear_error *err) {
-    const int code = draw_transfer(f, shear_grid_cell(grid, 0, 1, 1, 1), b, &stamp->steps, err);
-    return code != SHEAR_OK ? code
-                            : draw_profiles(f, shear_grid_cell(grid, 0, 2, 1, 1), b, &stamp->steps,
-                                            stamp->index, err);
-}
-
 int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
-                    const plot_stamp *stamp, shear_error *err) {
+                    const sheet_stamp *stamp, shear_error *err) {
     static const double widths[4] = {1.0, 1.0, 1.55, 0.85};
     const shear_grid grid = {
         .area = area, .rows = 1, .columns = 4, .gap_x = 16.0, .column_weights = widths};
-    double *psf = NULL;
-    int code = plot_stamp_psf(&psf, b, err);
-    if (code == SHEAR_OK) {
-        code = draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err);
-    }
-    free(psf);
-    if (code == SHEAR_OK && stamp->measured) {
-        code = draw_spectra(f, &grid, b, stamp, err);
+    CLEANUP(release_free) double *psf = NULL;
+    int code = stamp_reader_psf(&psf, b, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
     draw_numbers(f, shear_grid_cell(&grid, 0, 3, 1, 1), b);
-    return code;
+    code = draw_psf(f, shear_grid_cell(&grid, 0, 0, 1, 1), b, psf, err);
+    if (code != SHEAR_OK || !stamp->measured) {
+        return code;
+    }
+    code = draw_transfer(f, shear_grid_cell(&grid, 0, 1, 1, 1), b, &stamp->steps, err);
+    return code != SHEAR_OK ? code
+                            : draw_profiles(f, shear_grid_cell(&grid, 0, 2, 1, 1), b, stamp, err);
 }

@@ -3,10 +3,13 @@
 #ifndef CLIENT_PLOT_PLOT_H
 #define CLIENT_PLOT_PLOT_H
 
+#include "base/cleanup.h"
 #include "shear/catalog.h"
 #include "shear/field.h"
 #include "shear/settings.h"
 #include "shear_figures/figure.h"
+
+CLEANUP_DEFINE(shear_figure, shear_figure_free)
 
 enum { PLOT_MAX_STAMPS = 12, PLOT_DEFAULT_STAMPS = 4 };
 

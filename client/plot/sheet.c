@@ -28,45 +28,42 @@ static int draw_stamps(shear_figure *f, stamp_reader *b, const int64_t *index, i
         .gap_y = ROW_GAP};
     const shear_rect below = {PAD, grid.area.y + grid.area.h + 22.0, WIDTH - 2.0 * PAD,
                               PLAN_ROW - 22.0 - PAD};
-    int code = SHEAR_OK;
     draw_title(f, b);
     sheet_draw_headings(f, &grid, TOP - 38.0, b);
-    for (int i = n - 1; i >= 0 && code == SHEAR_OK;
-         i--) { /* the first last: the plan's row shows its spectra */
-        plot_stamp stamp;
-        code = plot_stamp_read(&stamp, b, index[i], err);
+    for (int i = n - 1; i >= 0; i--) { /* the first last: the plan's row shows its spectra */
+        CLEANUP(sheet_stamp_deinit) sheet_stamp stamp = {0};
+        int code = stamp_reader_read(b, index[i], &stamp, err);
         if (code == SHEAR_OK) {
             code = sheet_draw_stamp(f, &grid, i, b, &stamp, err);
         }
         if (code == SHEAR_OK && i == 0) {
             code = sheet_draw_plan(f, below, b, &stamp, err);
         }
-        plot_stamp_deinit(&stamp);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    return code;
+    return SHEAR_OK;
 }
 
 int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *options,
                shear_error *err) {
-    stamp_reader bench;
+    CLEANUP(stamp_reader_deinit) stamp_reader b = {0};
+    CLEANUP(shear_figure_release) shear_figure *f = NULL;
     int64_t index[PLOT_MAX_STAMPS];
     int n = 0;
-    *figure = NULL;
-    int code = stamp_reader_init(&bench, field, options->settings, err);
+    int code = stamp_reader_init(&b, field, options->settings, err);
     if (code == SHEAR_OK) {
-        code = plot_stamps_choose(&bench, options, index, &n, err);
+        code = stamp_reader_choose(&b, options, index, &n, err);
     }
-    if (code == SHEAR_OK) {
-        const int height = TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW;
-        code = shear_figure_new(figure, WIDTH, height, err);
-    }
-    if (code == SHEAR_OK) {
-        code = draw_stamps(*figure, &bench, index, n, err);
-    }
-    stamp_reader_deinit(&bench);
     if (code != SHEAR_OK) {
-        shear_figure_free(*figure);
-        *figure = NULL;
+        return code;
     }
+    const int height = TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW;
+    code = shear_figure_new(&f, WIDTH, height, err);
+    if (code == SHEAR_OK) {
+        code = draw_stamps(f, &b, index, n, err);
+    }
+    *figure = code == SHEAR_OK ? CLEANUP_TAKE(f) : NULL;
     return code;
 }

@@ -12,18 +12,18 @@ enum { SHEET_COLUMNS = 6 };
 void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, const stamp_reader *b);
 /* One stamp through all steps, in row `row` of the grid. */
 int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const stamp_reader *b,
-                     const plot_stamp *stamp, shear_error *err);
+                     const sheet_stamp *stamp, shear_error *err);
 /* The PSF, its transfer, the spectra's profiles and the plan, beside each other. `stamp` is the one
  * that was read last. */
 int sheet_draw_plan(shear_figure *f, shear_rect area, const stamp_reader *b,
-                    const plot_stamp *stamp, shear_error *err);
+                    const sheet_stamp *stamp, shear_error *err);
 
 /* Where the modes of an inspection lie: k in radians per galaxy pixel. */
 plot_lattice sheet_modes(const stamp_reader *b, const shear_inspection *steps);
 /* The modes that count, up to k_cut; the others NaN. */
 int sheet_cut_modes(plot_cut *cut, const double *modes, const stamp_reader *b,
                     const shear_inspection *steps, shear_error *err);
-/* What those NaN are painted with. */
-shear_colour sheet_left_out(void);
+/* A square picture of a cut, in logarithmic colours; NaN are light grey. */
+shear_image sheet_cut_image(shear_rect cell, const char *title, const plot_cut *cut);
 
 #endif

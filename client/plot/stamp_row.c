@@ -3,6 +3,8 @@
 #include "plot/sheet.h"
 #include "plot/text.h"
 
+#include "base/cleanup.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,8 +12,18 @@
 static const double POWER_DEPTH = 1e-6; /* of the spectra's colours */
 static const double BAR_ROOM = 38.0;
 
-shear_colour sheet_left_out(void) {
-    return (shear_colour){0.93, 0.93, 0.93, 1.0};
+shear_image sheet_cut_image(shear_rect cell, const char *title, const plot_cut *cut) {
+    return (shear_image){.cell = cell,
+                         .title = title,
+                         .pixels = cut->pixels,
+                         .nx = cut->nx,
+                         .ny = cut->ny,
+                         .stretch = SHEAR_LOG,
+                         .not_finite = {0.93, 0.93, 0.93, 1.0},
+                         .x = cut->x,
+                         .y = cut->y,
+                         .equal = true,
+                         .colour_bar = true};
 }
 
 plot_lattice sheet_modes(const stamp_reader *b, const shear_inspection *steps) {
@@ -29,7 +41,7 @@ int sheet_cut_modes(plot_cut *cut, const double *modes, const stamp_reader *b,
     const plot_lattice lattice = sheet_modes(b, steps);
     const double k_cut = b->chosen->k_cut;
     const int code =
-        plot_cut_new(cut, modes, &lattice, k_cut + fmax(lattice.step_x, lattice.step_y), err);
+        plot_cut_init(cut, modes, &lattice, k_cut + fmax(lattice.step_x, lattice.step_y), err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -83,16 +95,15 @@ void sheet_draw_headings(shear_figure *f, const shear_grid *grid, double y, cons
 }
 
 /* The same brightness for the galaxy before and after interpolation and filter. */
-static int galaxy_scale(shear_image *image, const plot_stamp *stamp, size_t n, shear_error *err) {
+static int galaxy_scale(shear_image *image, const sheet_stamp *stamp, size_t n, shear_error *err) {
     shear_range noise;
     image->stretch = SHEAR_ASINH;
     int code = shear_range_percentile(&image->limits, stamp->galaxy, n, 1.0, 100.0, err);
-    if (code == SHEAR_OK) {
-        code = shear_range_percentile(&noise, stamp->noise, n, 16.0, 84.0, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        image->knee = noise.hi - noise.lo; /* 2 sigma; 0 or NaN without noise: automatic */
-    }
+    code = shear_range_percentile(&noise, stamp->noise, n, 16.0, 84.0, err);
+    image->knee = noise.hi - noise.lo; /* 2 sigma; 0 or NaN without noise: automatic */
     return code;
 }
 
@@ -102,7 +113,7 @@ static void draw_image(shear_figure *f, const shear_image *image) {
 }
 
 static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const stamp_reader *b,
-                       const plot_stamp *stamp, shear_error *err) {
+                       const sheet_stamp *stamp, shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
     shear_image image = {.cell = shear_grid_cell(grid, row, 0, 1, 1),
                          .pixels = stamp->galaxy,
@@ -134,30 +145,20 @@ static int draw_pixels(shear_figure *f, const shear_grid *grid, int row, const s
 
 static int draw_modes(shear_figure *f, shear_rect cell, const stamp_reader *b, const double *modes,
                       const shear_inspection *steps, shear_error *err) {
-    plot_cut cut;
+    CLEANUP(plot_cut_deinit) plot_cut cut = {0};
     const int code = sheet_cut_modes(&cut, modes, b, steps, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    const double peak = shear_range_of(cut.pixels, (size_t)cut.nx * (size_t)cut.ny).hi;
-    const shear_image image = {.cell = cell,
-                               .pixels = cut.pixels,
-                               .nx = cut.nx,
-                               .ny = cut.ny,
-                               .stretch = SHEAR_LOG,
-                               .limits = {POWER_DEPTH * peak, peak},
-                               .not_finite = sheet_left_out(),
-                               .x = cut.x,
-                               .y = cut.y,
-                               .equal = true,
-                               .colour_bar = true,
-                               .bar_room = BAR_ROOM};
+    const double peak = plot_cut_range(&cut).hi;
+    shear_image image = sheet_cut_image(cell, NULL, &cut);
+    image.limits = (shear_range){POWER_DEPTH * peak, peak};
+    image.bar_room = BAR_ROOM;
     draw_image(f, &image);
-    plot_cut_free(&cut);
     return SHEAR_OK;
 }
 
-static void draw_label(shear_figure *f, shear_rect cell, const plot_stamp *stamp) {
+static void draw_label(shear_figure *f, shear_rect cell, const sheet_stamp *stamp) {
     char text[64];
     if (isfinite(stamp->row.snr)) {
         plot_print(text, sizeof text, "stamp %" PRId64 ", S/N %.3g", stamp->index, stamp->row.snr);
@@ -182,18 +183,17 @@ static void draw_flags(shear_figure *f, shear_rect cell, uint32_t flags) {
 }
 
 int sheet_draw_stamp(shear_figure *f, const shear_grid *grid, int row, const stamp_reader *b,
-                     const plot_stamp *stamp, shear_error *err) {
+                     const sheet_stamp *stamp, shear_error *err) {
+    const shear_inspection *steps = &stamp->steps;
     draw_label(f, shear_grid_cell(grid, row, 0, 1, 1), stamp);
     int code = draw_pixels(f, grid, row, b, stamp, err);
     if (code != SHEAR_OK || !stamp->measured) {
         draw_flags(f, shear_grid_cell(grid, row, 2, 1, 4), stamp->row.flags);
         return code;
     }
-    code = draw_modes(f, shear_grid_cell(grid, row, 4, 1, 1), b, stamp->steps.power, &stamp->steps,
-                      err);
-    if (code == SHEAR_OK) {
-        code = draw_modes(f, shear_grid_cell(grid, row, 5, 1, 1), b, stamp->steps.target_power,
-                          &stamp->steps, err);
+    code = draw_modes(f, shear_grid_cell(grid, row, 4, 1, 1), b, steps->power, steps, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    return draw_modes(f, shear_grid_cell(grid, row, 5, 1, 1), b, steps->target_power, steps, err);
 }

@@ -14,14 +14,12 @@ int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings 
                       shear_error *err) {
     *b = (stamp_reader){.field = field, .info = shear_field_get_info(field)};
     int code = shear_plan_for_field(&b->plan, settings, field, err);
-    if (code == SHEAR_OK) {
-        b->chosen = shear_plan_get_info(b->plan);
-        code = shear_workspace_new(&b->ws, b->plan, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = shear_block_new(&b->block, b->info, 1, err);
-    }
-    return code;
+    b->chosen = shear_plan_get_info(b->plan);
+    code = shear_workspace_new(&b->ws, b->plan, err);
+    return code != SHEAR_OK ? code : shear_block_new(&b->block, b->info, 1, err);
 }
 
 void stamp_reader_deinit(stamp_reader *b) {
@@ -62,8 +60,8 @@ static int64_t part_start(int64_t n, int parts, int k) {
     return n / parts * k + n % parts * k / parts;
 }
 
-int plot_stamps_choose(stamp_reader *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
-                       int *n, shear_error *err) {
+int stamp_reader_choose(stamp_reader *b, const plot_options *options,
+                        int64_t index[PLOT_MAX_STAMPS], int *n, shear_error *err) {
     const int64_t total = b->info->n_stamps;
     *n = 0;
     if (options->stamp >= total) {
@@ -93,8 +91,8 @@ int plot_stamps_choose(stamp_reader *b, const plot_options *options, int64_t ind
     return SHEAR_OK;
 }
 
-int plot_stamp_read(plot_stamp *stamp, stamp_reader *b, int64_t index, shear_error *err) {
-    *stamp = (plot_stamp){.index = index};
+int stamp_reader_read(stamp_reader *b, int64_t index, sheet_stamp *stamp, shear_error *err) {
+    *stamp = (sheet_stamp){.index = index};
     int code = measure(b, index, &stamp->row, err);
     if (code == SHEAR_OK && stamp->row.flags == 0) {
         code = shear_inspect(b->plan, b->ws, &b->block->stamps, 0, &stamp->steps, err);
@@ -105,12 +103,12 @@ int plot_stamp_read(plot_stamp *stamp, stamp_reader *b, int64_t index, shear_err
     return code;
 }
 
-void plot_stamp_deinit(plot_stamp *stamp) {
+void sheet_stamp_deinit(sheet_stamp *stamp) {
     shear_inspection_deinit(&stamp->steps);
-    *stamp = (plot_stamp){0};
+    *stamp = (sheet_stamp){0};
 }
 
-int plot_stamp_psf(double **psf, const stamp_reader *b, shear_error *err) {
+int stamp_reader_psf(double **psf, const stamp_reader *b, shear_error *err) {
     const shear_geometry *g = &b->info->geometry;
     const size_t pixels = (size_t)g->psf_nx * (size_t)g->psf_ny;
     const shear_stamps *stamps = &b->block->stamps;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* plot_stamps.h: the stamps of a sheet: which ones, and each with the steps of its measurement. */
+/* sheet_stamps.h: the stamps of a sheet: which ones, and each with the steps of its measurement. */
 #ifndef CLIENT_PLOT_STAMPS_H
 #define CLIENT_PLOT_STAMPS_H
 
@@ -20,23 +20,23 @@ int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings 
                       shear_error *err);
 void stamp_reader_deinit(stamp_reader *b);
 
-/* The stamps that the options ask for; *n becomes their number, at least 1. Where none of the file
- * is usable, one that is not. */
-int plot_stamps_choose(stamp_reader *b, const plot_options *options, int64_t index[PLOT_MAX_STAMPS],
-                       int *n, shear_error *err);
+/* The stamps that the options ask for; *n becomes their number, at least 1. If none of the file is
+ * usable, one that is not. */
+int stamp_reader_choose(stamp_reader *b, const plot_options *options,
+                        int64_t index[PLOT_MAX_STAMPS], int *n, shear_error *err);
 
-/* One stamp. Views go into the bench's block and are good until the next is read. */
-typedef struct plot_stamp {
+/* One stamp. Views go into the reader's block and are good until the next is read. */
+typedef struct sheet_stamp {
     int64_t index;
     shear_row row;
     const double *galaxy, *noise; /* [ny][nx] */
     bool measured;                /* row.flags is 0, and `steps` is there */
     shear_inspection steps;
-} plot_stamp;
-int plot_stamp_read(plot_stamp *stamp, stamp_reader *b, int64_t index, shear_error *err);
-void plot_stamp_deinit(plot_stamp *stamp);
+} sheet_stamp;
+int stamp_reader_read(stamp_reader *b, int64_t index, sheet_stamp *stamp, shear_error *err);
+void sheet_stamp_deinit(sheet_stamp *stamp);
 
 /* The PSF of the stamp that was read last: [psf_ny][psf_nx] in *psf, the caller's to free. */
-int plot_stamp_psf(double **psf, const stamp_reader *b, shear_error *err);
+int stamp_reader_psf(double **psf, const stamp_reader *b, shear_error *err);
 
 #endif

@@ -28,13 +28,18 @@ static void copy_with_minus(char *buf, size_t size, const char *text) {
     buf[used] = '\0';
 }
 
-char *plot_print(char *buf, size_t size, const char *format, ...) {
+__attribute__((format(printf, 3, 0))) static void print_args(char *buf, size_t size,
+                                                             const char *format, va_list args) {
     char text[TEXT_SIZE];
+    vsnprintf(text, sizeof text, format, args);
+    copy_with_minus(buf, size, text);
+}
+
+char *plot_print(char *buf, size_t size, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    print_args(buf, size, format, args);
     va_end(args);
-    copy_with_minus(buf, size, text);
     return buf;
 }
 
@@ -42,12 +47,10 @@ void plot_table_add(plot_table *t, const char *key, const char *format, ...) {
     if (t->n == PLOT_TABLE_ROWS) {
         return;
     }
-    char text[TEXT_SIZE];
     va_list args;
     va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
+    print_args(t->values[t->n], sizeof t->values[0], format, args);
     va_end(args);
-    copy_with_minus(t->values[t->n], sizeof t->values[0], text);
     snprintf(t->keys[t->n], sizeof t->keys[0], "%s", key);
     t->n++;
 }

@@ -20,19 +20,19 @@ static void test_cuts_know_their_edges(void **state) {
     const plot_lattice lattice = {
         .nx = 7, .ny = 5, .x0 = 3.0, .y0 = 2.0, .step_x = 0.5, .step_y = 0.5};
     plot_cut cut;
-    assert_int_equal(plot_cut_new(&cut, &array[0][0], &lattice, 1.0, NULL), SHEAR_OK);
+    assert_int_equal(plot_cut_init(&cut, &array[0][0], &lattice, 1.0, NULL), SHEAR_OK);
     assert_int_equal(cut.nx, 5);
     assert_int_equal(cut.ny, 5);
     assert_true(cut.pixels[0] == 1.0 && cut.pixels[24] == 45.0);
     assert_true(cut.x.lo == -1.25 && cut.x.hi == 1.25);
-    plot_cut_free(&cut);
-    assert_int_equal(plot_cut_new(&cut, &array[0][0], &lattice, INFINITY, NULL), SHEAR_OK);
+    plot_cut_deinit(&cut);
+    assert_int_equal(plot_cut_init(&cut, &array[0][0], &lattice, INFINITY, NULL), SHEAR_OK);
     assert_true(cut.nx == 7 && cut.ny == 5 && cut.x.lo == -1.75);
     assert_memory_equal(cut.pixels, array, sizeof array);
-    plot_cut_free(&cut);
-    assert_int_equal(plot_cut_new(&cut, &array[0][0], &lattice, 0.0, NULL), SHEAR_OK);
+    plot_cut_deinit(&cut);
+    assert_int_equal(plot_cut_init(&cut, &array[0][0], &lattice, 0.0, NULL), SHEAR_OK);
     assert_true(cut.nx == 1 && cut.ny == 1 && cut.pixels[0] == 23.0);
-    plot_cut_free(&cut);
+    plot_cut_deinit(&cut);
 }
 
 /* A function of the radius alone comes back; rings without samples are NaN. */
