@@ -49,21 +49,6 @@ static enum exit_code parse(const command *self, int argc, char **argv, measure_
     return code != EXIT_CODE_DONE ? code : check(self, o, argv + optind, argc - optind);
 }
 
-/* Those of the group that were measured. */
-static size_t list_files(const measure_group *g, sheard_report_file *files) {
-    size_t n = 0;
-    for (size_t i = 0; i < g->n; i++) {
-        const measure_input *input = g->inputs[i];
-        if (input->measured) {
-            const shear_run_report *run = &input->report;
-            files[n++] = (sheard_report_file){
-                input->path,        input->checksum, input->info.name, run->result.n_stamps,
-                run->result.n_used, &run->plan,      run->seconds};
-        }
-    }
-    return n;
-}
-
 static enum exit_code print_json(const measure_group *g, const measure_options *o) {
     shear_error err = {0};
     CLEANUP(release_free) char *text = NULL;
@@ -78,7 +63,7 @@ static enum exit_code print_json(const measure_group *g, const measure_options *
         .settings = &o->settings.values,
         .plan = &measure_group_first(g)->report.plan,
         .files = files,
-        .n_files = list_files(g, files),
+        .n_files = measure_group_files(g, files),
         .warnings = (const char *const *)g->warnings.text,
         .n_warnings = g->warnings.n,
         .estimators = &g->estimators,

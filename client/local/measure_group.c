@@ -2,6 +2,9 @@
 #include "local/measure_group.h"
 
 #include "local/weight_check.h"
+
+#include "base/array.h"
+#include "base/cleanup.h"
 #include "sheard/advice.h"
 #include "sheard/no_shear.h"
 #include "terminal/message.h"
@@ -12,33 +15,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The group of this field: one that is there, or the next one. */
 static measure_group *group_of(measure_group *groups, size_t n, const char *field) {
     for (size_t i = 0; i < n; i++) {
         if (strcmp(groups[i].field, field) == 0) {
             return &groups[i];
         }
     }
-    return NULL;
+    groups[n].field = field;
+    return &groups[n];
 }
 
 bool measure_groups_new(measure_input *inputs, size_t n, measure_group **groups, size_t *n_groups) {
     *n_groups = 0;
-    *groups = calloc(n != 0 ? n : 1, sizeof **groups);
+    *groups = calloc(n + 1, sizeof **groups);
     for (size_t i = 0; *groups != NULL && i < n; i++) {
         if (!measure_input_is_wanted(&inputs[i])) {
             continue;
         }
         measure_group *g = group_of(*groups, *n_groups, inputs[i].field);
-        if (g == NULL) {
-            g = &(*groups)[(*n_groups)++];
-            g->field = inputs[i].field;
-            g->inputs = calloc(n, sizeof(measure_input *));
-            if (g->inputs == NULL) {
-                measure_groups_free(*groups, *n_groups);
-                *groups = NULL;
-                *n_groups = 0;
-                return false;
-            }
+        *n_groups += g == &(*groups)[*n_groups];
+        if (!ARRAY_RESERVE(g->inputs, g->capacity, g->n + 1)) {
+            measure_groups_free(*groups, *n_groups);
+            *groups = NULL;
+            *n_groups = 0;
+            return false;
         }
         g->inputs[g->n++] = &inputs[i];
     }
@@ -141,10 +142,9 @@ static int gathering_init(gathering *to, const measure_group *g, const measure_o
     if (code == SHEAR_OK && estimators_wanted(count_stamps(g), o->settings.values.estimator)) {
         code = shear_symmetry_new(&to->terms, err);
     }
-    if (code == SHEAR_OK && o->jackknife != 0) {
-        code = shear_jackknife_new(&to->jack, (int)o->jackknife, err);
-    }
-    return code;
+    return code != SHEAR_OK || o->jackknife == 0
+               ? code
+               : shear_jackknife_new(&to->jack, (int)o->jackknife, err);
 }
 
 static void gathering_deinit(gathering *to) {
@@ -167,61 +167,61 @@ static void check_weights(measure_group *g, const shear_symmetry *terms) {
 
 static int run_all(measure_group *g, const measure_options *o, measure_input **order, size_t *done,
                    shear_error *err) {
-    gathering to = {0};
+    CLEANUP(gathering_deinit) gathering to = {0};
     int code = gathering_init(&to, g, o, err);
-    if (code == SHEAR_OK) {
-        *done = run_inputs(order, g->n, o, &to);
-        code = shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        if (to.terms != NULL) {
-            check_weights(g, to.terms);
-        }
-        code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
+    *done = run_inputs(order, g->n, o, &to);
+    code = shear_estimate(o->settings.values.estimator, to.sums, to.terms, &g->result, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && to.jack != NULL && *done > 0) {
-        code = shear_jackknife_finish(to.jack, &g->result, err);
+    if (to.terms != NULL) {
+        check_weights(g, to.terms);
     }
-    gathering_deinit(&to);
-    return code;
+    code = estimators_solve(to.sums, to.terms, &g->result, &g->estimators, err);
+    return code != SHEAR_OK || to.jack == NULL || *done == 0
+               ? code
+               : shear_jackknife_finish(to.jack, &g->result, err);
 }
 
-static int fail_invalid(const measure_group *g, shear_error *err) {
+/* A field without a usable stamp is bad input, but its counts are worth showing. */
+static int check_result(const measure_group *g, shear_error *err) {
     char text[400];
     char advice[400];
-    sheard_cause cause;
-    if (sheard_cause_of(&g->result, &measure_group_first(g)->report.plan, &cause)) {
+    const shear_result *r = &g->result;
+    sheard_cause cause = {.words = NULL};
+    if (!r->valid && !sheard_cause_of(r, &measure_group_first(g)->report.plan, &cause)) {
+        cause.words = sheard_no_shear_text(r, text, sizeof text);
+        cause.advice = sheard_no_shear_advice(r, advice, sizeof advice);
+    }
+    if (!r->valid) {
         return shear_fail(err, SHEAR_E_FORMAT, cause.advice,
                           "field %s: %s: no shear could be measured", g->field, cause.words);
     }
-    return shear_fail(err, SHEAR_E_FORMAT,
-                      sheard_no_shear_advice(&g->result, advice, sizeof advice),
-                      "field %s: %s: no shear could be measured", g->field,
-                      sheard_no_shear_text(&g->result, text, sizeof text));
+    if (!isfinite(r->g1_err) || !isfinite(r->g2_err)) {
+        return shear_fail(
+            err, SHEAR_E_FORMAT,
+            "scale the pixels up, or the weights: their squares are beyond what a double holds",
+            "field %s: the errors of the shear could not be computed", g->field);
+    }
+    return SHEAR_OK;
 }
 
 /* The advice is on the first file's PSF; others may have others. */
 static void warn_of_other_psfs(measure_group *g) {
     char line[SHEARD_ADVICE_SIZE];
-    size_t n = 0;
-    sheard_report_file *files = calloc(g->n, sizeof *files);
-    for (size_t i = 0; files != NULL && i < g->n; i++) {
-        if (g->inputs[i]->measured) {
-            files[n++] = (sheard_report_file){.path = g->inputs[i]->path,
-                                              .plan = &g->inputs[i]->report.plan};
-        }
-    }
-    const measure_input *first = measure_group_first(g);
+    CLEANUP(release_free) sheard_report_file *files = calloc(g->n, sizeof *files);
     if (files != NULL &&
-        sheard_advice_other_psfs(files, n, first->path, line, sizeof line) != NULL) {
+        sheard_advice_other_psfs(files, measure_group_files(g, files), measure_group_first(g)->path,
+                                 line, sizeof line) != NULL) {
         warnings_add(&g->warnings, "%s", line);
     }
-    free(files);
 }
 
-/* What stands out in the result. A field without a usable stamp is bad input, but its counts are
- * worth showing. */
-static void judge(measure_group *g, size_t done) {
+/* What stands out in the result. */
+static void add_warnings(measure_group *g, size_t done) {
     sheard_advice_list advice;
     const measure_input *top = done > 1 ? measure_group_top(g) : NULL;
     sheard_advice_all(&advice, &g->result, &measure_group_first(g)->report.plan,
@@ -234,57 +234,55 @@ static void judge(measure_group *g, size_t done) {
         warnings_add(&g->warnings, "%zu of %zu files failed and are not in this result",
                      g->n - done, g->n);
     }
-    if (!g->result.valid) {
-        shear_error err = {0};
-        const int code = fail_invalid(g, &err);
-        fail_all(g, code, &err);
-    } else if (!isfinite(g->result.g1_err) || !isfinite(g->result.g2_err)) {
-        shear_error err = {0};
-        int code = shear_fail(
-            &err, SHEAR_E_FORMAT,
-            "scale the pixels up, or the weights: their squares are beyond what a double holds",
-            "field %s: the errors of the shear could not be computed", g->field);
-        fail_all(g, code, &err);
-    }
 }
 
-/* The order of measuring: that of the arguments, or, for the jackknife, of the checksums. NULL: no
- * memory. malloc'd. */
-static measure_input **order_of(const measure_group *g, bool jackknife) {
-    measure_input **order = calloc(g->n, sizeof(measure_input *));
+static int measure(measure_group *g, const measure_options *o, size_t *done, shear_error *err) {
+    /* The order of the arguments, or, for the jackknife, of the checksums. */
+    CLEANUP(release_free) measure_input **order = calloc(g->n, sizeof(measure_input *));
     if (order == NULL) {
-        return NULL;
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
     memcpy(order, g->inputs, g->n * sizeof(measure_input *));
-    if (jackknife) {
+    if (o->jackknife > 0) {
         qsort(order, g->n, sizeof(measure_input *), by_checksum);
+        const int code = check_blocks(g, (int)o->jackknife, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    return order;
+    return run_all(g, o, order, done, err);
 }
 
 bool measure_group_run(measure_group *g, const measure_options *o) {
     shear_error err = {0};
     size_t done = 0;
-    measure_input **order = order_of(g, o->jackknife > 0);
-    int code = order != NULL ? SHEAR_OK : shear_fail(&err, SHEAR_E_NOMEM, NULL, "out of memory");
-    if (code == SHEAR_OK && o->jackknife != 0) {
-        code = check_blocks(g, (int)o->jackknife, &err);
-    }
-    if (code == SHEAR_OK) {
-        code = run_all(g, o, order, &done, &err);
-    }
-    free(order);
+    int code = measure(g, o, &done, &err);
+    const bool measured = code == SHEAR_OK && done > 0;
     for (size_t i = 0; i < g->n; i++) {
         g->seconds += g->inputs[i]->measured ? g->inputs[i]->report.seconds : 0.0;
     }
+    if (measured) {
+        add_warnings(g, done);
+        code = check_result(g, &err);
+    }
     if (code != SHEAR_OK) {
         fail_all(g, code, &err);
-        return false;
     }
-    if (done > 0) {
-        judge(g, done);
+    return measured;
+}
+
+size_t measure_group_files(const measure_group *g, sheard_report_file *files) {
+    size_t n = 0;
+    for (size_t i = 0; i < g->n; i++) {
+        const measure_input *input = g->inputs[i];
+        if (input->measured) {
+            const shear_run_report *run = &input->report;
+            files[n++] = (sheard_report_file){
+                input->path,        input->checksum, input->info.name, run->result.n_stamps,
+                run->result.n_used, &run->plan,      run->seconds};
+        }
     }
-    return done > 0;
+    return n;
 }
 
 const measure_input *measure_group_first(const measure_group *g) {

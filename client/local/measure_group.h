@@ -23,7 +23,7 @@ typedef struct measure_options {
 typedef struct measure_group {
     const char *field;
     measure_input **inputs; /* [n], in the order given; not owned. Those that fail are marked */
-    size_t n;
+    size_t n, capacity;
     shear_result result;
     sheard_report_estimators estimators; /* of the same stamps; errors without jackknife */
     double seconds;                      /* wall clock, all files */
@@ -47,6 +47,8 @@ bool measure_group_run(measure_group *group, const measure_options *options);
 const measure_input *measure_group_first(const measure_group *group);
 /* The file of the stamp that counts most, or NULL where that is not known. */
 const measure_input *measure_group_top(const measure_group *group);
+/* The files that were measured, as a report has them: into files[group->n]; how many they are. */
+size_t measure_group_files(const measure_group *group, sheard_report_file *files);
 /* Do all measured files name the same truth? */
 bool measure_group_truth(const measure_group *group, double *g1, double *g2);
 
