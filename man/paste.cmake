@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # cmake -DSHEARCTL=... -DIN=... -DOUT=... -DPROJECT_VERSION=... -DDATE=... -P paste.cmake
 # The manual page with what the tool says of itself pasted in: the settings' table and the help of most subcommands are
-# written once, in the tool.
+# written once, in the tool. A new subcommand needs nothing here.
 cmake_minimum_required(VERSION 3.25)
 
 function(ask out)
@@ -21,11 +21,28 @@ function(escape out text)
   set(${out} "${text}" PARENT_SCOPE)
 endfunction()
 
+# Every subcommand in the order of the help; those that have a section in the template are in the synopsis alone.
+file(READ ${IN} template)
+ask(data --completion-data)
+string(REGEX MATCHALL "command\\|[a-z]+" commands "${data}")
 ask(SETTINGS --settings-man)
-foreach(name mock plot
-    submit jobs show wait cancel retry field fields watch status metrics doctor drain reload shutdown)
-  string(TOUPPER ${name} key)
+set(SYNOPSIS)
+set(SUBCOMMANDS)
+foreach(entry ${commands})
+  string(REPLACE "command|" "" name ${entry})
   ask(text --man ${name})
-  escape(HELP_${key} "${text}")
+  escape(text "${text}")
+  string(REGEX MATCH "^usage: shearctl ${name}([^\n]*)" usage "${text}")
+  string(STRIP "${CMAKE_MATCH_1}" operands)
+  string(APPEND SYNOPSIS ".Nm shearctl\n.Cm ${name}\n")
+  if(operands)
+    string(APPEND SYNOPSIS ".Ar ${operands}\n")
+  endif()
+  string(FIND "${template}" "\n.Ss ${name}\n" section)
+  if(section EQUAL -1)
+    string(APPEND SUBCOMMANDS ".Ss ${name}\n.Bd -literal\n${text}\n.Ed\n")
+  endif()
 endforeach()
+string(STRIP "${SYNOPSIS}" SYNOPSIS)
+string(STRIP "${SUBCOMMANDS}" SUBCOMMANDS)
 configure_file(${IN} ${OUT} @ONLY)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "doctor/run_program.h"
-#include "base/clock.h"
 
-#include "remote/socket_io.h"
+#include "base/cleanup.h"
+#include "base/clock.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -68,14 +69,13 @@ int run_program(const char *const argv[], char **text) {
     if (*text == NULL || pipe2(ends, O_CLOEXEC) != 0) {
         return -1;
     }
+    CLEANUP(release_fd) const int output = ends[0];
     const int failed = start(argv, ends[1], &pid);
     close(ends[1]);
     if (failed != 0) {
-        close(ends[0]);
         return -1;
     }
-    const bool good = collect(ends[0], *text, OUTPUT_MAX);
-    close(ends[0]);
+    const bool good = collect(output, *text, OUTPUT_MAX);
     if (!good) {
         kill(pid, SIGKILL);
     }
@@ -85,7 +85,7 @@ int run_program(const char *const argv[], char **text) {
 }
 
 /* "DIRECTORY/name" where it is a program; `length` bytes of directory. */
-static char *try(const char *directory, size_t length, const char *name) {
+static char *find_in(const char *directory, size_t length, const char *name) {
     char *path = NULL;
     if (asprintf(&path, "%.*s/%s", (int)length, directory, name) < 0) {
         return NULL;
@@ -101,26 +101,29 @@ static char *search(const char *directories, const char *name) {
     char *found = NULL;
     while (directories != NULL && *directories && found == NULL) {
         const size_t n = strcspn(directories, ":");
-        found = n > 0 && *directories == '/' ? try(directories, n, name) : NULL;
+        found = n > 0 && *directories == '/' ? find_in(directories, n, name) : NULL;
         directories += n + (directories[n] == ':');
     }
     return found;
 }
 
-char *run_program_find(const char *name) {
+/* Beside this program, or in ../sbin of it. */
+static char *find_beside(const char *name) {
     char own[4096];
     const ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
-    char *found = NULL;
-    if (n > 0) {
-        own[n] = '\0';
-        char *slash = strrchr(own, '/');
-        *slash = '\0';
-        found = try(own, strlen(own), name);
-        if (found == NULL && (size_t)(slash - own) + sizeof "/../sbin" < sizeof own) {
-            memcpy(slash, "/../sbin", sizeof "/../sbin");
-            found = try(own, strlen(own), name);
-        }
+    if (n <= 0) {
+        return NULL;
     }
+    own[n] = '\0';
+    *strrchr(own, '/') = '\0';
+    char *found = find_in(own, strlen(own), name);
+    return found != NULL || !text_append(own, sizeof own, "/../sbin")
+               ? found
+               : find_in(own, strlen(own), name);
+}
+
+char *run_program_find(const char *name) {
+    char *found = find_beside(name);
     found = found != NULL ? found : search(getenv("PATH"), name);
     return found != NULL ? found : search("/usr/local/sbin:/usr/sbin:/usr/bin", name);
 }

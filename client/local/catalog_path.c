@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/catalog_path.h"
 
+#include "base/cleanup.h"
+#include "base/text.h"
 #include "terminal/message.h"
 
 #include <errno.h>
@@ -8,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,36 +18,19 @@ static bool is_directory(const char *path) {
     return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
 }
 
-static void cut_ending(char *name, const char *ending) {
-    size_t length = strlen(name);
-    size_t cut = strlen(ending);
-    if (length > cut && strcasecmp(name + length - cut, ending) == 0) {
-        name[length - cut] = '\0';
-    }
-}
-
 /* "in/stamps.fits.gz" -> "DIRECTORY/stamps.shear.fits"; malloc'd, or NULL */
 static char *path_in(const char *directory, const char *input) {
+    static const char *const endings[] = {".gz", ".fz", ".fits", ".fit"};
     const char *slash = strrchr(input, '/');
-    char *base = strdup(slash != NULL ? slash + 1 : input);
+    CLEANUP(release_free) char *base = strdup(slash != NULL ? slash + 1 : input);
     char *path = NULL;
-    if (base == NULL) {
-        return NULL;
+    for (size_t i = 0; base != NULL && i < sizeof endings / sizeof *endings; i++) {
+        const size_t n = strlen(endings[i]);
+        if (strlen(base) > n && text_ends_with(base, endings[i])) {
+            base[strlen(base) - n] = '\0';
+        }
     }
-    cut_ending(base, ".gz");
-    cut_ending(base, ".fz");
-    cut_ending(base, ".fits");
-    cut_ending(base, ".fit");
-    if (asprintf(&path, "%s/%s.shear.fits", directory, base) < 0) {
-        path = NULL;
-    }
-    free(base);
-    return path;
-}
-
-/* What a catalog is named after. */
-static const char *base_path(const shear_input *input) {
-    return input->path != NULL ? input->path : input->parts[SHEAR_PART_GALAXY].path;
+    return base == NULL || asprintf(&path, "%s/%s.shear.fits", directory, base) < 0 ? NULL : path;
 }
 
 static bool same_file(const struct stat *st, const char *path) {
@@ -95,18 +79,18 @@ static int unwritable(const char *directory) {
 }
 
 static enum exit_code check_parent(const char *path) {
-    char *copy = strdup(path); /* dirname may write to it */
+    CLEANUP(release_free) char *copy = strdup(path); /* dirname may write to it */
     if (copy == NULL) {
         return message_no_memory();
     }
     const char *parent = dirname(copy);
-    int why = unwritable(parent);
+    const int why = unwritable(parent);
     if (why != 0) {
         message_fail("choose a directory that you may write to",
                      "--catalog %s: cannot write in %s: %s", path, parent, strerror(why));
+        return EXIT_CODE_OTHER;
     }
-    free(copy);
-    return why != 0 ? EXIT_CODE_OTHER : EXIT_CODE_DONE;
+    return EXIT_CODE_DONE;
 }
 
 static enum exit_code check_path(const char *path, const measure_input *inputs, size_t n,
@@ -154,7 +138,8 @@ enum exit_code catalog_paths_resolve(measure_input *inputs, size_t n, const char
     }
     for (size_t i = 0; i < n; i++) {
         if (measure_input_is_wanted(&inputs[i])) {
-            inputs[i].catalog = directory ? path_in(out, base_path(inputs[i].source)) : strdup(out);
+            inputs[i].catalog =
+                directory ? path_in(out, measure_input_path(&inputs[i])) : strdup(out);
             if (inputs[i].catalog == NULL) {
                 return message_no_memory();
             }

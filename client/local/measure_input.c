@@ -29,8 +29,7 @@ static bool is_duplicate(const measure_input *inputs, size_t i) {
     return false;
 }
 
-/* The file that the field is called after. */
-static const char *name_of(const measure_input *input) {
+const char *measure_input_path(const measure_input *input) {
     const shear_input *source = input->source;
     return source->path != NULL ? source->path : source->parts[SHEAR_PART_GALAXY].path;
 }
@@ -40,7 +39,7 @@ void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {
         shear_error err = {0};
         int code = look_into(&inputs[i], &err);
         if (code == SHEAR_OK && field == NULL) {
-            code = shear_field_need_name(&inputs[i].info, name_of(&inputs[i]), &err);
+            code = shear_field_need_name(&inputs[i].info, measure_input_path(&inputs[i]), &err);
         }
         if (code != SHEAR_OK) {
             message_error(&err);

@@ -30,6 +30,9 @@ typedef struct measure_input {
 void measure_inputs_open(measure_input *inputs, size_t n, const char *field);
 void measure_inputs_free(measure_input *inputs, size_t n);
 
+/* The file that field and catalog are called after. */
+const char *measure_input_path(const measure_input *input);
+
 /* To be measured: neither failed nor a duplicate. */
 bool measure_input_is_wanted(const measure_input *input);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/socket_io.h"
 #include "base/clock.h"
+#include "base/text.h"
 
 #include "terminal/progress.h"
 
@@ -93,36 +94,42 @@ static enum connection_status say_why(const char *path, int why, sheard_rpc_erro
     }
 }
 
+static enum connection_status connect_to(int s, const struct sockaddr_un *address, double deadline,
+                                         sheard_rpc_error *error) {
+    while (connect(s, (const struct sockaddr *)address, sizeof *address) != 0) {
+        if (errno != EAGAIN && errno != EINTR) {
+            return say_why(address->sun_path, errno, error);
+        }
+        if (progress_interrupted()) {
+            return interrupted(error);
+        }
+        if (clock_s(CLOCK_MONOTONIC) >= deadline) {
+            return connection_fail(error, CONNECTION_SILENT,
+                                   "the service is stuck or very busy: systemctl status sheard",
+                                   "the service does not accept connections at %s",
+                                   address->sun_path);
+        }
+        poll(NULL, 0,
+             BACKLOG_MS); /* the listener's backlog is full: there is no event to wait for */
+    }
+    return CONNECTION_OK;
+}
+
 enum connection_status socket_io_connect(const char *path, double deadline, int *fd,
                                          sheard_rpc_error *error) {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     *fd = -1;
-    if (strlen(path) >= sizeof address.sun_path) {
+    if (!text_set(address.sun_path, sizeof address.sun_path, path)) {
         return connection_fail(error, CONNECTION_UNREACHABLE, "give a shorter path",
                                "the path of a socket has at most %zu bytes: %s",
                                sizeof address.sun_path - 1, path);
     }
-    memcpy(address.sun_path, path, strlen(path) + 1);
     const int s = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (s < 0) {
         return connection_fail(error, CONNECTION_FAILED, NULL, "cannot make a socket: %s",
                                strerror(errno));
     }
-    enum connection_status status = CONNECTION_OK;
-    while (status == CONNECTION_OK &&
-           connect(s, (const struct sockaddr *)&address, sizeof address) != 0) {
-        if (errno != EAGAIN && errno != EINTR) {
-            status = say_why(path, errno, error);
-        } else if (progress_interrupted()) {
-            status = interrupted(error);
-        } else if (clock_s(CLOCK_MONOTONIC) >= deadline) {
-            status = connection_fail(error, CONNECTION_SILENT,
-                                     "the service is stuck or very busy: systemctl status sheard",
-                                     "the service does not accept connections at %s", path);
-        } else { /* the listener's backlog is full: there is no event to wait for */
-            poll(NULL, 0, BACKLOG_MS);
-        }
-    }
+    const enum connection_status status = connect_to(s, &address, deadline, error);
     if (status != CONNECTION_OK) {
         close(s);
         return status;

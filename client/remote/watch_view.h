@@ -8,13 +8,19 @@
 
 #include <stdio.h>
 
-enum { WATCH_FIELDS = 12 };
+enum { WATCH_STATUS, WATCH_ACTIVE, WATCH_FINISHED, WATCH_FIELDS, WATCH_PARTS = WATCH_FIELDS + 12 };
+
+/* A question and its answer. */
+typedef struct watch_part {
+    int method;
+    const char *field; /* that it is about, or NULL; a text of another part */
+    sheard_reply reply;
+    char *text; /* the reply as it came, with service.json */
+} watch_part;
 
 typedef struct watch_view {
-    sheard_reply status, active, finished;
-    sheard_reply fields[WATCH_FIELDS]; /* [n_fields] of the jobs above */
-    size_t n_fields;
-    char *text[3 + WATCH_FIELDS]; /* the same as they came, in this order, with service.json */
+    watch_part parts[WATCH_PARTS]; /* [n], from WATCH_FIELDS on the fields of the jobs before */
+    size_t n;
 } watch_view;
 
 /* Ask the service; nothing is printed on errors. Returns an enum connection_status. *view must be
