@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The map of the tree in docs/architecture.md: a line for every file, made of the comment at its head. A block
+
+    <!-- files core/fft -->
+    <!-- end -->
+
+lists the files of that folder (not of folders within it), a header and its source as one."""
+import os
+import re
+
+LONGEST = 150
+BLOCK = re.compile(r"<!-- files (\S+) -->\n.*?<!-- end -->", re.S)
+
+
+def head_of(text):
+    """What the comment at a file's head says first: its first sentence, without the file's own name."""
+    m = re.match(r"/\* SPDX[^\n]*\*/\s*/\*(.*?)\*/", text, re.S)
+    if m is None:
+        return ""
+    words = re.sub(r"\s*\n \*\s?", " ", m.group(1)).strip()
+    words = re.sub(r"^[\w./-]+\.[ch]: ", "", words)
+    words = re.sub(r"^(/\*\s*)+", "", words)
+    sentence = re.match(r"(.*?[\w)\]'\"/>]\.)(\s|$)", words, re.S)
+    return shortened(" ".join((sentence.group(1) if sentence else words).split()).rstrip("."))
+
+
+def shortened(text):
+    """At most LONGEST characters, up to the end of a clause."""
+    if len(text) <= LONGEST:
+        return text
+    ends = [m.start() for m in re.finditer(r"[:;,] ", text[:LONGEST])]
+    return text[:ends[-1]] if ends else text[:text.rindex(" ", 0, LONGEST)]
+
+
+def stem_of(path):
+    return re.sub(r"\.[ch]$", "", path)
+
+
+def lines_of(tree, folder):
+    """The lines of one block."""
+    here = [p for p in tree.files(".c", ".h") if os.path.dirname(p) == folder]
+    found = []
+    for stem in sorted({stem_of(p) for p in here}):
+        kinds = [e for e in (".h", ".c") if stem + e in here]
+        told = next(filter(None, (head_of(tree.read(stem + e)) for e in kinds)), "")
+        found.append(f"- `{os.path.basename(stem)}{','.join(kinds)}` {told}" if told else f"- `{os.path.basename(stem)}{','.join(kinds)}`")
+    return found
+
+
+def filled(tree, text):
+    """The document with its blocks filled."""
+    return BLOCK.sub(lambda m: "\n".join([f"<!-- files {m.group(1)} -->"] + lines_of(tree, m.group(1)) + ["<!-- end -->"]), text)
+
+
+def folders_of(text):
+    return [m.group(1) for m in BLOCK.finditer(text)]
