@@ -35,12 +35,19 @@ def pointer_tests(path, text):
     return sorted(set(found))
 
 
-def typedefs(path, text):
-    """`typedef struct name { ... } name;`, and no typedef of an enum."""
+def declared_types(texts):
+    """The names of `typedef struct name name;` in any of the texts: their structs are defined elsewhere."""
+    return {name for text in texts for name in re.findall(r"\btypedef struct (\w+) \1;", house.bare_code_of(text))}
+
+
+def typedefs(path, text, declared=frozenset()):
+    """`typedef struct name { ... } name;`, or a typedef of its own; and no typedef of an enum."""
     del path
     found = []
     code = house.bare_code_of(text)
     for m in re.finditer(r"^(?:static\s+|const\s+)*struct\s+(\w+)\s*\{", code, re.M):
+        if m.group(1) in declared:
+            continue
         found.append((line_of(code, m.start()), f"struct {m.group(1)} without its typedef"))
     for m in re.finditer(r"^typedef\s+enum\b", code, re.M):
         found.append((line_of(code, m.start()), "a typedef of an enum"))

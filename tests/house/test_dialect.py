@@ -24,7 +24,8 @@ class Dialect(house.Case):
         self.nothing(found(dialect.pointer_tests, SOURCES + TESTS), "pointers")
 
     def test_types(self):
-        self.nothing(found(dialect.typedefs, SOURCES), "types")
+        declared = dialect.declared_types(map(TREE.read, SOURCES))
+        self.nothing(found(lambda path, text: dialect.typedefs(path, text, declared), SOURCES), "types")
 
     def test_lengths(self):
         self.nothing(found(dialect.lengths, SOURCES), "lengths", "long")

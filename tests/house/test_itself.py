@@ -146,6 +146,7 @@ class Dialect(unittest.TestCase):
             self.assertTrue(self.wrong(dialect.typedefs, text), text)
         for text in ("typedef struct a {\n    int b;\n} a;\n", "enum a { B };\n", "struct a;\ntypedef struct a a;\n"):
             self.assertFalse(self.wrong(dialect.typedefs, text), text)
+        self.assertEqual(dialect.typedefs("", "struct a {\n};\n", dialect.declared_types(["typedef struct a a;"])), [])
 
     def test_lengths(self):
         self.assertEqual(self.wrong(dialect.lengths, "\n" * 401), ["file of 401 lines"])
