@@ -2,9 +2,6 @@
 /* sheard-reader: the child that reads the FITS files of one job for the daemon. All of CFITSIO that
  * ever sees a stranger's bytes runs here, sandboxed before the first of them is read. Descriptors
  * and arguments: reader/wire.h. */
-#include "reader/sandbox.h"
-#include "reader/wire.h"
-
 #include <errno.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -12,8 +9,11 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
+
+#include "base/clock.h"
+#include "reader/sandbox.h"
+#include "reader/wire.h"
 
 typedef struct child {
     shear_input input;
@@ -25,12 +25,6 @@ typedef struct child {
     size_t memory_bytes;
     reader_request map; /* the sizes that the daemon chose */
 } child;
-
-static int64_t now_ms(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
-}
 
 static int do_open(child *c, reader_reply *reply, shear_error *err) {
     if (c->field != NULL) {
@@ -70,23 +64,28 @@ static int do_stamps(child *c, const reader_request *r, reader_reply *reply, she
  */
 static int do_hash(child *c, reader_reply *reply, shear_error *err) {
     enum { STEP = 1 << 20, STEPS = 256, SLICE_MS = 250 };
-    const int64_t end_ms = now_ms() + SLICE_MS;
+    const int64_t end_ms = clock_ms(CLOCK_MONOTONIC) + SLICE_MS;
     bool done = false;
-    int code = c->hashing != NULL ? SHEAR_OK
-                                  : shear_hashing_new(&c->hashing, &c->input, c->fds,
-                                                      shear_field_get_info(c->field), err);
-    for (int i = 0; code == SHEAR_OK && !done && i < STEPS && (i == 0 || now_ms() < end_ms); i++) {
+    int code = SHEAR_OK;
+    if (c->hashing == NULL) {
+        code =
+            shear_hashing_new(&c->hashing, &c->input, c->fds, shear_field_get_info(c->field), err);
+    }
+    for (int i = 0;
+         code == SHEAR_OK && !done && i < STEPS && (i == 0 || clock_ms(CLOCK_MONOTONIC) < end_ms);
+         i++) {
         code = shear_hashing_step(c->hashing, STEP, &done, err);
     }
-    if (code == SHEAR_OK) {
-        reply->hashed = shear_hashing_bytes(c->hashing);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    reply->hashed = shear_hashing_bytes(c->hashing);
     if (done) {
         shear_hashing_text(c->hashing, reply->checksum);
         shear_hashing_free(c->hashing);
         c->hashing = NULL;
     }
-    return code;
+    return SHEAR_OK;
 }
 
 static int answer(child *c, const reader_request *r, reader_reply *reply) {

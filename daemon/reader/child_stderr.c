@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-int last_words_pipe(int ends[2]) {
+int child_stderr_pipe(int ends[2]) {
     ends[0] = ends[1] = -1;
     return pipe2(ends, O_CLOEXEC | O_NONBLOCK) == 0 ? 0 : errno;
 }
@@ -29,7 +29,7 @@ static char printable(char c) {
     return (char)(c >= ' ' && c <= '~' ? c : '?');
 }
 
-void last_words_read(int end, char *out, size_t size) {
+void child_stderr_read(int end, char *out, size_t size) {
     char bytes[512];
     size_t used = 0;
     ssize_t got = 0;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/launch.h"
 
-#include "reader/wire.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -10,6 +8,8 @@
 #include <spawn.h>
 #include <stdio.h>
 #include <unistd.h>
+
+#include "reader/wire.h"
 
 enum { N_FDS = READER_FD_END - READER_FD_SOCKET, NUMBER = 24 };
 
@@ -46,9 +46,9 @@ static void fill_arguments(arguments *a, const shear_input *input, int n_scratch
 
 /* Duplicates above the fixed numbers first, so that no dup2 in the child overwrites one that is
  * still needed. All others of the daemon's are close-on-exec. Returns 0 or errno. */
-static int add_descriptors(posix_spawn_file_actions_t *actions, int said, const int given[N_FDS],
-                           int from[N_FDS]) {
-    int rc = posix_spawn_file_actions_adddup2(actions, said, STDERR_FILENO);
+static int add_descriptors(posix_spawn_file_actions_t *actions, int child_stderr,
+                           const int given[N_FDS], int from[N_FDS]) {
+    int rc = posix_spawn_file_actions_adddup2(actions, child_stderr, STDERR_FILENO);
     for (int i = 0; i < N_FDS && rc == 0; i++) {
         if (given[i] < 0) {
             continue;
@@ -100,7 +100,7 @@ int launch_reader(pid_t *pid, const shear_input *input, const int *fds, launch_e
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
     fill_attributes(&attributes);
-    int rc = add_descriptors(&actions, ends.said, given, from);
+    int rc = add_descriptors(&actions, ends.child_stderr, given, from);
     if (rc == 0) {
         rc = posix_spawn(pid, limits->program, &actions, &attributes, a.argv, environment);
     }

@@ -3,15 +3,15 @@
 #ifndef SHEARD_READER_LAUNCH_H
 #define SHEARD_READER_LAUNCH_H
 
-#include "reader/reader.h"
-
 #include <sys/types.h>
+
+#include "reader/reader.h"
 
 /* What the child gets of the daemon's; all of it stays the caller's. */
 typedef struct launch_ends {
     int socket;         /* its end of the pair */
     int memory;         /* shared */
-    int said;           /* its standard error (reader/child_stderr.h) */
+    int child_stderr;   /* its standard error (reader/child_stderr.h) */
     const int *scratch; /* [SHEAR_N_PARTS], the first -1 ends them (reader/scratch.h) */
 } launch_ends;
 

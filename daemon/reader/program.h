@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* reader/program.h: where the reader's program is. */
-#ifndef SHEARD_READER_FIND_H
-#define SHEARD_READER_FIND_H
-
-#include "shear/error.h"
+#ifndef SHEARD_READER_PROGRAM_H
+#define SHEARD_READER_PROGRAM_H
 
 #include <stddef.h>
+
+#include "shear/error.h"
 
 /* The path of sheard-reader: beside the running program (a build directory), or where it is
  * installed, seen from there. Nothing else is looked at: a directory that was compiled in would be

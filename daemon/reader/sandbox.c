@@ -58,17 +58,27 @@ static int limit(int resource, int64_t value, const char *what, shear_error *err
 }
 
 static int set_limits(const sandbox_limits *limits, shear_error *err) {
-    int code = limit(RLIMIT_CORE, 0, "core size", err);
-    if (code == SHEAR_OK && limits_memory && limits->memory_bytes > 0) {
-        code = limit(RLIMIT_AS, limits->memory_bytes, "memory", err);
+    const struct {
+        int resource;
+        bool wanted;
+        int64_t value;
+        const char *what;
+    } all[] = {
+        {RLIMIT_CORE, true, 0, "core size"},
+        {RLIMIT_AS, limits_memory && limits->memory_bytes > 0, limits->memory_bytes, "memory"},
+        {RLIMIT_CPU, limits->cpu_seconds > 0, limits->cpu_seconds, "processor time"},
+        {RLIMIT_FSIZE, limits->file_bytes > 0, limits->file_bytes, "file size"},
+        {RLIMIT_NOFILE, true, 64, "open files"},
+    };
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        if (all[i].wanted) {
+            const int code = limit(all[i].resource, all[i].value, all[i].what, err);
+            if (code != SHEAR_OK) {
+                return code;
+            }
+        }
     }
-    if (code == SHEAR_OK && limits->cpu_seconds > 0) {
-        code = limit(RLIMIT_CPU, limits->cpu_seconds, "processor time", err);
-    }
-    if (code == SHEAR_OK && limits->file_bytes > 0) {
-        code = limit(RLIMIT_FSIZE, limits->file_bytes, "file size", err);
-    }
-    return code == SHEAR_OK ? limit(RLIMIT_NOFILE, 64, "open files", err) : code;
+    return SHEAR_OK;
 }
 
 /* No file may be reached by a name: without a rule, all that is handled is refused. */
@@ -142,45 +152,62 @@ static struct scmp_arg_cmp without(unsigned argument, scmp_datum_t bits) {
     return (struct scmp_arg_cmp){.arg = argument, .op = SCMP_CMP_MASKED_EQ, .datum_a = bits};
 }
 
-/* Memory, but no new code in it: all that the reader runs is mapped by now. */
-static int allow_memory(scmp_filter_ctx filter) {
-    const int rc =
-        seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mmap), 1, without(2, PROT_EXEC));
-    return rc == 0 ? seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mprotect), 1,
-                                      without(2, PROT_EXEC))
-                   : rc;
+/* Calls that are allowed with some arguments only. Memory, but no new code in it: all that the
+ * reader runs is mapped by now. The others reach beyond this process otherwise: to the service,
+ * which is of the same user. F_SETOWN and F_SETSIG of fcntl would send it signals; F_SETFL serves
+ * them. Returns 0 or a negative errno. */
+static int allow_some(scmp_filter_ctx filter) {
+    const struct scmp_arg_cmp self = equals(0, (scmp_datum_t)getpid());
+    const struct {
+        int call;
+        unsigned n;
+        struct scmp_arg_cmp arguments[2];
+    } rules[] = {
+        {SCMP_SYS(mmap), 1, {without(2, PROT_EXEC)}},
+        {SCMP_SYS(mprotect), 1, {without(2, PROT_EXEC)}},
+        {SCMP_SYS(tgkill), 1, {self}}, /* abort() */
+        {SCMP_SYS(fcntl), 1, {equals(1, F_GETFL)}},
+        {SCMP_SYS(fcntl), 1, {equals(1, F_GETFD)}},
+        {SCMP_SYS(fcntl), 1, {equals(1, F_SETFD)}},
+        {SCMP_SYS(fcntl), 1, {equals(1, F_DUPFD)}},
+        {SCMP_SYS(fcntl), 1, {equals(1, F_DUPFD_CLOEXEC)}},
+        {SCMP_SYS(prlimit64), 2, {equals(0, 0), equals(2, 0)}}, /* getrlimit */
+        {SCMP_SYS(sched_getaffinity), 1, {equals(0, 0)}},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        const int rc = seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, rules[i].call, rules[i].n,
+                                              rules[i].arguments);
+        if (rc != 0) {
+            return rc;
+        }
+    }
+    return 0;
 }
 
-/* Calls with arguments that reach beyond this process otherwise: to the service, which is of the
- * same user. F_SETOWN and F_SETSIG of fcntl would send it signals; F_SETFL serves them. */
-static int allow_some(scmp_filter_ctx filter) {
-    static const int commands[] = {F_GETFL, F_GETFD, F_SETFD, F_DUPFD, F_DUPFD_CLOEXEC};
-    const scmp_datum_t self = (scmp_datum_t)getpid();
-    int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
-                              equals(0, self)); /* abort() */
-    for (size_t i = 0; rc == 0 && i < sizeof commands / sizeof *commands; i++) {
-        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(fcntl), 1,
-                              equals(1, (scmp_datum_t)commands[i]));
+static int allow_plain(scmp_filter_ctx filter) {
+    for (size_t i = 0; i < sizeof allowed / sizeof allowed[0]; i++) {
+        const int rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
+        if (rc != 0) {
+            return rc;
+        }
     }
-    if (rc == 0) { /* getrlimit */
-        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), 2, equals(0, 0),
-                              equals(2, 0));
+    return 0;
+}
+
+static int load(scmp_filter_ctx filter) {
+    int rc = allow_some(filter);
+    if (rc != 0) {
+        return rc;
     }
-    return rc == 0 ? seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(sched_getaffinity), 1,
-                                      equals(0, 0))
-                   : rc;
+    rc = allow_plain(filter);
+    return rc != 0 ? rc : seccomp_load(filter);
 }
 
 static int enter_seccomp(shear_error *err) {
     /* A call that is not on the list fails, and the library says so, like any other failure: a
      * reader that was taken over gains nothing by trying. */
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
-    int rc = filter != NULL ? allow_some(filter) : -ENOMEM;
-    rc = rc == 0 ? allow_memory(filter) : rc;
-    for (size_t i = 0; rc == 0 && i < sizeof allowed / sizeof allowed[0]; i++) {
-        rc = seccomp_rule_add(filter, SCMP_ACT_ALLOW, allowed[i], 0);
-    }
-    rc = rc == 0 ? seccomp_load(filter) : rc;
+    const int rc = filter != NULL ? load(filter) : -ENOMEM;
     if (filter != NULL) {
         seccomp_release(filter);
     }
@@ -190,23 +217,20 @@ static int enter_seccomp(shear_error *err) {
 
 int sandbox_enter(const sandbox_limits *limits, unsigned *guards, shear_error *err) {
     int code = set_limits(limits, err);
-    if (code == SHEAR_OK &&
-        (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0)) {
-        code = fail_errno(err, "no new privileges");
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) {
-        code = fail_errno(err, "not dumpable");
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_PDEATHSIG, 9, 0, 0, 0) != 0) {
+        return fail_errno(err, "no new privileges");
     }
-    if (code == SHEAR_OK) {
-        code = enter_landlock(guards, err);
+    if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) {
+        return fail_errno(err, "not dumpable");
     }
-    if (code == SHEAR_OK) {
-        code = enter_seccomp(err);
+    code = enter_landlock(guards, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = enter_seccomp(err);
     *guards |= code == SHEAR_OK ? SANDBOX_SECCOMP | SANDBOX_UNDUMPABLE : 0U;
     return code;
-}
-
-int fstat(int fd, struct stat *st) {
-    return (int)syscall(SYS_fstat, fd, st);
 }

@@ -5,9 +5,9 @@
 #ifndef SHEARD_READER_SANDBOX_H
 #define SHEARD_READER_SANDBOX_H
 
-#include "shear/error.h"
-
 #include <stdint.h>
+
+#include "shear/error.h"
 
 typedef struct sandbox_limits {
     int64_t memory_bytes; /* address space */
@@ -31,8 +31,5 @@ int sandbox_enter(const sandbox_limits *limits, unsigned *guards, shear_error *e
  * allows that (a unit with RestrictNamespaces=yes does not): as their process 1, a child of the
  * process that was started, which waits for it and ends as it does. */
 void sandbox_unshare(unsigned *guards);
-
-/* fstat by its own system call, for the whole program: libc's takes a path, which is not allowed.
- */
 
 #endif

@@ -10,28 +10,17 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "base/io.h"
+
 /* Left free on the disk of unpacked copies, which may be the state's as well: a gibibyte, or an
  * eighth of a small disk. */
 static const int64_t reserve_bytes = INT64_C(1) << 30;
 enum { RESERVE_PART = 8 };
 
-static int open_nameless(const char *directory) {
-    int fd = open(directory, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
-    if (fd < 0) { /* not every file system knows O_TMPFILE */
-        char path[4300];
-        snprintf(path, sizeof path, "%s/.sheard-XXXXXX", directory);
-        fd = mkostemp(path, O_CLOEXEC);
-        if (fd >= 0) {
-            unlink(path);
-        }
-    }
-    return fd;
-}
-
 void scratch_open(scratch *s, const char *directory, int64_t most, atomic_llong *used, int n) {
     *s = (scratch){.directory = directory, .most = most, .used = used};
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        s->fds[i] = i < n ? open_nameless(directory) : -1;
+        s->fds[i] = i < n ? io_open_nameless(directory) : -1;
     }
 }
 
@@ -52,7 +41,7 @@ void scratch_close(scratch *s) {
     account(s, 0);
 }
 
-static int64_t taken(const scratch *s) {
+static int64_t occupied(const scratch *s) {
     int64_t bytes = 0;
     struct stat st;
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
@@ -65,39 +54,40 @@ static int64_t taken(const scratch *s) {
 
 int scratch_check(scratch *s, bool full, shear_error *err) {
     struct statvfs disk;
-    account(s, taken(s));
+    account(s, occupied(s));
     if (s->own == 0 && !full) {
         return SHEAR_OK;
     }
-    int64_t room = s->most;
+    int64_t capacity = s->most;
     bool low = full;
     if (s->fds[0] >= 0 && fstatvfs(s->fds[0], &disk) == 0) {
         const int64_t size = (int64_t)disk.f_blocks * (int64_t)disk.f_frsize;
         const int64_t part = size / RESERVE_PART;
         const int64_t reserve = part < reserve_bytes ? part : reserve_bytes;
-        room = size - reserve < room ? size - reserve : room;
+        capacity = size - reserve < capacity ? size - reserve : capacity;
         low = low || (int64_t)disk.f_bavail * (int64_t)disk.f_frsize < reserve;
     }
-    if (s->own > room) {
+    if (s->own > capacity) {
         return shear_fail(err, SHEAR_E_FORMAT, "submit the file unpacked",
                           "unpacked, it takes more than the %lld bytes that there can be room for "
                           "([reader] scratch_bytes, and the disk of %.200s)",
-                          (long long)room, s->directory);
+                          (long long)capacity, s->directory);
     }
     const bool shared_out = s->used != NULL && atomic_load(s->used) > s->most;
-    return !low && !shared_out
-               ? SHEAR_OK
-               : shear_fail(err, SHEAR_E_FULL,
-                            "free space there, set another directory ([reader] scratch), or submit "
-                            "fewer gzipped files at once",
-                            "no room in %.200s for its unpacked copy now: %s", s->directory,
-                            low ? "the disk is nearly full" : "[reader] scratch_bytes are taken");
+    if (!low && !shared_out) {
+        return SHEAR_OK;
+    }
+    return shear_fail(err, SHEAR_E_FULL,
+                      "free space there, set another directory ([reader] scratch), or submit "
+                      "fewer gzipped files at once",
+                      "no room in %.200s for its unpacked copy now: %s", s->directory,
+                      low ? "the disk is nearly full" : "[reader] scratch_bytes are taken");
 }
 
 /* ---- where ---- */
 
 static bool works(const char *directory) {
-    const int fd = directory != NULL && directory[0] == '/' ? open_nameless(directory) : -1;
+    const int fd = directory != NULL && directory[0] == '/' ? io_open_nameless(directory) : -1;
     if (fd >= 0) {
         close(fd);
     }

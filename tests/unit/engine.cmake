@@ -7,6 +7,7 @@ shear_add_test(machine SOURCES test_machine.c LIBRARIES core_fixtures sheard_eng
 if(NOT SHEAR_SANITIZE)
   shear_add_test(sandbox SOURCES test_sandbox.c ${PROJECT_SOURCE_DIR}/daemon/reader/sandbox.c
     ${PROJECT_SOURCE_DIR}/daemon/reader/namespaces.c
+    ${PROJECT_SOURCE_DIR}/daemon/reader/fstat.c
     LIBRARIES core_fixtures PkgConfig::SECCOMP LABELS engine)
   target_include_directories(test_sandbox PRIVATE ${PROJECT_SOURCE_DIR}/daemon)
 endif()

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reader/child_process.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+
+static void describe_end(int status, char *out, size_t size) {
+    if (WIFSIGNALED(status)) {
+        snprintf(out, size, "it was killed by signal %d, %s", WTERMSIG(status),
+                 strsignal(WTERMSIG(status)));
+    } else {
+        snprintf(out, size, "it ended with code %d", WEXITSTATUS(status));
+    }
+}
+
+/* Wait for a second, as waitpid does: 0 where it has not ended then. */
+static pid_t wait_for_end(pid_t pid, int *status) {
+    enum { TRIES = 200 };
+    const struct timespec pause = {.tv_nsec = 5000000};
+    pid_t got = 0;
+    for (int i = 0; i < TRIES && got == 0; i++) {
+        got = waitpid(pid, status, WNOHANG);
+        if (got == 0) {
+            nanosleep(&pause, NULL);
+        }
+    }
+    return got;
+}
+
+int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size) {
+    int status = 0;
+    pid_t got = kill_now ? 0 : wait_for_end(*pid, &status);
+    if (got == 0) {
+        kill(*pid, SIGKILL);
+        /* Not for ever: what sleeps in a dead file server cannot be killed, and must hold up
+         * nobody. It is left to the system. */
+        got = wait_for_end(*pid, &status);
+    }
+    *pid = 0;
+    if (got > 0) {
+        describe_end(status, end, size);
+    } else {
+        snprintf(end, size, "nothing is known of its end");
+    }
+    return got > 0 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reader/exchange.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <stdio.h>
+#include <sys/socket.h>
+
+#include "base/clock.h"
+#include "reader/child_process.h"
+#include "reader/child_stderr.h"
+
+/* ---- failures of the child itself ---- */
+
+/* The failure that is remembered. */
+static int fail_again(const reader *r, shear_error *err) {
+    if (err != NULL) {
+        *err = r->failure;
+    }
+    return r->failed;
+}
+
+/* Exit codes of the dynamic linker, and of a shell, for a program that never came to its first
+ * line. */
+static bool never_started(int exit_code) {
+    return exit_code == 126 || exit_code == 127;
+}
+
+/* What happened, for people, into why[]. Returns the code that it is to have. */
+static int find_reason(reader *r, int code, char *why, size_t size) {
+    char end[160] = "it is gone";
+    char said[240] = "";
+    const int exit_code =
+        r->pid > 0 ? child_process_reap(&r->pid, code != READER_E_DIED, end, sizeof end) : -1;
+    child_stderr_read(r->child_stderr, said, sizeof said);
+    snprintf(why, size, "%s%s%s",
+             code == READER_E_HUNG       ? "no answer in time, it was stopped"
+             : code == READER_E_STOPPED  ? "no answer yet when it was to stop"
+             : code == READER_E_PROTOCOL ? "its answer made no sense, it was stopped"
+                                         : end,
+             said[0] != '\0' ? "; it said: " : "", said);
+    return code == READER_E_DIED && never_started(exit_code) ? SHEAR_E_IO : code;
+}
+
+int exchange_give_up(reader *r, int code, const char *what, shear_error *err) {
+    char why[420];
+    r->failed = find_reason(r, code, why, sizeof why);
+    shear_fail(&r->failure, r->failed,
+               r->failed == SHEAR_E_IO
+                   ? "install sheard again, with the libraries that it needs"
+                   : "the file is damaged in a way that CFITSIO does not survive, or the limits in "
+                     "section [reader] are too small for it",
+               "the reader failed to %s: %s", what, why);
+    return fail_again(r, err);
+}
+
+/* ---- questions and answers ---- */
+
+bool exchange_is_stopping(const reader *r) {
+    return r->stop != NULL && atomic_load(r->stop);
+}
+
+/* SHEAR_OK when there is something to receive; READER_E_HUNG, READER_E_STOPPED; or, with an error,
+ * that its unpacked copies cannot stay. */
+static int wait_for_answer(reader *r, shear_error *err) {
+    enum { LOOK_MS = 50, GRACE_MS = 700 };
+    struct pollfd p = {.fd = r->socket, .events = POLLIN};
+    int64_t end_ms = clock_ms(CLOCK_MONOTONIC) + r->timeout_ms;
+    bool stopping = false;
+    for (;;) {
+        const int64_t left_ms = end_ms - clock_ms(CLOCK_MONOTONIC);
+        const int ready = poll(&p, 1,
+                               (int)(left_ms < 0         ? 0
+                                     : left_ms < LOOK_MS ? left_ms
+                                                         : LOOK_MS));
+        if (ready > 0 || (ready < 0 && errno != EINTR)) {
+            return SHEAR_OK; /* an error is recv's to tell */
+        }
+        const int code = scratch_check(&r->scratch, false, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        if (ready == 0 && left_ms <= LOOK_MS) {
+            return stopping ? READER_E_STOPPED : READER_E_HUNG;
+        }
+        if (!stopping && exchange_is_stopping(r)) {
+            stopping = true;
+            end_ms = end_ms < clock_ms(CLOCK_MONOTONIC) + GRACE_MS
+                         ? end_ms
+                         : clock_ms(CLOCK_MONOTONIC) + GRACE_MS;
+        }
+    }
+}
+
+/* What the child says went wrong. That it is short of memory is told apart from the daemon's own
+ * shortage. */
+static int failed_answer(const reader_reply *reply, shear_error *err) {
+    const bool memory = reply->code == SHEAR_E_NOMEM;
+    const int code = memory ? READER_E_MEMORY : reply->code;
+    if (err != NULL) {
+        *err = reply->error;
+        err->code = code;
+        if (memory && err->advice[0] == '\0') {
+            snprintf(err->advice, sizeof err->advice, "allow the reader more ([reader] memory)");
+        }
+    }
+    return code;
+}
+
+/* A child that has ended may have told why before: that comes after the error that its end is. It
+ * is not waited for. */
+static ssize_t receive(const reader *r, reader_reply *reply) {
+    ssize_t got = recv(r->socket, reply, sizeof *reply, MSG_DONTWAIT);
+    if (got < 0 && (errno == ECONNRESET || errno == EPIPE)) {
+        got = recv(r->socket, reply, sizeof *reply, MSG_DONTWAIT);
+    }
+    return got;
+}
+
+/* Its unpacked copies are too large, or others need the room. */
+static int evict(reader *r, const shear_error *why, shear_error *err) {
+    char ignored[160];
+    if (r->pid > 0) {
+        child_process_reap(&r->pid, true, ignored, sizeof ignored);
+    }
+    r->failure = *why;
+    r->failed = why->code;
+    return fail_again(r, err);
+}
+
+static bool is_reply_to(const reader_request *request, const reader_reply *reply, ssize_t size) {
+    return size == (ssize_t)sizeof *reply && reply->version == READER_WIRE_VERSION &&
+           reply->op == request->op && reply->code >= 0 && reply->code <= SHEAR_E_FULL;
+}
+
+/* Send the request and receive its reply. */
+static int converse(reader *r, const reader_request *request, const char *what, reader_reply *reply,
+                    shear_error *err) {
+    shear_error why;
+    if (send(r->socket, request, sizeof *request, MSG_NOSIGNAL) == (ssize_t)sizeof *request) {
+        const int waited = wait_for_answer(r, &why);
+        if (waited == SHEAR_E_FULL || waited == SHEAR_E_FORMAT) {
+            return evict(r, &why, err);
+        }
+        if (waited != SHEAR_OK) {
+            return exchange_give_up(r, waited, what, err);
+        }
+    }
+    const ssize_t got = receive(r, reply);
+    if (got <= 0) {
+        return exchange_give_up(r, READER_E_DIED, what, err);
+    }
+    if (!is_reply_to(request, reply, got)) {
+        return exchange_give_up(r, READER_E_PROTOCOL, what, err);
+    }
+    reply->error.message[sizeof reply->error.message - 1] = '\0';
+    reply->error.advice[sizeof reply->error.advice - 1] = '\0';
+    return SHEAR_OK;
+}
+
+int exchange_ask(reader *r, const reader_request *request, const char *what, reader_reply *reply,
+                 shear_error *err) {
+    shear_error why;
+    *reply = (reader_reply){.code = SHEAR_E_INTERNAL};
+    if (r->failed != 0) {
+        return fail_again(r, err);
+    }
+    const int code = converse(r, request, what, reply, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    const bool full = reply->code == SHEAR_E_FULL;
+    const int kept = scratch_check(&r->scratch, full, &why);
+    if (kept != SHEAR_OK && (full || reply->code == SHEAR_OK || kept == SHEAR_E_FORMAT)) {
+        return evict(r, &why, err); /* what never fits is the cause, whatever the reader found */
+    }
+    return reply->code == SHEAR_OK ? SHEAR_OK : failed_answer(reply, err);
+}

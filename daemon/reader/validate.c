@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "reader/validate.h"
+
+#include <string.h>
+
+static bool in_range(int64_t value, int64_t low, int64_t high) {
+    return value >= low && value <= high;
+}
+
+static bool hdus_are_valid(const shear_field_info *info) {
+    bool valid = true;
+    for (int i = 0; i < SHEAR_N_PARTS; i++) {
+        valid = valid && in_range(info->hdu[i], i == SHEAR_PART_CATALOG ? -1 : 0, INT32_MAX);
+    }
+    return valid;
+}
+
+static bool name_is_valid(const char *name) {
+    while (*name >= ' ' && *name <= '~') {
+        name++;
+    }
+    return *name == '\0';
+}
+
+bool validate_info(shear_field_info *info) {
+    const shear_geometry *g = &info->geometry;
+    info->name[sizeof info->name - 1] = '\0';
+    return name_is_valid(info->name) && in_range(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
+           in_range(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) && in_range(g->psf_nx, 1, 4096) &&
+           in_range(g->psf_ny, 1, 4096) && in_range(g->psf_oversample, 1, 64) &&
+           in_range(info->n_stamps, 1, INT64_C(1) << 40) &&
+           in_range(info->n_psf, 1, INT64_C(1) << 40) &&
+           in_range(info->layout, SHEAR_LAYOUT_CUBE, SHEAR_LAYOUT_MOSAIC) &&
+           in_range(info->psf_layout, SHEAR_PSF_ONE, SHEAR_PSF_BY_ID) && hdus_are_valid(info);
+}
+
+bool validate_checksum(const char text[SHEAR_CHECKSUM_SIZE]) {
+    return strnlen(text, SHEAR_CHECKSUM_SIZE) == SHEAR_CHECKSUM_SIZE - 1 &&
+           strspn(text, "0123456789abcdef") == SHEAR_CHECKSUM_SIZE - 1;
+}
