@@ -3,6 +3,7 @@
 #ifndef SHEAR_FITS_CATALOG_INTERNAL_H
 #define SHEAR_FITS_CATALOG_INTERNAL_H
 
+#include "base/cleanup.h"
 #include "fits/io/bitset.h"
 #include "fits/io/output.h"
 #include "shear/catalog.h"
@@ -14,12 +15,14 @@ struct shear_catalog {
     bool id_unsigned; /* its ids are unsigned numbers of 64 bits, as bits */
     sf_bitset written;
     int64_t kept;   /* rows that its header says are on disk */
-    double *values; /* [room]: one column of a chunk */
-    int32_t *flags; /* [room] flags, or places */
-    int room;
+    double *values; /* [capacity]: one column of a chunk */
+    int32_t *flags; /* [capacity] flags, or places */
+    size_t capacity;
 };
 
-/* Room for the bookkeeping, with nothing open yet. *c is NULL on error. */
+CLEANUP_DEFINE(shear_catalog, shear_catalog_abort)
+
+/* The bookkeeping, with nothing open yet. *c is NULL on error. */
 int sf_catalog_new(shear_catalog **c, const char *path, const shear_field_info *info,
                    shear_error *err);
 /* Lay the table out in the empty file that c->out is. */

@@ -15,19 +15,22 @@ static int not_usable(const shear_catalog *c, const char *why, shear_error *err)
 
 int shear_catalog_begin(shear_catalog **catalog, const char *path, const shear_field_info *info,
                         const char *checksum, shear_error *err) {
-    int rc = sf_catalog_new(catalog, path, info, err);
-    shear_catalog *c = *catalog;
-    if (rc == SHEAR_OK) {
-        rc = sf_output_create_kept(&c->out, path, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = sf_catalog_create_table(c, info, checksum, err);
-    }
+    CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
+    *catalog = NULL;
+    int rc = sf_catalog_new(&c, path, info, err);
     if (rc != SHEAR_OK) {
-        shear_catalog_abort(c);
-        *catalog = NULL;
+        return rc;
     }
-    return rc;
+    rc = sf_output_create_kept(&c->out, path, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = sf_catalog_create_table(c, info, checksum, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    *catalog = CLEANUP_TAKE(c);
+    return SHEAR_OK;
 }
 
 /* Which file it must be. */
@@ -40,20 +43,22 @@ typedef struct expected {
 /* Is it this input's, and are enough of its rows on disk? */
 static int check_keys(const expected *e, const sf_cards *cards, shear_error *err) {
     shear_catalog *c = e->catalog;
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     bool found = false;
     int rc = sf_key_string(cards, SF_KEPT_FOR, &text, err);
-    if (rc == SHEAR_OK && (text == NULL || strcmp(text, e->checksum) != 0)) {
-        rc = not_usable(c, "it is of another input", err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    free(text);
-    if (rc == SHEAR_OK) {
-        rc = sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err);
+    if (text == NULL || strcmp(text, e->checksum) != 0) {
+        return not_usable(c, "it is of another input", err);
     }
-    if (rc == SHEAR_OK && (!found || c->kept < e->rows)) {
-        rc = not_usable(c, "fewer rows are on disk than have been counted", err);
+    rc = sf_key_int(cards, SF_KEPT_ROWS, 0, c->n, &c->kept, &found, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    return rc;
+    return found && c->kept >= e->rows
+               ? SHEAR_OK
+               : not_usable(c, "fewer rows are on disk than have been counted", err);
 }
 
 /* What CFITSIO is given must be one table and nothing else. */
@@ -91,26 +96,31 @@ static int move_to_table(shear_catalog *c, shear_error *err) {
     return status == 0 ? SHEAR_OK : not_usable(c, "it has no table", err);
 }
 
+typedef shear_catalog suspended;
+CLEANUP_DEFINE(suspended, shear_catalog_suspend)
+
 int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_field_info *info,
                          const char *checksum, int64_t rows, shear_error *err) {
-    int rc = sf_catalog_new(catalog, path, info, err);
-    shear_catalog *c = *catalog;
-    if (rc == SHEAR_OK) {
-        expected e = {c, checksum, rows};
-        rc = sf_output_reopen(&c->out, path, check_file, &e, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = move_to_table(c, err);
-    }
-    if (rc == SHEAR_OK && !sf_catalog_has_columns(c)) {
-        rc = not_usable(c, "its table has another shape", err);
-    }
+    CLEANUP(suspended_release) shear_catalog *c = NULL; /* what cannot be resumed stays */
+    *catalog = NULL;
+    int rc = sf_catalog_new(&c, path, info, err);
     if (rc != SHEAR_OK) {
-        shear_catalog_suspend(c);
-        *catalog = NULL;
         return rc;
     }
+    expected e = {c, checksum, rows};
+    rc = sf_output_reopen(&c->out, path, check_file, &e, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = move_to_table(c, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (!sf_catalog_has_columns(c)) {
+        return not_usable(c, "its table has another shape", err);
+    }
     sf_bitset_add(&c->written, 0, rows);
+    *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
 }
 
@@ -133,11 +143,11 @@ int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err) {
 
 void shear_catalog_suspend(shear_catalog *c) {
     if (c != NULL) {
-        sf_output_leave(&c->out);
+        sf_output_suspend(&c->out);
         shear_catalog_abort(c);
     }
 }
 
 int shear_catalog_discard(const char *path, shear_error *err) {
-    return sf_output_forget(path, err);
+    return sf_output_discard_kept(path, err);
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/array.h"
 #include "fits/catalog/header.h"
 #include "fits/catalog/internal.h"
 #include "fits/catalog/schema.h"
@@ -99,55 +100,55 @@ int sf_catalog_create_table(shear_catalog *c, const shear_field_info *info, cons
 int sf_catalog_new(shear_catalog **catalog, const char *path, const shear_field_info *info,
                    shear_error *err) {
     *catalog = NULL;
-    shear_catalog *c = calloc(1, sizeof *c);
-    if (c == NULL || !sf_bitset_init(&c->written, info->n_stamps)) {
-        free(c);
+    CLEANUP(shear_catalog_release) shear_catalog *c = calloc(1, sizeof *c);
+    if (c == NULL) {
         return sf_fail_memory(err, (sf_place){path, NULL});
     }
     c->out.directory = -1;
     c->n = info->n_stamps;
     c->columns = info->columns;
     c->id_unsigned = info->id_unsigned;
-    *catalog = c;
+    if (!sf_bitset_init(&c->written, info->n_stamps)) {
+        return sf_fail_memory(err, (sf_place){path, NULL});
+    }
+    *catalog = CLEANUP_TAKE(c);
     return SHEAR_OK;
 }
 
 int shear_catalog_create(shear_catalog **catalog, const char *path, const shear_field_info *info,
                          bool overwrite, shear_error *err) {
-    int rc = sf_catalog_new(catalog, path, info, err);
-    shear_catalog *c = *catalog;
-    if (c == NULL) {
+    CLEANUP(shear_catalog_release) shear_catalog *c = NULL;
+    *catalog = NULL;
+    int rc = sf_catalog_new(&c, path, info, err);
+    if (rc != SHEAR_OK) {
         return rc;
     }
     rc = sf_output_create(&c->out, path, overwrite, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_catalog_create_table(c, info, NULL, err);
-    }
     if (rc != SHEAR_OK) {
-        shear_catalog_abort(c);
-        *catalog = NULL;
+        return rc;
     }
-    return rc;
+    rc = sf_catalog_create_table(c, info, NULL, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    *catalog = CLEANUP_TAKE(c);
+    return SHEAR_OK;
 }
 
-static int make_room(shear_catalog *c, int count, shear_error *err) {
-    if (count <= c->room) {
-        return SHEAR_OK;
-    }
-    free(c->values);
-    free(c->flags);
-    c->values = malloc((size_t)count * sizeof *c->values);
-    c->flags = malloc((size_t)count * sizeof *c->flags);
-    c->room = c->values != NULL && c->flags != NULL ? count : 0;
-    return c->room > 0 ? SHEAR_OK : sf_fail_memory(err, (sf_place){c->out.name, NULL});
+static int reserve(shear_catalog *c, int count, shear_error *err) {
+    size_t capacity = c->capacity;
+    return ARRAY_RESERVE_EXACT(c->values, capacity, (size_t)count) &&
+                   ARRAY_RESERVE_EXACT(c->flags, c->capacity, (size_t)count)
+               ? SHEAR_OK
+               : sf_fail_memory(err, (sf_place){c->out.name, NULL});
 }
 
 /* CFITSIO would take ids for doubles where TZERO is not 0: what is stored is made here. */
 static void write_ids(shear_catalog *c, int64_t first, int count, const int64_t *ids, int *status) {
     LONGLONG *stored = (LONGLONG *)(void *)c->values;
-    const uint64_t turned = c->id_unsigned ? UINT64_C(1) << 63 : 0;
+    const uint64_t sign = c->id_unsigned ? UINT64_C(1) << 63 : 0;
     for (int k = 0; k < count; k++) {
-        stored[k] = (LONGLONG)((uint64_t)ids[k] ^ turned);
+        stored[k] = (LONGLONG)((uint64_t)ids[k] ^ sign);
     }
     fits_set_tscale(c->out.fits, 1, 1.0, 0.0, status);
     fits_write_col(c->out.fits, TLONGLONG, 1, first + 1, 1, count, stored, status);
@@ -203,7 +204,7 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
                        "%d rows from %lld on were written, but there are %lld", count,
                        (long long)first, (long long)c->n);
     }
-    int rc = make_room(c, count, err);
+    int rc = reserve(c, count, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -211,10 +212,11 @@ int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_
     const int column = write_copied(c, first, count, block, &status);
     write_members(c, first, count, rows, column, &status);
     rc = check(c, status, err);
-    if (rc == SHEAR_OK) {
-        sf_bitset_add(&c->written, first, count);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    return rc;
+    sf_bitset_add(&c->written, first, count);
+    return SHEAR_OK;
 }
 
 static void remove_kept_keys(fitsfile *f) {
@@ -224,25 +226,25 @@ static void remove_kept_keys(fitsfile *f) {
     fits_clear_errmsg();
 }
 
-int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
-                         const char *input_name, const char *checksum, shear_error *err) {
-    int rc = SHEAR_OK;
+/* Everything but closing and putting in place. */
+static int complete(shear_catalog *c, const shear_plan *plan, const shear_result *result,
+                    const char *input_name, const char *checksum, shear_error *err) {
+    int status = 0;
     const int64_t gap = sf_bitset_first_gap(&c->written);
     if (gap >= 0) {
-        rc = sf_fail(err, SHEAR_E_INTERNAL, (sf_place){c->out.name, SF_CATALOG_HDU}, NULL,
-                     "row %lld was never written", (long long)gap);
+        return sf_fail(err, SHEAR_E_INTERNAL, (sf_place){c->out.name, SF_CATALOG_HDU}, NULL,
+                       "row %lld was never written", (long long)gap);
     }
-    if (rc == SHEAR_OK) {
-        int status = 0;
-        remove_kept_keys(c->out.fits);
-        sf_catalog_write_result(c->out.fits, plan, result, input_name, checksum, &status);
-        rc = check(c, status, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = sf_output_commit(&c->out, err);
-    }
-    shear_catalog_abort(c);
-    return rc;
+    remove_kept_keys(c->out.fits);
+    sf_catalog_write_result(c->out.fits, plan, result, input_name, checksum, &status);
+    return check(c, status, err);
+}
+
+int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
+                         const char *input_name, const char *checksum, shear_error *err) {
+    CLEANUP(shear_catalog_release) shear_catalog *own = c;
+    const int rc = complete(own, plan, result, input_name, checksum, err);
+    return rc != SHEAR_OK ? rc : sf_output_commit(&own->out, err);
 }
 
 void shear_catalog_abort(shear_catalog *c) {

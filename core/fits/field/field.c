@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening and reading field files. */
+#include "common/release.h"
 #include "fits/field/internal.h"
 
 #include <stdlib.h>
@@ -42,48 +43,55 @@ static void fill_info(shear_field *f) {
     }
 }
 
-static int open_hdus(shear_field *f, shear_error *err) {
+static int open_primary(shear_field *f, shear_error *err) {
     const sf_file *file = f->parts.of[SHEAR_PART_GALAXY].file;
-    int rc = sf_cards_init(&f->primary, file, &file->index.hdus[0], "primary", err);
-    if (rc == SHEAR_OK) {
-        rc = sf_field_read_keys(f, err);
+    CLEANUP(sf_cards_deinit) sf_cards primary;
+    const int rc = sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err);
+    return rc != SHEAR_OK ? rc : sf_field_read_keys(f, &primary, err);
+}
+
+static int open_stamps(shear_field *f, shear_error *err) {
+    int rc = sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_stamps_init(&f->galaxy, &f->parts.of[SHEAR_PART_GALAXY], err);
+    rc = sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err);
+    return rc != SHEAR_OK ? rc : check_noise(f, err);
+}
+
+static int open_field(shear_field *f, const shear_input *input, const int *fds, shear_error *err) {
+    int rc = sf_parts_init(&f->parts, input, fds, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_stamps_init(&f->noise, &f->parts.of[SHEAR_PART_NOISE], err);
+    rc = open_primary(f, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = check_noise(f, err);
+    rc = open_stamps(f, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err);
+    rc = sf_columns_init(&f->catalog, &f->parts.of[SHEAR_PART_CATALOG], f->galaxy.n, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        fill_info(f);
-        rc = sf_field_open_psf(f, err);
-    }
-    sf_cards_deinit(&f->primary);
-    return rc;
+    fill_info(f);
+    return sf_field_open_psf(f, err);
 }
 
 int shear_field_open_input(shear_field **field, const shear_input *input, const int *fds,
                            shear_error *err) {
     *field = NULL;
-    shear_field *f = calloc(1, sizeof *f);
+    CLEANUP(shear_field_release) shear_field *f = calloc(1, sizeof *f);
     if (f == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field");
     }
-    int rc = sf_parts_init(&f->parts, input, fds, err);
-    if (rc == SHEAR_OK) {
-        rc = open_hdus(f, err);
-    }
+    const int rc = open_field(f, input, fds, err);
     if (rc != SHEAR_OK) {
-        shear_field_close(f);
         return rc;
     }
-    *field = f;
+    *field = CLEANUP_TAKE(f);
     return SHEAR_OK;
 }
 

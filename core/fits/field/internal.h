@@ -12,14 +12,13 @@ enum { SF_PSF_MIN_SIDE = 3, SF_PSF_MAX_SIDE = 4096, SF_MAX_OVERSAMPLE = 64 };
 struct shear_field {
     sf_parts parts;
     shear_field_info info;
-    sf_cards primary; /* of the galaxies' file; only while opening */
     sf_stamps galaxy, noise;
     sf_image psf;
     sf_columns catalog;
 };
 
-/* FIELD, PIXSCALE, SIM_G1, SIM_G2 into f->info (field_keys.c). */
-int sf_field_read_keys(shear_field *f, shear_error *err);
+/* FIELD, PIXSCALE, SIM_G1, SIM_G2 of the galaxies' file into f->info (keys.c). */
+int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err);
 /* The PSF's HDU: shape, number and OVERSAMP into f->info; the catalog must be open (field_psf.c).
  */
 int sf_field_open_psf(shear_field *f, shear_error *err);

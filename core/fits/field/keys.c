@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The keywords of the primary header, of the file that holds the galaxies. */
+#include "base/cleanup.h"
 #include "fits/field/internal.h"
 #include "fits/field/name.h"
 #include "fits/io/source.h"
@@ -8,68 +9,75 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int read_name(shear_field *f, sf_place at, shear_error *err) {
+/* The name as given, without blanks around it: those behind it mean nothing in FITS. */
+static char *trim(char *text) {
+    text += strspn(text, " ");
+    for (size_t n = strlen(text); n > 0 && text[n - 1] == ' '; n--) {
+        text[n - 1] = '\0';
+    }
+    return text;
+}
+
+static int read_name(shear_field *f, const sf_cards *primary, shear_error *err) {
     const sf_file *galaxy = f->parts.of[SHEAR_PART_GALAXY].file;
-    char *text = NULL;
-    int rc = sf_key_string(&f->primary, "FIELD", &text, err);
+    CLEANUP(release_free) char *text = NULL;
+    const int rc = sf_key_string(primary, "FIELD", &text, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
-    const char *given = text == NULL ? "" : text + strspn(text, " ");
-    for (size_t n = strlen(given); n > 0 && given[n - 1] == ' '; n--) {
-        text[(size_t)(given - text) + n - 1] = '\0'; /* trailing blanks mean nothing in FITS */
-    }
+    const char *given = text == NULL ? "" : trim(text);
     if (given[0] != '\0') {
-        rc = sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, at, "keyword FIELD", err);
-    } else {
-        /* A file may well be called what a field may not: whoever wants the name is told so. */
-        char base[sizeof galaxy->source.base];
-        sf_field_name_default(base, sizeof base, galaxy->source.base);
-        if (sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, at, "from the file's name",
-                               NULL) != SHEAR_OK) {
-            f->info.name[0] = '\0';
-        }
+        return sf_field_name_copy(f->info.name, given, SHEAR_E_FORMAT, primary->at, "keyword FIELD",
+                                  err);
     }
-    free(text);
-    return rc;
+    /* A file may well be called what a field may not: whoever wants the name is told so. */
+    char base[sizeof galaxy->source.base];
+    sf_field_name_default(base, sizeof base, galaxy->source.base);
+    if (sf_field_name_copy(f->info.name, base, SHEAR_E_FORMAT, primary->at, "from the file's name",
+                           NULL) != SHEAR_OK) {
+        f->info.name[0] = '\0';
+    }
+    return SHEAR_OK;
 }
 
-static int read_pixscale(shear_field *f, sf_place at, shear_error *err) {
+static int read_pixscale(shear_field *f, const sf_cards *primary, shear_error *err) {
     bool found = false;
     f->info.pixscale = NAN;
-    const int rc = sf_key_double(&f->primary, "PIXSCALE", &f->info.pixscale, &found, err);
+    const int rc = sf_key_double(primary, "PIXSCALE", &f->info.pixscale, &found, err);
     if (rc == SHEAR_OK && found && f->info.pixscale <= 0.0) {
-        return sf_fail(err, SHEAR_E_FORMAT, at, "give arcseconds per pixel",
+        return sf_fail(err, SHEAR_E_FORMAT, primary->at, "give arcseconds per pixel",
                        "keyword PIXSCALE is %g, but must be positive", f->info.pixscale);
     }
     return rc;
 }
 
-static int read_shear(shear_field *f, sf_place at, const char *key, double *g, bool *found,
+static int read_shear(const sf_cards *primary, const char *key, double *g, bool *found,
                       shear_error *err) {
     *g = NAN;
-    const int rc = sf_key_double(&f->primary, key, g, found, err);
+    const int rc = sf_key_double(primary, key, g, found, err);
     if (rc == SHEAR_OK && *found && fabs(*g) >= 1.0) {
-        return sf_fail(err, SHEAR_E_FORMAT, at, NULL,
+        return sf_fail(err, SHEAR_E_FORMAT, primary->at, NULL,
                        "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
     }
     return rc;
 }
 
-int sf_field_read_keys(shear_field *f, shear_error *err) {
-    const sf_place at = {f->parts.of[SHEAR_PART_GALAXY].file->source.name, "primary"};
+int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err) {
     bool has_g1 = false;
     bool has_g2 = false;
-    int rc = read_name(f, at, err);
-    if (rc == SHEAR_OK) {
-        rc = read_pixscale(f, at, err);
+    int rc = read_name(f, primary, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = read_shear(f, at, "SIM_G1", &f->info.sim_g1, &has_g1, err);
+    rc = read_pixscale(f, primary, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = read_shear(f, at, "SIM_G2", &f->info.sim_g2, &has_g2, err);
+    rc = read_shear(primary, "SIM_G1", &f->info.sim_g1, &has_g1, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
+    rc = read_shear(primary, "SIM_G2", &f->info.sim_g2, &has_g2, err);
     f->info.has_truth = has_g1 && has_g2;
     return rc;
 }

@@ -58,17 +58,18 @@ static int find_number(const sf_hdu_index *s, int64_t number, const sf_hdu **hdu
 
 static int find_default(const sf_hdu_index *s, int part, const sf_hdu **hdu, shear_error *err) {
     const int rc = sf_hdu_index_find(s, extnames[part], false, hdu, err);
-    for (int i = 0; rc == SHEAR_OK && *hdu == NULL && i < s->count; i++) {
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    for (int i = 0; *hdu == NULL && i < s->count; i++) {
         if (holds(&s->hdus[i], part)) {
             *hdu = &s->hdus[i];
         }
     }
-    if (rc == SHEAR_OK && *hdu == NULL) {
-        return sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
-                       "has no HDU that holds %s",
-                       part == SHEAR_PART_CATALOG ? "a binary table" : "an image");
-    }
-    return rc;
+    return *hdu != NULL ? SHEAR_OK
+                        : sf_fail(err, SHEAR_E_FORMAT, (sf_place){s->file, NULL}, NULL,
+                                  "has no HDU that holds %s",
+                                  part == SHEAR_PART_CATALOG ? "a binary table" : "an image");
 }
 
 static void label(sf_part *part) {

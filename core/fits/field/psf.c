@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The PSFs: how many images there are and which stamp each belongs to. */
+#include "base/cleanup.h"
 #include "fits/field/internal.h"
 
 static int check_sides(const shear_field *f, shear_error *err) {
@@ -17,14 +18,12 @@ static int check_sides(const shear_field *f, shear_error *err) {
 
 /* OVERSAMP of the primary header of the PSFs' file. */
 static int read_primary(const sf_file *file, int64_t *oversample, shear_error *err) {
-    sf_cards primary;
+    CLEANUP(sf_cards_deinit) sf_cards primary;
     bool found = false;
-    int rc = sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err);
-    if (rc == SHEAR_OK) {
-        rc = sf_key_int(&primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
-    }
-    sf_cards_deinit(&primary);
-    return rc;
+    const int rc = sf_cards_init(&primary, file, &file->index.hdus[0], "primary", err);
+    return rc != SHEAR_OK
+               ? rc
+               : sf_key_int(&primary, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, oversample, &found, err);
 }
 
 /* OVERSAMP: in the PSFs' HDU, else in the primary header, else 1. */
@@ -64,14 +63,17 @@ static int assign(shear_field *f, shear_error *err) {
 int sf_field_open_psf(shear_field *f, shear_error *err) {
     const sf_part *part = &f->parts.of[SHEAR_PART_PSF];
     int rc = sf_part_require(part, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = check_sides(f, err);
+    rc = sf_image_init(&f->psf, part->file, part->hdu, part->label, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = assign(f, err);
+    rc = check_sides(f, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
+    rc = assign(f, err);
     return rc != SHEAR_OK ? rc : read_oversampling(f, err);
 }

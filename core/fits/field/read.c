@@ -78,42 +78,50 @@ static int read_catalog(shear_field *f, int64_t first, int count, shear_block *b
     } doubles[] = {{SHEAR_COL_X, block->x},           {SHEAR_COL_Y, block->y},
                    {SHEAR_COL_RA, block->ra},         {SHEAR_COL_DEC, block->dec},
                    {SHEAR_COL_WEIGHT, block->weight}, {SHEAR_COL_R_GAL, block->r_gal}};
-    int rc = SHEAR_OK;
-    for (size_t i = 0; rc == SHEAR_OK && i < sizeof doubles / sizeof doubles[0]; i++) {
-        if ((f->info.columns & doubles[i].bit) != 0) {
-            rc = sf_columns_read_double(&f->catalog, doubles[i].bit, first, count, doubles[i].out,
-                                        err);
+    for (size_t i = 0; i < sizeof doubles / sizeof doubles[0]; i++) {
+        const unsigned bit = doubles[i].bit;
+        const int rc =
+            (f->info.columns & bit) == 0
+                ? SHEAR_OK
+                : sf_columns_read_double(&f->catalog, bit, first, count, doubles[i].out, err);
+        if (rc != SHEAR_OK) {
+            return rc;
         }
     }
-    if (rc == SHEAR_OK && (f->info.columns & SHEAR_COL_ID) != 0) {
-        rc = sf_columns_read_int64(&f->catalog, SHEAR_COL_ID, first, count, -1, block->id, err);
+    if ((f->info.columns & SHEAR_COL_ID) != 0) {
+        const int rc =
+            sf_columns_read_int64(&f->catalog, SHEAR_COL_ID, first, count, -1, block->id, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
     }
-    if (rc == SHEAR_OK && (f->info.columns & SHEAR_COL_FLAGS) != 0) {
-        /* An undefined flag says nothing good of its stamp: it is left out. */
-        rc = sf_columns_read_int32(&f->catalog, SHEAR_COL_FLAGS, first, count, 1, block->mask, err);
+    if ((f->info.columns & SHEAR_COL_FLAGS) == 0) {
+        return SHEAR_OK;
     }
-    return rc;
+    /* An undefined flag says nothing good of its stamp: it is left out. */
+    return sf_columns_read_int32(&f->catalog, SHEAR_COL_FLAGS, first, count, 1, block->mask, err);
 }
 
 int shear_field_read(shear_field *field, int64_t first, int count, shear_block *block,
                      shear_error *err) {
+    const int64_t planes = field->info.noise_planes;
     int rc = check_range(field, first, count, block, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_stamps_read(&field->galaxy, first, count, block->galaxy, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        const int64_t planes = field->info.noise_planes;
-        rc = sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err);
+    rc = sf_stamps_read(&field->galaxy, first, count, block->galaxy, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = read_psf(field, first, count, block, err);
+    rc = sf_stamps_read(&field->noise, planes * first, planes * count, block->noise, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        rc = read_catalog(field, first, count, block, err);
+    rc = read_psf(field, first, count, block, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK) {
-        block->stamps.first = first;
-        block->stamps.count = count;
-    }
-    return rc;
+    block->stamps.first = first;
+    block->stamps.count = count;
+    return read_catalog(field, first, count, block, err);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writing field files. All HDUs are laid out at once with their final sizes, so that stamps may
  * come in any order. */
+#include "base/cleanup.h"
 #include "fits/field/columns.h"
 #include "fits/field/spec.h"
 #include "fits/header/keys.h"
@@ -110,6 +111,23 @@ static int create_catalog(shear_field_writer *w, shear_error *err) {
     return result(w, "CATALOG", status, err);
 }
 
+static int create_hdus(shear_field_writer *w, const shear_field_spec *spec, shear_error *err) {
+    int rc = write_primary(w, spec, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = create_psf(w, err);
+    return rc != SHEAR_OK ? rc : create_catalog(w, err);
+}
+
 static int begin(shear_field_writer *w, const char *path, const shear_field_spec *spec,
                  shear_error *err) {
     w->spec = *spec;
@@ -117,28 +135,14 @@ static int begin(shear_field_writer *w, const char *path, const shear_field_spec
     w->spec.history = NULL;
     w->columns = spec->mosaic_columns > 0 ? spec->mosaic_columns
                                           : (int64_t)ceil(sqrt((double)spec->n_stamps));
-    int rc = sf_output_create(&w->out, path, spec->overwrite, err);
-    if (rc == SHEAR_OK) {
-        rc = write_primary(w, spec, err);
+    if (!sf_bitset_init(&w->stamps, spec->n_stamps) || !sf_bitset_init(&w->psfs, spec->n_psf)) {
+        return sf_fail_memory(err, (sf_place){path, NULL});
     }
-    if (rc == SHEAR_OK) {
-        rc = create_stamps(w, "GALAXY", "galaxy stamps", spec->n_stamps, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = create_stamps(w, "NOISE", "noise stamps", noise_planes(spec) * spec->n_stamps, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = create_psf(w, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = create_catalog(w, err);
-    }
-    if (rc == SHEAR_OK &&
-        (!sf_bitset_init(&w->stamps, spec->n_stamps) || !sf_bitset_init(&w->psfs, spec->n_psf))) {
-        rc = sf_fail_memory(err, (sf_place){w->out.name, NULL});
-    }
-    return rc;
+    const int rc = sf_output_create(&w->out, path, spec->overwrite, err);
+    return rc != SHEAR_OK ? rc : create_hdus(w, spec, err);
 }
+
+CLEANUP_DEFINE(shear_field_writer, shear_field_abort)
 
 int shear_field_create(shear_field_writer **writer, const char *path, const shear_field_spec *spec,
                        shear_error *err) {
@@ -147,16 +151,16 @@ int shear_field_create(shear_field_writer **writer, const char *path, const shea
     if (rc != SHEAR_OK) {
         return rc;
     }
-    shear_field_writer *w = calloc(1, sizeof *w);
+    CLEANUP(shear_field_writer_release) shear_field_writer *w = calloc(1, sizeof *w);
     if (w == NULL) {
         return sf_fail_memory(err, (sf_place){path, NULL});
     }
+    w->out.directory = -1;
     rc = begin(w, path, spec, err);
     if (rc != SHEAR_OK) {
-        shear_field_abort(w);
         return rc;
     }
-    *writer = w;
+    *writer = CLEANUP_TAKE(w);
     return SHEAR_OK;
 }
 
@@ -224,18 +228,23 @@ int shear_field_write(shear_field_writer *w, int64_t first, int count, const dou
                        "%d stamps from %lld on were written, but there are %lld", count,
                        (long long)first, (long long)w->spec.n_stamps);
     }
+    const int64_t planes = noise_planes(&w->spec);
     int rc = write_stamps(w, HDU_GALAXY, first, count, galaxy, err);
-    if (rc == SHEAR_OK) {
-        const int64_t planes = noise_planes(&w->spec);
-        rc = write_stamps(w, HDU_NOISE, planes * first, planes * count, noise, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK && w->spec.columns != 0) {
+    rc = write_stamps(w, HDU_NOISE, planes * first, planes * count, noise, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (w->spec.columns != 0) {
         rc = write_catalog(w, first, count, columns != NULL ? columns : &none, err);
+        if (rc != SHEAR_OK) {
+            return rc;
+        }
     }
-    if (rc == SHEAR_OK) {
-        sf_bitset_add(&w->stamps, first, count);
-    }
-    return rc;
+    sf_bitset_add(&w->stamps, first, count);
+    return SHEAR_OK;
 }
 
 int shear_field_write_psf(shear_field_writer *w, int64_t index, const double *psf,
@@ -268,9 +277,7 @@ static int check_complete(const shear_field_writer *w, shear_error *err) {
 
 int shear_field_finish(shear_field_writer *w, shear_error *err) {
     int rc = check_complete(w, err);
-    if (rc == SHEAR_OK) {
-        rc = sf_output_commit(&w->out, err);
-    }
+    rc = rc != SHEAR_OK ? rc : sf_output_commit(&w->out, err);
     shear_field_abort(w);
     return rc;
 }

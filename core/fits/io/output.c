@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/io/output.h"
 
+#include "base/cleanup.h"
 #include "fits/io/source.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/random.h>
 #include <sys/stat.h>
@@ -31,6 +31,7 @@ static int open_directory(sf_output *out, const char *path, shear_error *err) {
         return sf_fail_errno(err, at, ENAMETOOLONG, "cannot be written");
     }
     snprintf(out->base, sizeof out->base, "%s", base);
+    CLEANUP(release_free)
     char *directory = slash == NULL   ? strdup(".")
                       : slash == path ? strdup("/")
                                       : strndup(path, (size_t)(slash - path));
@@ -38,10 +39,8 @@ static int open_directory(sf_output *out, const char *path, shear_error *err) {
         return sf_fail_memory(err, at);
     }
     out->directory = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    const int number = errno;
-    free(directory);
     return out->directory >= 0 ? SHEAR_OK
-                               : sf_fail_errno(err, at, number, "its directory cannot be opened");
+                               : sf_fail_errno(err, at, errno, "its directory cannot be opened");
 }
 
 static int check_target(const sf_output *out, shear_error *err) {
@@ -96,16 +95,15 @@ int sf_output_create(sf_output *out, const char *path, bool overwrite, shear_err
     *out = (sf_output){.directory = -1, .overwrite = overwrite};
     sf_printable_name(out->name, sizeof out->name, path);
     int rc = open_directory(out, path, err);
-    if (rc == SHEAR_OK) {
-        rc = check_target(out, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = name_temporary(out, err);
-    }
     if (rc != SHEAR_OK) {
         return rc;
     }
-    return create_file(out, err);
+    rc = check_target(out, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    rc = name_temporary(out, err);
+    return rc != SHEAR_OK ? rc : create_file(out, err);
 }
 
 static int close_fits(sf_output *out, shear_error *err) {
@@ -121,18 +119,14 @@ static int close_fits(sf_output *out, shear_error *err) {
 static int sync_file(const sf_output *out, int64_t bytes, shear_error *err) {
     const sf_place at = {out->name, NULL};
     struct stat st;
+    CLEANUP(release_fd)
     const int fd = openat(out->directory, out->temporary, O_RDWR | O_CLOEXEC);
     if (fd < 0) {
         return sf_fail_errno(err, at, errno, "its temporary file cannot be opened");
     }
-    int failed = fstat(fd, &st);
-    if (failed == 0 && st.st_size < bytes) {
-        failed = ftruncate(fd, bytes);
-    }
-    failed = failed == 0 ? fsync(fd) : failed;
-    const int number = errno;
-    close(fd);
-    return failed == 0 ? SHEAR_OK : sf_fail_errno(err, at, number, "cannot be brought to disk");
+    const bool synced =
+        fstat(fd, &st) == 0 && (st.st_size >= bytes || ftruncate(fd, bytes) == 0) && fsync(fd) == 0;
+    return synced ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be brought to disk");
 }
 
 /* 0, or -1 with errno EEXIST where the name is taken. */
@@ -163,14 +157,14 @@ static int put_in_place(sf_output *out, shear_error *err) {
                : sf_fail_errno(err, at, errno, "its directory cannot be brought to disk");
 }
 
+static int close_and_sync(sf_output *out, shear_error *err) {
+    const int rc = close_fits(out, err);
+    return rc != SHEAR_OK ? rc : sync_file(out, 0, err);
+}
+
 int sf_output_commit(sf_output *out, shear_error *err) {
-    int rc = close_fits(out, err);
-    if (rc == SHEAR_OK) {
-        rc = sync_file(out, 0, err);
-    }
-    if (rc == SHEAR_OK) {
-        rc = put_in_place(out, err);
-    }
+    int rc = close_and_sync(out, err);
+    rc = rc != SHEAR_OK ? rc : put_in_place(out, err);
     sf_output_discard(out);
     return rc;
 }
@@ -199,16 +193,24 @@ static int name_kept(sf_output *out, const char *path, shear_error *err) {
     return rc;
 }
 
+/* Without the temporary file of before, if there is one; `doing` for the message. */
+static int remove_kept(const sf_output *out, const char *doing, shear_error *err) {
+    return unlinkat(out->directory, out->temporary, 0) == 0 || errno == ENOENT
+               ? SHEAR_OK
+               : sf_fail_errno(err, (sf_place){out->name, NULL}, errno, doing);
+}
+
 int sf_output_create_kept(sf_output *out, const char *path, shear_error *err) {
     int rc = name_kept(out, path, err);
-    if (rc == SHEAR_OK) {
-        rc = check_target(out, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    if (rc == SHEAR_OK && unlinkat(out->directory, out->temporary, 0) != 0 && errno != ENOENT) {
-        rc = sf_fail_errno(err, (sf_place){out->name, NULL}, errno,
-                           "its temporary file cannot be replaced");
+    rc = check_target(out, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    return rc == SHEAR_OK ? create_file(out, err) : rc;
+    rc = remove_kept(out, "its temporary file cannot be replaced", err);
+    return rc != SHEAR_OK ? rc : create_file(out, err);
 }
 
 int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, void *context,
@@ -216,8 +218,11 @@ int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, v
     char proc[320];
     int status = 0;
     int rc = name_kept(out, path, err);
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
     name_for_cfitsio(out, proc);
-    rc = rc == SHEAR_OK ? check(proc, context, err) : rc;
+    rc = check(proc, context, err);
     if (rc != SHEAR_OK) {
         return rc;
     }
@@ -239,18 +244,13 @@ int sf_output_sync(sf_output *out, shear_error *err) {
     return sync_file(out, end, err);
 }
 
-void sf_output_leave(sf_output *out) {
+void sf_output_suspend(sf_output *out) {
     out->exists = false;
     sf_output_discard(out);
 }
 
-int sf_output_forget(const char *path, shear_error *err) {
-    sf_output out;
-    int rc = name_kept(&out, path, err);
-    if (rc == SHEAR_OK && unlinkat(out.directory, out.temporary, 0) != 0 && errno != ENOENT) {
-        rc = sf_fail_errno(err, (sf_place){out.name, NULL}, errno,
-                           "its temporary file cannot be removed");
-    }
-    sf_output_discard(&out);
-    return rc;
+int sf_output_discard_kept(const char *path, shear_error *err) {
+    CLEANUP(sf_output_discard) sf_output out;
+    const int rc = name_kept(&out, path, err);
+    return rc != SHEAR_OK ? rc : remove_kept(&out, "its temporary file cannot be removed", err);
 }

@@ -49,8 +49,8 @@ int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, v
 /* Bring all that was written to disk, headers and all; it goes on being written. */
 int sf_output_sync(sf_output *out, shear_error *err);
 /* Close, and let it stay. */
-void sf_output_leave(sf_output *out);
+void sf_output_suspend(sf_output *out);
 /* Remove the temporary file of lasting name, where there is one. */
-int sf_output_forget(const char *path, shear_error *err);
+int sf_output_discard_kept(const char *path, shear_error *err);
 
 #endif
