@@ -9,48 +9,34 @@
 #include <stdio.h>
 #include <string.h>
 
-void shear_settings_init(shear_settings *s) {
-    *s = (shear_settings){
-        .preset = SHEAR_PRESET_DEFAULT,
-        .interpolation = SHEAR_INTERP_AUTO,
-        .oversample = 0,
-        .beta_px = NAN,
-        .beta_ratio = 2.0,
-        .beta_floor_px = 1.4,
-        .filter = SHEAR_FILTER_AUTO,
-        .core_px = NAN,
-        .width_px = NAN,
-        .background = SHEAR_BACKGROUND_AUTO,
-        .zeros = SHEAR_ZEROS_SKIP,
-        .pedestal = 0.0,
-        .psf_threshold = 1e-8,
-        .power_tolerance = 1e-3,
-        .noise_correction = true,
-        .noise_level = SHEAR_NOISE_LEVEL_FIELD,
-        .shot_noise = SHEAR_SHOT_NONE,
-        .estimator = SHEAR_ESTIMATOR_MEAN,
-        .artefacts = SHEAR_ARTEFACTS_FLAG,
-        .bad_value = NAN,
-    };
+static void *member(shear_settings *s, const shear_setting_def *def) {
+    return (char *)s + def->offset;
 }
 
-/* All settings at once: the library's defaults, but for where the paper's differ. */
+/* All settings at once. */
 static void apply_preset(shear_settings *s, enum shear_preset preset) {
-    shear_settings_init(s);
-    s->preset = preset;
-    if (preset == SHEAR_PRESET_ZHANG2010) {
-        s->interpolation = SHEAR_INTERP_PAPER;
-        s->beta_ratio = 1.5;
-        s->beta_floor_px = 0.0;
-        s->filter = SHEAR_FILTER_R_GAL;
-        s->background = SHEAR_BACKGROUND_KEEP;
-        s->noise_level = SHEAR_NOISE_LEVEL_NONE;
-        s->artefacts = SHEAR_ARTEFACTS_KEEP;
+    size_t n = 0;
+    const shear_setting_def *table = shear_settings_table(&n);
+    memset(s, 0, sizeof *s);
+    for (size_t i = 0; i < n; i++) {
+        const double value = table[i].by_preset[preset];
+        void *at = member(s, &table[i]);
+        switch (table[i].type) {
+        case SHEAR_T_BOOL:
+            *(bool *)at = value != 0.0;
+            break;
+        case SHEAR_T_DOUBLE:
+            *(double *)at = value;
+            break;
+        default:
+            *(int *)at = (int)value;
+            break;
+        }
     }
 }
 
-static void *member(shear_settings *s, const shear_setting_def *def) {
-    return (char *)s + def->offset;
+void shear_settings_init(shear_settings *s) {
+    apply_preset(s, SHEAR_PRESET_DEFAULT);
 }
 
 static int set_choice(int *value, const shear_setting_def *def, const char *text,

@@ -23,3 +23,6 @@ add_test(NAME protocol_docs
   COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tests/system/test_protocol_docs.py)
 set_tests_properties(protocol_docs PROPERTIES LABELS protocol TIMEOUT 60
   ENVIRONMENT "PROTOCOL_PROBE=$<TARGET_FILE:protocol_probe>")
+# All committed files that are made from tables of the code: tests say when they are not current.
+add_custom_target(renew-docs)
+add_dependencies(renew-docs config-sample protocol-docs)

@@ -19,7 +19,8 @@ extern "C" {
 
 enum shear_preset {
     SHEAR_PRESET_DEFAULT = 0, /* the library's own */
-    SHEAR_PRESET_ZHANG2010    /* the paper's, which were sheard's up to 0.1 */
+    SHEAR_PRESET_ZHANG2010,   /* the paper's, which were sheard's up to 0.1 */
+    SHEAR_N_PRESETS
 };
 
 enum shear_interpolation {
@@ -117,6 +118,7 @@ typedef struct shear_setting_def {
     const char *unit;           /* "px", "" */
     const char *metavar;        /* in usage texts: "PX" */
     const char *help;           /* one line */
+    double by_preset[SHEAR_N_PRESETS]; /* its value in each: the default first; auto as a member */
 } shear_setting_def;
 
 /* The word for what has_auto is about: "auto", or, where it chooses nothing, "none" (bad-value). */
