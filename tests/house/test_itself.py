@@ -15,6 +15,7 @@ import repeats
 import rooms
 import test_links
 import test_rooms
+import treemap
 
 PLAN = [["floor", "core/include"], ["floor", "core/fits", "core/measure"], ["floor", "protocol/include"], ["floor", "protocol"],
         ["floor", "daemon/store"], ["floor", "daemon/service"], ["floor", "client"], ["apart", "client", "daemon"],
@@ -172,6 +173,16 @@ class Dialect(unittest.TestCase):
 
     def test_code_without_comments(self):
         self.assertEqual(house.code_lines('/* a */\n\nint a; // b\nchar *c = "/* d */"; /* e\n f */\n'), 2)
+
+
+class Map(Made):
+    def test_lines(self):
+        tree = self.tree({"base/a.h": "/* SPDX */\n/* a.h: what a is,\n * and more. Not this.\n */\n", "base/a.c": "/* SPDX */\n",
+                          "base/b.c": "/* SPDX */\n/* B does: this. */\n", "base/include/base/c.h": "/* SPDX */\n/** @file base/c.h\n * @brief C.\n */",
+                          "base/c.c": "/* SPDX */\nint c; /* no head */\n"})
+        self.assertEqual(treemap.lines_of(tree, "base"), ["- `a.h,.c` what a is, and more", "- `b.c` B does: this", "- `c.c` C"])
+        text = "x\n<!-- files base/include/base -->\nold\n<!-- end -->\ny"
+        self.assertEqual(treemap.filled(tree, text), "x\n<!-- files base/include/base -->\n- `c.h` C\n<!-- end -->\ny")
 
 
 class Repeats(unittest.TestCase):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The map of the tree in docs/architecture.md: a line for every file, made of the comment at its head. A block
+"""The map of the tree in docs/architecture.md: a line for every file, made of the comment at its head, or at that of the
+public header of its name. A block
 
     <!-- files core/fft -->
     <!-- end -->
@@ -17,11 +18,12 @@ def head_of(text):
     m = re.match(r"/\* SPDX[^\n]*\*/\s*/\*(.*?)\*/", text, re.S)
     if m is None:
         return ""
-    words = re.sub(r"\s*\n \*\s?", " ", m.group(1)).strip()
+    paragraph = re.split(r"\n \*[ \t]*\n|\n \*\s{3,}", m.group(1).strip("*\n "))[0]
+    words = re.sub(r"\s*\n \*\s?", " ", paragraph).strip()
+    words = re.sub(r"^\*?\s*(@file\s+\S+\s+(@brief\s+)?)?", "", words)
     words = re.sub(r"^[\w./-]+\.[ch]: ", "", words)
-    words = re.sub(r"^(/\*\s*)+", "", words)
     sentence = re.match(r"(.*?[\w)\]'\"/>]\.)(\s|$)", words, re.S)
-    return shortened(" ".join((sentence.group(1) if sentence else words).split()).rstrip("."))
+    return shortened(" ".join((sentence.group(1) if sentence else words).split()).rstrip(".:"))
 
 
 def shortened(text):
@@ -36,13 +38,19 @@ def stem_of(path):
     return re.sub(r"\.[ch]$", "", path)
 
 
+def public_header_of(tree, stem):
+    """The public header of the same name in the same component, as [path] or []."""
+    name = os.path.basename(stem) + ".h"
+    return [p for p in tree.files(".h", folders=(stem.split("/")[0] + "/include",)) if os.path.basename(p) == name]
+
+
 def lines_of(tree, folder):
     """The lines of one block."""
     here = [p for p in tree.files(".c", ".h") if os.path.dirname(p) == folder]
     found = []
     for stem in sorted({stem_of(p) for p in here}):
         kinds = [e for e in (".h", ".c") if stem + e in here]
-        told = next(filter(None, (head_of(tree.read(stem + e)) for e in kinds)), "")
+        told = next(filter(None, (head_of(tree.read(p)) for p in [stem + e for e in kinds] + public_header_of(tree, stem))), "")
         found.append(f"- `{os.path.basename(stem)}{','.join(kinds)}` {told}" if told else f"- `{os.path.basename(stem)}{','.join(kinds)}`")
     return found
 
