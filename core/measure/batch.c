@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/cleanup.h"
 #include "measure/internal.h"
 
 #include <omp.h>
@@ -32,25 +33,35 @@ static int measure_blocks(const shear_plan *plan, const shear_stamps *stamps, in
     return code;
 }
 
+/* One per thread. */
+typedef struct workspaces {
+    shear_workspace **each; /* [n] */
+    int n;
+} workspaces;
+
+static void workspaces_deinit(workspaces *w) {
+    for (int i = 0; w->each != NULL && i < w->n; i++) {
+        shear_workspace_free(w->each[i]);
+    }
+    free(w->each);
+}
+
 int shear_measure_batch(const shear_plan *plan, const shear_stamps *stamps, int threads,
                         shear_workspace *const *ws, shear_row *rows, shear_error *err) {
     const int team = threads > 0 ? threads : omp_get_max_threads();
     if (ws != NULL) {
         return measure_blocks(plan, stamps, team, ws, rows, err);
     }
-    shear_workspace **own = calloc((size_t)team, sizeof(shear_workspace *));
-    int code = own != NULL
-                   ? SHEAR_OK
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d workspaces", team);
-    for (int i = 0; code == SHEAR_OK && i < team; i++) {
-        code = shear_workspace_new(&own[i], plan, err);
+    CLEANUP(workspaces_deinit) workspaces own = {.n = team};
+    own.each = calloc((size_t)team, sizeof(shear_workspace *));
+    if (own.each == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %d workspaces", team);
     }
-    if (code == SHEAR_OK) {
-        code = measure_blocks(plan, stamps, team, own, rows, err);
+    for (int i = 0; i < team; i++) {
+        const int code = shear_workspace_new(&own.each[i], plan, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    for (int i = 0; own != NULL && i < team; i++) {
-        shear_workspace_free(own[i]);
-    }
-    free(own);
-    return code;
+    return measure_blocks(plan, stamps, team, own.each, rows, err);
 }

@@ -2,6 +2,7 @@
 #include "measure/internal.h"
 #include "measure/moments.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -104,27 +105,9 @@ static void copy_spectra(const shear_plan *plan, shear_workspace *ws, const tran
     }
 }
 
-int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
-                  shear_inspection *out, shear_error *err) {
-    const transfer_plan *p = &plan->transfer_plan;
-    *out = (shear_inspection){.fine_nx = plan->info.fine_nx,
-                              .fine_ny = plan->info.fine_ny,
-                              .spec_nx = 2 * p->max_jx + 1,
-                              .spec_ny = 2 * p->max_jy + 1};
-    shear_row row;
-    int code = shear_measure(plan, ws, stamps, i, &row, err);
-    if (code == SHEAR_OK && row.flags != 0) {
-        code = shear_fail(err, SHEAR_E_FORMAT, NULL,
-                          "stamp %lld is flagged (0x%x) and cannot be shown",
-                          (long long)stamps->first + i, row.flags);
-    }
-    if (code == SHEAR_OK && !allocate(out)) {
-        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an inspection");
-    }
-    if (code != SHEAR_OK) {
-        shear_inspection_deinit(out);
-        return code;
-    }
+/* Of a stamp pair that has been measured. */
+static void fill(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
+                 shear_inspection *out) {
     const size_t pixels = (size_t)stamps->nx * (size_t)stamps->ny;
     const double *galaxy = stamps->galaxy + (size_t)i * pixels;
     const double *noise = stamps->noise + (size_t)(i * noise_planes(stamps)) * pixels;
@@ -135,10 +118,36 @@ int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamp
     photometry ph;
     measure_choose_filter(plan, ws, stamps, i, &fine, &coarse, &flags);
     const transfer *t = measure_choose_transfer(plan, ws, stamps, i, &flags);
+    assert(flags == 0 && t != NULL);
     int bad;
     const bool has_noise = surface_load(&ws->noise, &plan->grid, noise, &bad, &bad);
     pack_pair(plan, ws, fine, galaxy, noise, false, t, &ph, &failure);
     copy_images(plan, ws, has_noise, fine, out);
     copy_spectra(plan, ws, t, out);
+}
+
+int shear_inspect(const shear_plan *plan, shear_workspace *ws, const shear_stamps *stamps, int i,
+                  shear_inspection *out, shear_error *err) {
+    const transfer_plan *p = &plan->transfer_plan;
+    shear_row row;
+    *out = (shear_inspection){0};
+    const int code = shear_measure(plan, ws, stamps, i, &row, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (row.flags != 0) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "stamp %lld is flagged (0x%x) and cannot be shown",
+                          (long long)stamps->first + i, row.flags);
+    }
+    *out = (shear_inspection){.fine_nx = plan->info.fine_nx,
+                              .fine_ny = plan->info.fine_ny,
+                              .spec_nx = 2 * p->max_jx + 1,
+                              .spec_ny = 2 * p->max_jy + 1};
+    if (!allocate(out)) {
+        shear_inspection_deinit(out);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for an inspection");
+    }
+    fill(plan, ws, stamps, i, out);
     return SHEAR_OK;
 }

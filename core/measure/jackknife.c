@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear/sums.h"
 
+#include "base/array.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,8 +14,8 @@ typedef struct component_sums {
 
 struct shear_jackknife {
     int groups;
-    size_t n, room;
-    component_sums *blocks; /* [room], n in use: one a block */
+    size_t n, capacity;
+    component_sums *blocks; /* [capacity], n in use: one per block */
 };
 
 int shear_jackknife_new(shear_jackknife **out, int groups, shear_error *err) {
@@ -37,39 +39,33 @@ void shear_jackknife_free(shear_jackknife *j) {
     }
 }
 
-static int make_room(shear_jackknife *j, size_t n, shear_error *err) {
-    size_t room = j->room > 0 ? j->room : 256;
-    while (room < n) {
-        room *= 2;
-    }
-    component_sums *blocks = room > j->room ? realloc(j->blocks, room * sizeof *blocks) : j->blocks;
-    if (blocks == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks",
-                          n);
-    }
-    j->blocks = blocks;
-    j->room = room;
-    return SHEAR_OK;
+static int reserve(shear_jackknife *j, size_t n, shear_error *err) {
+    return ARRAY_RESERVE(j->blocks, j->capacity, n)
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a jackknife of %zu blocks",
+                            n);
 }
 
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err) {
-    const int code = make_room(j, j->n + 1, err);
-    if (code == SHEAR_OK) {
-        component_sums *p = &j->blocks[j->n++];
-        for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
-            p->x[i] = b->hi[SHEAR_S_COMPONENT + i] + b->lo[SHEAR_S_COMPONENT + i];
-        }
+    const int code = reserve(j, j->n + 1, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    component_sums *p = &j->blocks[j->n++];
+    for (int i = 0; i < SHEAR_N_COMPONENTS; i++) {
+        p->x[i] = b->hi[SHEAR_S_COMPONENT + i] + b->lo[SHEAR_S_COMPONENT + i];
+    }
+    return SHEAR_OK;
 }
 
 int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err) {
-    const int code = make_room(j, j->n + other->n, err);
-    if (code == SHEAR_OK && other->n > 0) {
-        memcpy(j->blocks + j->n, other->blocks, other->n * sizeof *other->blocks);
-        j->n += other->n;
+    const int code = reserve(j, j->n + other->n, err);
+    if (code != SHEAR_OK || other->n == 0) {
+        return code;
     }
-    return code;
+    memcpy(j->blocks + j->n, other->blocks, other->n * sizeof *other->blocks);
+    j->n += other->n;
+    return SHEAR_OK;
 }
 
 static component_sums sum_blocks(const shear_jackknife *j, size_t from, size_t to) {

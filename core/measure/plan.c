@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/internal.h"
 
+#include "common/release.h"
 #include "measure/memory.h"
 
 #include <math.h>
@@ -79,23 +80,24 @@ static int out_of_memory(shear_error *err) {
 
 /* The field's one transfer, with scratch of its own. */
 static int make_transfer(shear_plan *plan, const double *psf, shear_error *err) {
-    transfer_scratch scratch = {0};
-    int code = SHEAR_E_NOMEM;
-    if (transfer_init(&plan->transfer, &plan->transfer_plan) &&
-        transfer_scratch_init(&scratch, &plan->transfer_plan)) {
-        code = transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err);
-    } else {
-        out_of_memory(err);
+    const shear_geometry *g = &plan->info.geometry;
+    CLEANUP(transfer_scratch_deinit) transfer_scratch scratch = {0};
+    if (!transfer_init(&plan->transfer, &plan->transfer_plan) ||
+        !transfer_scratch_init(&scratch, &plan->transfer_plan)) {
+        return out_of_memory(err);
     }
-    transfer_scratch_deinit(&scratch);
+    const int code = transfer_make(&plan->transfer, &plan->transfer_plan, &scratch, psf, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     plan->has_psf = true;
     plan->info.k_cut = plan->transfer.k_cut;
-    plan->flat =
-        code == SHEAR_OK ? moments_of_flat(&plan->transfer_plan, &plan->transfer) : (moments){0};
-    return code;
+    plan->flat = moments_of_flat(&plan->transfer_plan, &plan->transfer);
+    plan->sharpness = sharpness_of(psf, g->psf_nx, g->psf_ny, g->psf_oversample);
+    return SHEAR_OK;
 }
 
-/* With a PSF a stamp, only the grid's own limit can be judged here. */
+/* With a PSF per stamp, only the grid's own limit can be judged here. */
 static int check_limit(shear_plan *plan, shear_error *err) {
     const transfer_plan *p = &plan->transfer_plan;
     plan->info.k_cut = p->k_limit;
@@ -109,33 +111,27 @@ static int check_limit(shear_plan *plan, shear_error *err) {
 }
 
 int shear_plan_new(shear_plan **out, const shear_plan_request *request, shear_error *err) {
-    const shear_geometry *geometry = &request->geometry;
     *out = NULL;
-    shear_plan *plan = calloc(1, sizeof *plan);
+    CLEANUP(shear_plan_release) shear_plan *plan = calloc(1, sizeof *plan);
     if (plan == NULL) {
         return out_of_memory(err);
     }
     plan->settings = plan_settings(request);
     int psf_factor = 1;
     int code = plan_resolve(&plan->info, &plan->settings, request, &psf_factor, err);
-    if (code == SHEAR_OK && !(make_grids(plan, psf_factor) && make_filter(plan) &&
-                              make_high_band(plan) && make_plateau(plan))) {
-        code = out_of_memory(err);
-    }
-    if (code == SHEAR_OK) {
-        code =
-            request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err);
-    }
-    if (code == SHEAR_OK && request->psf != NULL) {
-        plan->sharpness = sharpness_of(request->psf, geometry->psf_nx, geometry->psf_ny,
-                                       geometry->psf_oversample);
-    }
     if (code != SHEAR_OK) {
-        shear_plan_free(plan);
+        return code;
+    }
+    if (!make_grids(plan, psf_factor) || !make_filter(plan) || !make_high_band(plan) ||
+        !make_plateau(plan)) {
+        return out_of_memory(err);
+    }
+    code = request->psf != NULL ? make_transfer(plan, request->psf, err) : check_limit(plan, err);
+    if (code != SHEAR_OK) {
         return code;
     }
     shear_plan_note_psfs(plan, request->psfs, request->n_psfs, request->n_unusable);
-    *out = plan;
+    *out = CLEANUP_TAKE(plan);
     return SHEAR_OK;
 }
 
@@ -146,12 +142,13 @@ int shear_plan_memory(shear_memory *memory, const shear_plan_request *request, s
     const int code = plan_resolve(&info, &settings, request, &psf_factor, err);
     const memory_of m = {.settings = &settings, .info = &info, .has_psf = request->psf != NULL};
     *memory = (shear_memory){0};
-    if (code == SHEAR_OK) {
-        memory->plan = memory_of_plan(&m);
-        memory->planning = memory_of_planning(&m);
-        memory->workspace = memory_of_workspace(&m, memory_last_row(&info));
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    memory->plan = memory_of_plan(&m);
+    memory->planning = memory_of_planning(&m);
+    memory->workspace = memory_of_workspace(&m, memory_last_row(&info));
+    return SHEAR_OK;
 }
 
 static memory_of memory_of_made(const shear_plan *plan) {

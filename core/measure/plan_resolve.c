@@ -205,11 +205,23 @@ int plan_resolve(shear_plan_info *info, const shear_settings *set,
                  const shear_plan_request *request, int *psf_factor, shear_error *err) {
     info->geometry = request->geometry;
     int code = shear_settings_check(set, err);
-    code = code == SHEAR_OK ? check_geometry(&info->geometry, err) : code;
-    code = code == SHEAR_OK ? resolve_radii(set, info, request, err) : code;
-    code = code == SHEAR_OK ? resolve_sampling(set, info, psf_factor, err) : code;
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = check_geometry(&info->geometry, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = resolve_radii(set, info, request, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = resolve_sampling(set, info, psf_factor, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     info->noise_band = resolve_noise_band(set, info);
-    return code == SHEAR_OK ? resolve_filter(set, info, request, err) : code;
+    return resolve_filter(set, info, request, err);
 }
 
 int shear_plan_find_radii(shear_plan_radii *radii, const shear_plan_request *request,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/symmetry.h"
 
+#include "base/array.h"
 #include "measure/block_sums.h"
 
 #include <math.h>
@@ -26,20 +27,11 @@ void shear_symmetry_free(shear_symmetry *s) {
     }
 }
 
-static int make_room(shear_symmetry *s, size_t more, shear_error *err) {
-    const size_t wanted = s->n + more;
-    size_t room = s->room > 0 ? s->room : 256;
-    while (room < wanted) {
-        room *= 2;
-    }
-    symmetry_terms *stamps = room > s->room ? realloc(s->stamps, room * sizeof *stamps) : s->stamps;
-    if (stamps == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the terms of %zu stamps",
-                          wanted);
-    }
-    s->stamps = stamps;
-    s->room = room;
-    return SHEAR_OK;
+static int reserve(shear_symmetry *s, size_t more, shear_error *err) {
+    return ARRAY_RESERVE(s->stamps, s->capacity, s->n + more)
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the terms of %zu stamps",
+                            s->n + more);
 }
 
 int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, shear_error *err) {
@@ -56,22 +48,24 @@ int shear_symmetry_add(shear_symmetry *s, const shear_row *row, double beta_px, 
     if (row->flags != 0 || !block_terms(row, sums) || !finite) {
         return SHEAR_OK;
     }
-    const int code = make_room(s, 1, err);
-    if (code == SHEAR_OK) {
-        s->stamps[s->n++] = t;
+    const int code = reserve(s, 1, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    s->stamps[s->n++] = t;
+    return SHEAR_OK;
 }
 
 int shear_symmetry_join(shear_symmetry *s, const shear_symmetry *other, size_t from,
                         shear_error *err) {
     const size_t n = other->n > from ? other->n - from : 0;
-    const int code = n > 0 ? make_room(s, n, err) : SHEAR_OK;
-    if (code == SHEAR_OK && n > 0) {
-        memcpy(s->stamps + s->n, other->stamps + from, n * sizeof *other->stamps);
-        s->n += n;
+    const int code = reserve(s, n, err);
+    if (code != SHEAR_OK || n == 0) {
+        return code;
     }
-    return code;
+    memcpy(s->stamps + s->n, other->stamps + from, n * sizeof *other->stamps);
+    s->n += n;
+    return SHEAR_OK;
 }
 
 void shear_symmetry_truncate(shear_symmetry *s, size_t n) {
@@ -133,7 +127,7 @@ int shear_symmetry_add_bytes(shear_symmetry *s, const unsigned char *bytes, size
                              shear_error *err) {
     const size_t n = size / SHEAR_SYMMETRY_BYTES;
     bool good = size % SHEAR_SYMMETRY_BYTES == 0;
-    const int code = good ? make_room(s, n, err) : SHEAR_OK;
+    const int code = good ? reserve(s, n, err) : SHEAR_OK;
     if (code != SHEAR_OK) {
         return code;
     }

@@ -15,8 +15,8 @@ typedef struct symmetry_terms {
 } symmetry_terms;
 
 struct shear_symmetry {
-    symmetry_terms *stamps; /* [room], n in use */
-    size_t n, room;
+    symmetry_terms *stamps; /* [capacity], n in use */
+    size_t n, capacity;
 };
 
 /* shear_symmetry_solve of terms without their excess times `shape`. */

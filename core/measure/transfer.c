@@ -8,9 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Columns that are transformed along y together: two strips, one real and one imaginary. */
-enum { PAIR = 2 * FFT_LANES };
-
 /* |W_beta|^2 on the modes, with the factor of both halves and the integrals' over the plane. */
 static void fill_target(transfer_plan *p) {
     const double ux = 2.0 * M_PI / p->nx;
@@ -29,18 +26,6 @@ static void fill_target(transfer_plan *p) {
     }
 }
 
-static size_t table_size(const transfer_plan *p) {
-    return (2 * (size_t)p->max_jx + 1) * p->stride;
-}
-
-static int period_x(const transfer_plan *p) {
-    return p->nx * p->q;
-}
-
-static int period_y(const transfer_plan *p) {
-    return p->ny * p->q;
-}
-
 /* Fine points of the PSF along an axis. The closing cells of its interpolation are left out: its
  * image is no period, and what lies beyond its last sample on one side only would shift and shear
  * it. */
@@ -55,14 +40,17 @@ bool transfer_plan_init(transfer_plan *p) {
     p->max_jx = (p->nx * side - 1) / 2;
     p->max_jy = (p->ny * side - 1) / 2;
     p->stride = fft_padded(p->max_jy + 1);
-    const int fine_nx = psf_fine(&p->grid.x);
-    const int fine_ny = psf_fine(&p->grid.y);
-    p->used_nx = fine_nx < period_x(p) ? fine_nx : period_x(p);
-    p->used_ny = fine_ny < period_y(p) ? fine_ny : period_y(p);
-    p->along_x = fft_plan_new(period_x(p));
-    p->along_y = fft_plan_new(period_y(p));
+    p->table_size = (2 * (size_t)p->max_jx + 1) * p->stride;
+    p->period_nx = p->nx * p->q;
+    p->period_ny = p->ny * p->q;
+    p->psf_fine_nx = psf_fine(&p->grid.x);
+    p->psf_fine_ny = psf_fine(&p->grid.y);
+    p->used_nx = p->psf_fine_nx < p->period_nx ? p->psf_fine_nx : p->period_nx;
+    p->used_ny = p->psf_fine_ny < p->period_ny ? p->psf_fine_ny : p->period_ny;
+    p->along_x = fft_plan_new(p->period_nx);
+    p->along_y = fft_plan_new(p->period_ny);
     p->ky2 = fft_alloc(p->stride * sizeof *p->ky2);
-    p->target = fft_alloc(table_size(p) * sizeof *p->target);
+    p->target = fft_alloc(p->table_size * sizeof *p->target);
     if (p->along_x == NULL || p->along_y == NULL || p->ky2 == NULL || p->target == NULL) {
         return false;
     }
@@ -79,40 +67,8 @@ void transfer_plan_deinit(transfer_plan *p) {
     *p = (transfer_plan){0};
 }
 
-static double *new_zeros(size_t n) {
-    double *made = fft_alloc(n * sizeof *made);
-    return made != NULL ? memset(made, 0, n * sizeof *made) : NULL;
-}
-
-bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
-    const int longest = period_x(p) > period_y(p) ? period_x(p) : period_y(p);
-    *t = (transfer_scratch){.aliased_stride = ((size_t)period_x(p) + PAIR - 1) / PAIR * PAIR};
-    const bool image_made = surface_init(&t->image, &p->grid);
-    t->strip = fft_alloc((size_t)p->grid.fine_ny * FFT_LANES * sizeof *t->strip);
-    t->aliased = new_zeros((size_t)period_y(p) * t->aliased_stride);
-    for (int i = 0; i < 2; i++) {
-        t->lanes[i] = fft_lanes_new(longest + 1);
-    }
-    t->modes = new_zeros(2 * p->stride * t->aliased_stride);
-    t->power = fft_alloc(table_size(p) * sizeof *t->power);
-    return image_made && t->strip != NULL && t->aliased != NULL && t->lanes[0].re != NULL &&
-           t->lanes[1].re != NULL && t->modes != NULL && t->power != NULL;
-}
-
-void transfer_scratch_deinit(transfer_scratch *t) {
-    surface_deinit(&t->image);
-    fft_free(t->strip);
-    fft_free(t->aliased);
-    for (int i = 0; i < 2; i++) {
-        fft_lanes_free(t->lanes[i]);
-    }
-    fft_free(t->modes);
-    fft_free(t->power);
-    *t = (transfer_scratch){0};
-}
-
 bool transfer_init(transfer *t, const transfer_plan *p) {
-    *t = (transfer){.t = fft_alloc(table_size(p) * sizeof *t->t),
+    *t = (transfer){.t = fft_alloc(p->table_size * sizeof *t->t),
                     .reach = malloc(p->stride / FFT_LANES * sizeof *t->reach)};
     return t->t != NULL && t->reach != NULL;
 }
@@ -121,107 +77,6 @@ void transfer_deinit(transfer *t) {
     free(t->reach);
     fft_free(t->t);
     *t = (transfer){0};
-}
-
-/* The PSF aliased onto the stamp's period (exact: at the stamp's modes exp(-ikx) has that period).
- */
-static void alias_psf(const transfer_plan *p, transfer_scratch *t) {
-    if (p->grid.x.kind == AXIS_NONE && p->psf_nx <= period_x(p) && p->psf_ny <= period_y(p)) {
-        const size_t nx = (size_t)p->psf_nx;
-        for (size_t y = 0; y < (size_t)p->psf_ny; y++) {
-            memcpy(t->aliased + y * t->aliased_stride, t->image.pixels + y * nx,
-                   nx * sizeof *t->aliased);
-        }
-        return;
-    }
-    const int width = period_x(p);
-    const int fine_nx = psf_fine(&p->grid.x);
-    const int fine_ny = psf_fine(&p->grid.y);
-    memset(t->aliased, 0, (size_t)p->used_ny * t->aliased_stride * sizeof *t->aliased);
-    for (int x0 = 0; x0 < fine_nx; x0 += FFT_LANES) {
-        const int n = fine_nx - x0 < FFT_LANES ? fine_nx - x0 : FFT_LANES;
-        surface_strip(&t->image, &p->grid, x0, 0, fine_ny, t->strip);
-        for (int y = 0; y < fine_ny; y++) {
-            double *row = t->aliased + (size_t)(y % period_y(p)) * t->aliased_stride;
-            const double *from = t->strip + (size_t)y * FFT_LANES;
-            for (int l = 0; l < n; l++) {
-                row[(x0 + l) % width] += from[l];
-            }
-        }
-    }
-}
-
-/* Rows jy of one group from two strips a + i b that were transformed as one: twice their modes,
- *     A(k) = (Z(k) + Z*(-k)) / 2,    B(k) = (Z(k) - Z*(-k)) / 2i.
- * z begins at row jy, mirrored at row -jy, whose rows go backwards. */
-SHEAR_SIMD static void part_strips(const double *zr, const double *zi, const double *mr,
-                                   const double *mi, double parts[4][FFT_LANES * FFT_LANES]) {
-    for (ptrdiff_t r = 0; r < FFT_LANES; r++) {
-#pragma omp simd
-        for (ptrdiff_t l = 0; l < FFT_LANES; l++) {
-            const ptrdiff_t up = FFT_LANES * r + l;
-            const ptrdiff_t down = l - FFT_LANES * r;
-            parts[0][up] = zr[up] + mr[down];
-            parts[1][up] = zi[up] - mi[down];
-            parts[2][up] = zi[up] + mi[down];
-            parts[3][up] = mr[down] - zr[up];
-        }
-    }
-}
-
-static double *group_modes(const transfer_scratch *t, size_t group, size_t part) {
-    return t->modes + (2 * group + part) * t->aliased_stride * FFT_LANES;
-}
-
-/* Two strips of the aliased PSF, from column x0 on, along y. */
-static void transform_pair(const transfer_plan *p, const transfer_scratch *t, size_t x0) {
-    const size_t ny = (size_t)period_y(p);
-    const double *from = t->aliased + x0;
-    double parts[4][FFT_LANES * FFT_LANES];
-    const fft_lanes z =
-        fft_run(p->along_y, from, from + FFT_LANES, t->aliased_stride, t->lanes[0], t->lanes[1]);
-    memcpy(z.re + ny * FFT_LANES, z.re, FFT_LANES * sizeof *z.re); /* row -0 */
-    memcpy(z.im + ny * FFT_LANES, z.im, FFT_LANES * sizeof *z.im);
-    for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
-        const size_t up = group * FFT_LANES * FFT_LANES;
-        const size_t down = ny * FFT_LANES - up;
-        part_strips(z.re + up, z.im + up, z.re + down, z.im + down, parts);
-        for (size_t i = 0; i < 4; i++) {
-            const size_t strip = x0 + i / 2 * FFT_LANES;
-            fft_transpose(parts[i], FFT_LANES, group_modes(t, group, i % 2) + strip * FFT_LANES);
-        }
-    }
-}
-
-/* |scale W|^2 of one group of rows; scale W(0) = 1. The amplitude first, squared after: a PSF's
- * flux is in any unit, and its square may leave the range of double. */
-SHEAR_SIMD static void square_rows(fft_lanes modes, int nx, int max_jx, size_t stride, double scale,
-                                   double *power) {
-    for (int jx = -max_jx; jx <= max_jx; jx++) {
-        const size_t at = (size_t)(jx < 0 ? jx + nx : jx) * FFT_LANES;
-        double *column = power + (size_t)(jx + max_jx) * stride;
-#pragma omp simd
-        for (size_t l = 0; l < FFT_LANES; l++) {
-            const double re = scale * modes.re[at + l];
-            const double im = scale * modes.im[at + l];
-            column[l] = re * re + im * im;
-        }
-    }
-}
-
-/* |W|^2 on the modes, W(0) = 1. */
-static void power_of_psf(const transfer_plan *p, transfer_scratch *t) {
-    double scale = 0.0;
-    alias_psf(p, t);
-    for (size_t x0 = 0; x0 < (size_t)p->used_nx; x0 += PAIR) {
-        transform_pair(p, t, x0);
-    }
-    for (size_t group = 0; group < p->stride / FFT_LANES; group++) {
-        const fft_lanes w = fft_run(p->along_x, group_modes(t, group, 0), group_modes(t, group, 1),
-                                    FFT_LANES, t->lanes[0], t->lanes[1]);
-        scale = group == 0 ? 1.0 / hypot(w.re[0], w.im[0]) : scale;
-        square_rows(w, period_x(p), p->max_jx, p->stride, scale, t->power + group * FFT_LANES);
-    }
 }
 
 /* The smallest ky^2 of a column at which |W|^2 is below the threshold, or not a number. */
@@ -275,7 +130,11 @@ double transfer_smallest_beta(double k_cut, double tolerance) {
     }
     for (int i = 0; i < 60; i++) {
         const double middle = 0.5 * (low + high);
-        *(transfer_power_beyond(middle, k_cut) > tolerance ? &low : &high) = middle;
+        if (transfer_power_beyond(middle, k_cut) > tolerance) {
+            low = middle;
+        } else {
+            high = middle;
+        }
     }
     return ceil(1e4 * high) / 1e4;
 }
@@ -395,7 +254,7 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
             "the PSF is negative at sample (%d, %d), and a log method interpolates it", bad_x + 1,
             bad_y + 1);
     }
-    power_of_psf(p, scratch);
+    transfer_find_power(p, scratch);
     t->k_cut = find_cut(p, scratch);
     if (transfer_power_beyond(p->beta_px, t->k_cut) > p->power_tolerance) {
         const double smallest = transfer_smallest_beta(t->k_cut, p->power_tolerance);

@@ -24,13 +24,16 @@ typedef struct transfer_plan {
     int q;              /* PSF samples per pixel when transformed (after its interpolation) */
     int max_jx, max_jy; /* modes with |k| < k_limit */
     size_t stride;      /* of a column of T: whole groups of FFT_LANES rows */
+    size_t table_size;  /* [2 max_jx + 1][stride] */
     double k_limit;     /* pi min(s, q): the Nyquist circle */
     double beta_px, threshold, power_tolerance;
-    surface_grid grid;    /* the PSF's own interpolation */
-    int used_nx, used_ny; /* of the stamp's period, nx q x ny q, as much as the PSF reaches */
-    fft_plan *along_x, *along_y; /* nx q, ny q */
-    double *ky2;                 /* [stride] ky^2; INFINITY beyond max_jy */
-    double *target;              /* [2 max_jx + 1][stride] |W_beta|^2 with T's factors */
+    surface_grid grid;            /* the PSF's own interpolation */
+    int period_nx, period_ny;     /* the stamp's period in samples: nx q, ny q */
+    int psf_fine_nx, psf_fine_ny; /* of the interpolated PSF, without its closing cells */
+    int used_nx, used_ny;         /* of the period, as much as the PSF reaches */
+    fft_plan *along_x, *along_y;  /* nx q, ny q */
+    double *ky2;                  /* [stride] ky^2; INFINITY beyond max_jy */
+    double *target;               /* [2 max_jx + 1][stride] |W_beta|^2 with T's factors */
 } transfer_plan;
 
 /* false when memory is out; deinit is safe then too. grid must have been set up. */
@@ -58,6 +61,9 @@ typedef struct transfer {
 } transfer;
 bool transfer_init(transfer *t, const transfer_plan *p); /* false when memory is out */
 void transfer_deinit(transfer *t);
+
+/* |W|^2 of the image that the scratch has loaded, into its power; W(0) = 1. */
+void transfer_find_power(const transfer_plan *p, transfer_scratch *t);
 
 /* T for one PSF image. SHEAR_E_PSF, SHEAR_E_NEGATIVE, SHEAR_E_BETA. */
 int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
