@@ -88,12 +88,12 @@ static int check_reload(service *s, const sheard_config *fresh, shear_error *err
                : SHEAR_OK;
 }
 
-static const core_hooks hooks = {.tick = tick,
-                                 .engine_events = engine_events_process,
-                                 .running_jobs = running_jobs,
-                                 .stop_jobs = job_queue_stop_all,
-                                 .close = change_notifier_flush,
-                                 .check_reload = check_reload};
+static const core_hooks core_calls = {.tick = tick,
+                                      .engine_events = engine_events_process,
+                                      .running_jobs = running_jobs,
+                                      .stop_jobs = job_queue_stop_all,
+                                      .close = change_notifier_flush,
+                                      .check_reload = check_reload};
 
 static void on_turn_ended(void *context, int code) {
     service *s = context;
@@ -115,28 +115,48 @@ static void on_job_counted(service *s, const store_job *job) {
     change_notifier_note(s, job->field, job->settings_digest);
 }
 
-static const job_hooks jobs = {.dispose_file = file_disposal_end,
-                               .ended = on_job_ended,
-                               .counted = on_job_counted,
-                               .other_event = probe_event};
+static const job_hooks job_calls = {.dispose_file = file_disposal_end,
+                                    .ended = on_job_ended,
+                                    .counted = on_job_counted,
+                                    .other_event = probe_event};
 
 /* ---- opening ---- */
 
-static int make_modules(service *s, shear_error *err) {
-    int code = active_jobs_new(&s->jobs, &jobs, err);
-    if (code == SHEAR_OK) {
-        code = estimates_new(&s->estimates, err);
+/* All modules in one piece of memory. */
+typedef struct service_parts {
+    service s; /* first */
+    active_jobs jobs;
+    estimates estimates;
+    change_notifier notifier;
+    field_purge purge;
+    pending_waits waits;
+} service_parts;
+
+static service *service_new(void) {
+    service_parts *all = calloc(1, sizeof *all);
+    if (all == NULL) {
+        return NULL;
     }
-    if (code == SHEAR_OK) {
-        code = change_notifier_new(&s->notifier, s, field_message_publish, err);
-    }
-    if (code == SHEAR_OK) {
-        code = field_purge_new(&s->purge, err);
-    }
-    if (code == SHEAR_OK) {
-        code = pending_waits_new(&s->waits, err);
-    }
-    return code;
+    service *s = &all->s;
+    s->jobs = &all->jobs;
+    s->estimates = &all->estimates;
+    s->notifier = &all->notifier;
+    s->purge = &all->purge;
+    s->waits = &all->waits;
+    s->hooks = &core_calls;
+    s->jobs->hooks = &job_calls;
+    s->notify.fd = -1;
+    s->started_wall_ms = clock_wall_ms();
+    s->started_steady_ms = clock_steady_ms();
+    uv_loop_init(&s->loop);
+    loop_start(s);
+    lifecycle_start(s);
+    loop_pace_start(&s->pace, &s->loop);
+    estimates_init(s->estimates);
+    change_notifier_init(s->notifier, s, field_message_publish);
+    field_purge_init(s->purge);
+    pending_waits_init(s->waits);
+    return s;
 }
 
 static int open_access(service *s, shear_error *err) {
@@ -195,9 +215,8 @@ static int notify_open(service *s, shear_error *err) {
 }
 
 static int open_all(service *s, shear_error *err) {
-    static opener *const openers[] = {make_modules,        notify_open, open_access,
-                                      open_state,          open_engine, open_server_when_left,
-                                      open_spool_when_left};
+    static opener *const openers[] = {notify_open, open_access,           open_state,
+                                      open_engine, open_server_when_left, open_spool_when_left};
     for (size_t i = 0; i < sizeof openers / sizeof *openers; i++) {
         const int code = openers[i](s, err);
         if (code != SHEAR_OK) {
@@ -230,22 +249,14 @@ static int copy_arguments(service *s, const char *config_path, const sheard_list
 
 int service_open(service **out, sheard_config *config, const char *config_path,
                  const sheard_list *assignments, shear_error *err) {
-    service *s = calloc(1, sizeof *s);
+    service *s = service_new();
     *out = NULL;
     if (s == NULL) {
         sheard_config_deinit(config);
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
     s->config = *config;
-    s->hooks = &hooks;
-    s->started_wall_ms = clock_wall_ms();
-    s->started_steady_ms = clock_steady_ms();
-    s->notify.fd = -1;
     name_user(s->user, sizeof s->user);
-    uv_loop_init(&s->loop);
-    loop_start(s);
-    lifecycle_start(s);
-    loop_pace_start(&s->pace, &s->loop);
     int code = copy_arguments(s, config_path, assignments, err);
     if (code == SHEAR_OK) {
         code = open_all(s, err);
@@ -277,11 +288,10 @@ void service_close(service *s) {
     lifecycle_close(s, 0);
     uv_run(&s->loop, UV_RUN_DEFAULT);
     engine_free(s->engine);
-    change_notifier_free(s->notifier);
-    estimates_free(s->estimates);
-    field_purge_free(s->purge);
-    pending_waits_free(s->waits);
-    active_jobs_free(s->jobs);
+    change_notifier_deinit(s->notifier);
+    estimates_deinit(s->estimates);
+    field_purge_deinit(s->purge);
+    active_jobs_deinit(s->jobs);
     probe_free(s->probe);
     store_close(s->store);
     permissions_deinit(&s->permissions);

@@ -19,6 +19,10 @@ const char *store_state_name(enum store_state state) {
     return NAME_IN(names, state);
 }
 
+bool store_state_is_final(enum store_state state) {
+    return state >= STORE_DONE && state < STORE_N_STATES;
+}
+
 const char *store_outcome_name(enum store_outcome outcome) {
     static const char *const names[] = {"none", "counted", "duplicate"};
     return NAME_IN(names, outcome);

@@ -107,6 +107,7 @@ enum store_attempt_outcome { /* of an attempt */
  */
 const char *store_code_name(int code); /* also of enum shear_code */
 const char *store_state_name(enum store_state state);
+bool store_state_is_final(enum store_state state); /* not one of the unfinished ones */
 const char *store_outcome_name(enum store_outcome outcome);
 const char *store_origin_name(enum store_origin origin);
 const char *store_class_name(enum store_class failure_class);

@@ -46,7 +46,7 @@ static void move_waiting(clock_watch *w, int64_t wall) {
     if (group_begin(w->group, &err) != SHEAR_OK) {
         return;
     }
-    clock_move *move = group_then(w->group, moved, sizeof *move);
+    clock_move *move = group_then(w->group, moved, 0, sizeof *move);
     if (move == NULL) {
         return;
     }

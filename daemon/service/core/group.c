@@ -22,7 +22,7 @@ int group_begin(group *g, shear_error *err) {
     return code;
 }
 
-void *group_then(group *g, post_commit_run *run, size_t size) {
+void *group_then(group *g, post_commit_run *run, int64_t job, size_t size) {
     assert(size >= sizeof(post_commit));
     post_commit *post = calloc(1, size);
     if (post == NULL) {
@@ -30,6 +30,7 @@ void *group_then(group *g, post_commit_run *run, size_t size) {
     }
     post->run = run;
     post->context = g->hooks.context;
+    post->job = job;
     *g->last = post;
     g->last = &post->next;
     return post;

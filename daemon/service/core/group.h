@@ -12,7 +12,8 @@
 
 #include <uv.h>
 
-/* First member of what a module registers to be done after the commit. Freed after its run. */
+/* What a module registers to be done after the commit; first member of a larger record where the
+ * module has more to remember. Freed after its run. */
 typedef struct post_commit post_commit;
 /* `code` SHEAR_OK: the group is on disk. Else nothing of it is, and *err tells why. */
 typedef void post_commit_run(post_commit *post, int code, const shear_error *err);
@@ -20,6 +21,7 @@ struct post_commit {
     post_commit *next;
     post_commit_run *run;
     void *context; /* the group's */
+    int64_t job;   /* that it is about; 0: it is about none */
 };
 
 typedef struct group_hooks {
@@ -46,7 +48,7 @@ void group_start(group *g, uv_loop_t *loop, store *s, problem_notes *notes,
 int group_begin(group *g, shear_error *err);
 /* Register `run` for after the commit, with a zeroed record of `size` bytes that begins with a
  * post_commit. NULL: out of memory. */
-void *group_then(group *g, post_commit_run *run, size_t size);
+void *group_then(group *g, post_commit_run *run, int64_t job, size_t size);
 /* The last commit failed, and none has succeeded since: the next one is tried once a second. */
 bool group_is_failing(const group *g);
 /* Nothing waits for a commit. */

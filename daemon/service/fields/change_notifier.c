@@ -7,20 +7,13 @@
 
 enum { SLICE_NS = 2000000, PAUSE_MS = 5 };
 
-typedef struct changed_field {
-    struct changed_field *next;
+struct changed_field {
+    changed_field *next;
     char *name, *digest;
     int64_t since;     /* see fields/estimates.h */
     bool being_solved; /* it waits for its result */
     bool again;        /* and has changed meanwhile */
     int64_t round;     /* the last one that it was looked at in */
-} changed_field;
-
-struct change_notifier {
-    changed_field *first;
-    change_publish *publish;
-    uv_timer_t soon;
-    int64_t round;
 };
 
 static void changed_free(changed_field *f) {
@@ -29,26 +22,18 @@ static void changed_free(changed_field *f) {
     free(f);
 }
 
-int change_notifier_new(change_notifier **out, service *s, change_publish *publish,
-                        shear_error *err) {
-    change_notifier *n = calloc(1, sizeof *n);
-    *out = n;
-    if (n == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the changes of fields");
-    }
+void change_notifier_init(change_notifier *n, service *s, change_publish *publish) {
     n->publish = publish;
     uv_timer_init(&s->loop, &n->soon);
     n->soon.data = s;
-    return SHEAR_OK;
 }
 
-void change_notifier_free(change_notifier *n) {
-    while (n != NULL && n->first != NULL) {
+void change_notifier_deinit(change_notifier *n) {
+    while (n->first != NULL) {
         changed_field *f = n->first;
         n->first = f->next;
         changed_free(f);
     }
-    free(n);
 }
 
 static changed_field *find(const change_notifier *n, const char *name, const char *digest) {

@@ -6,15 +6,24 @@
 
 #include "store/store.h"
 
+#include <uv.h>
+
 typedef struct service service;
-typedef struct change_notifier change_notifier;
+typedef struct changed_field changed_field;
 
 /* Tell those who watch the field. `mixed`: there are other settings of it; `since`: see
  * fields/estimates.h. A field without contributions is gone. */
 typedef void change_publish(service *s, const store_field *f, bool mixed, int64_t since);
 
-int change_notifier_new(change_notifier **n, service *s, change_publish *publish, shear_error *err);
-void change_notifier_free(change_notifier *n);
+typedef struct change_notifier {
+    changed_field *first;
+    change_publish *publish;
+    uv_timer_t soon; /* the rest of a round */
+    int64_t round;
+} change_notifier;
+
+void change_notifier_init(change_notifier *n, service *s, change_publish *publish);
+void change_notifier_deinit(change_notifier *n);
 void change_notifier_note(service *s, const char *name, const char *digest); /* NULL: no name yet */
 void change_notifier_tick(service *s);  /* once a second: soon, a few at a time */
 void change_notifier_flush(service *s); /* all, now */

@@ -4,53 +4,14 @@
 #include "base/cleanup.h"
 #include "log/log.h"
 #include "service/core/parts.h"
-#include "service/fields/estimate_cache.h"
 
 #include <assert.h>
 #include <math.h>
 
-/* A request that has asked for fields, until it is forgotten. */
-typedef struct pending_request {
-    TAILQ_ENTRY(pending_request) link;
-    server_handle to;
-    int64_t first;        /* the cache's requests before its own: what follows is kept for it */
-    size_t left;          /* of those it waits for, not solved yet */
-    estimate **waits_for; /* [n] NULL: solved */
-    size_t n;
-} pending_request;
-
-/* The solving that is under way. */
-typedef struct solving {
-    uv_work_t work;
-    service *s;
-    estimate *what; /* NULL: none is */
-    enum shear_estimator estimator;
-    shear_field_sums *sums;
-    shear_symmetry *terms;
-    int code;
-    shear_result result;
-    int64_t jobs, losses;
-} solving;
-
-struct estimates {
-    estimate_cache cache;
-    estimate_list queue;
-    int64_t begun; /* solvings */
-    solving solving;
-    TAILQ_HEAD(, pending_request) pending; /* the oldest first */
-    int64_t retractions;                   /* since the start */
-};
-
-int estimates_new(estimates **out, shear_error *err) {
-    estimates *all = calloc(1, sizeof *all);
-    *out = all;
-    if (all == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for fields' results");
-    }
+void estimates_init(estimates *all) {
     estimate_cache_init(&all->cache);
     TAILQ_INIT(&all->queue);
     TAILQ_INIT(&all->pending);
-    return SHEAR_OK;
 }
 
 int64_t estimates_begun(const service *s) {
@@ -333,13 +294,9 @@ void estimates_forget(service *s, server_handle to) {
     }
 }
 
-void estimates_free(estimates *all) {
-    if (all == NULL) {
-        return;
-    }
+void estimates_deinit(estimates *all) {
     for (pending_request *r; (r = TAILQ_FIRST(&all->pending)) != NULL;) {
         pending_free(all, r);
     }
     estimate_cache_deinit(&all->cache);
-    free(all);
 }

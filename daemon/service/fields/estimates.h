@@ -12,14 +12,44 @@
 #define SHEARD_SERVICE_ESTIMATES_H
 
 #include "server/server.h"
-#include "shear/sums.h"
-#include "store/store.h"
+#include "service/fields/estimate_cache.h"
 
 typedef struct service service;
-typedef struct estimates estimates;
 
-int estimates_new(estimates **all, shear_error *err);
-void estimates_free(estimates *all);
+/* A request that has asked for fields, until it is forgotten. */
+typedef struct pending_request {
+    TAILQ_ENTRY(pending_request) link;
+    server_handle to;
+    int64_t first;        /* the cache's requests before its own: what follows is kept for it */
+    size_t left;          /* of those it waits for, not solved yet */
+    estimate **waits_for; /* [n] NULL: solved */
+    size_t n;
+} pending_request;
+
+/* The solving that is under way. */
+typedef struct solving {
+    uv_work_t work;
+    service *s;
+    estimate *what; /* NULL: none is */
+    enum shear_estimator estimator;
+    shear_field_sums *sums;
+    shear_symmetry *terms;
+    int code;
+    shear_result result;
+    int64_t jobs, losses;
+} solving;
+
+typedef struct estimates {
+    estimate_cache cache;
+    estimate_list queue;
+    int64_t begun; /* solvings */
+    solving solving;
+    TAILQ_HEAD(, pending_request) pending; /* the oldest first */
+    int64_t retractions;                   /* since the start */
+} estimates;
+
+void estimates_init(estimates *all);
+void estimates_deinit(estimates *all);
 
 int64_t estimates_begun(const service *s);
 

@@ -6,30 +6,15 @@
 #include "service/core/parts.h"
 #include "service/jobs/catalogs.h"
 
-struct field_purge {
-    TAILQ_HEAD(, purge_waiter) waiters;
-    bool under_way; /* this group has contributions that leave */
-};
-
-int field_purge_new(field_purge **out, shear_error *err) {
-    field_purge *p = calloc(1, sizeof *p);
-    *out = p;
-    if (p == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for forgotten fields");
-    }
+void field_purge_init(field_purge *p) {
     TAILQ_INIT(&p->waiters);
-    return SHEAR_OK;
 }
 
-void field_purge_free(field_purge *p) {
-    if (p == NULL) {
-        return;
-    }
+void field_purge_deinit(field_purge *p) {
     for (purge_waiter *w; (w = TAILQ_FIRST(&p->waiters)) != NULL;) {
         TAILQ_REMOVE(&p->waiters, w, link);
         free(w);
     }
-    free(p);
 }
 
 void field_purge_wait(service *s, purge_waiter *w) {
@@ -128,7 +113,7 @@ void field_purge_continue(service *s) {
     if (s->purge->under_way || s->life.state == SHEARD_SERVER_STOPPING || !is_any_left(s)) {
         return;
     }
-    purge_slice *slice = group_then(&s->group, have_left, sizeof *slice);
+    purge_slice *slice = group_then(&s->group, have_left, 0, sizeof *slice);
     if (slice == NULL) {
         return;
     }

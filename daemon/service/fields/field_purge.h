@@ -10,7 +10,6 @@
 #include <sys/queue.h>
 
 typedef struct service service;
-typedef struct field_purge field_purge;
 
 /* Whoever has forgotten a field and waits until all of it has left: first member of a record that
  * free() releases. */
@@ -22,8 +21,13 @@ typedef struct purge_waiter {
     void (*done)(service *s, struct purge_waiter *w);
 } purge_waiter;
 
-int field_purge_new(field_purge **p, shear_error *err);
-void field_purge_free(field_purge *p); /* and those that wait */
+typedef struct field_purge {
+    TAILQ_HEAD(, purge_waiter) waiters;
+    bool under_way; /* this group has contributions that leave */
+} field_purge;
+
+void field_purge_init(field_purge *p);
+void field_purge_deinit(field_purge *p); /* and those that wait */
 
 /* Takes the record over. */
 void field_purge_wait(service *s, purge_waiter *w);

@@ -18,7 +18,6 @@
 
 typedef struct submitted_file {
     post_commit post; /* first */
-    int64_t job;
     char active_name[SPOOL_NAME_SIZE];
 } submitted_file;
 
@@ -33,24 +32,23 @@ static void submitted(post_commit *post, int code, const shear_error *err) {
         file_disposal_put_off(s, file->active_name, store_code_name(code), err->message);
         return;
     }
-    if (store_job_get(s->store, file->job, &job, &ignored) != SHEAR_OK) {
+    if (store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK) {
         return;
     }
     file_disposal_end(s, &job);
-    if (!sheard_job_state_is_final(job.state)) {
+    if (!store_state_is_final(job.state)) {
         job_message_publish(s, &job);
     }
 }
 
 /* This file is that job, once the group is on disk. */
 static void follow(service *s, const spool_file *file, int64_t id) {
-    submitted_file *post = group_then(&s->group, submitted, sizeof *post);
-    if (post == NULL) {
+    submitted_file *later = group_then(&s->group, submitted, id, sizeof *later);
+    if (later == NULL) {
         log_error("out of memory: %s waits in active/ for the next start", file->active_name);
         return;
     }
-    post->job = id;
-    text_set(post->active_name, sizeof post->active_name, file->active_name);
+    text_set(later->active_name, sizeof later->active_name, file->active_name);
 }
 
 static void submit(service *s, const spool_file *file, const submission *sub) {

@@ -67,7 +67,7 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
 void file_disposal_end(service *s, store_job *job) {
     char name[SPOOL_NAME_SIZE];
     spool_place place = {.name = ""};
-    if (s->spool == NULL || !sheard_job_state_is_final(job->state) || !job_file_name(job, name)) {
+    if (s->spool == NULL || !store_state_is_final(job->state) || !job_file_name(job, name)) {
         return;
     }
     sheard_msg_side side = {.file = job->dropped,

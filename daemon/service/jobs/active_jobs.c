@@ -8,21 +8,10 @@
 #include <assert.h>
 #include <string.h>
 
-int active_jobs_new(active_jobs **out, const job_hooks *hooks, shear_error *err) {
-    active_jobs *all = calloc(1, sizeof *all);
-    *out = all;
-    if (all == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the jobs");
-    }
-    all->hooks = hooks;
-    return SHEAR_OK;
-}
-
-void active_jobs_free(active_jobs *all) {
-    while (all != NULL && all->first != NULL) {
+void active_jobs_deinit(active_jobs *all) {
+    while (all->first != NULL) {
         active_jobs_remove(all, all->first);
     }
-    free(all);
 }
 
 void active_job_free(active_job *j) {

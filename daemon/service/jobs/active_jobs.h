@@ -30,8 +30,7 @@ typedef struct active_jobs {
     bool may_have_orphans; /* jobs may be running on disk that nobody works on */
 } active_jobs;
 
-int active_jobs_new(active_jobs **all, const job_hooks *hooks, shear_error *err);
-void active_jobs_free(active_jobs *all);
+void active_jobs_deinit(active_jobs *all);
 
 /* The job as it is known before its files are open. SHEAR_E_NOMEM, SHEAR_E_INTERNAL. */
 int active_job_new(active_job **out, const store_job *job, shear_error *err);

@@ -165,7 +165,7 @@ static void count(service *s, int64_t id, bool part, void *context) {
     if (path == NULL || store_job_get(s->store, id, &job, &ignored) != SHEAR_OK) {
         return;
     }
-    const bool known = part ? !sheard_job_state_is_final(job.state)
+    const bool known = part ? !store_state_is_final(job.state)
                             : job.catalog != NULL && same_file(job.catalog, path);
     c->known += known;
 }

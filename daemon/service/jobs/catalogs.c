@@ -105,7 +105,7 @@ static void clean_up(service *s, int64_t id, bool part, void *context) {
     }
     const int code = store_job_get(s->store, id, &job, &ignored);
     const bool over =
-        code == STORE_NOT_FOUND || (code == SHEAR_OK && sheard_job_state_is_final(job.state));
+        code == STORE_NOT_FOUND || (code == SHEAR_OK && store_state_is_final(job.state));
     if (part && over) {
         remove_part(path, id);
     } else if (!part && code == SHEAR_OK && job.catalog == NULL) {

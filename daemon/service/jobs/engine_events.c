@@ -16,19 +16,13 @@
 
 /* ---- OPENED: its name, content and size are known ---- */
 
-typedef struct named_job {
-    post_commit post; /* first */
-    int64_t id;
-} named_job;
-
 /* The name of its field is on disk. If the job has ended meanwhile, its end tells the name. */
 static void tell_name(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error ignored;
     (void)err;
-    if (code == SHEAR_OK &&
-        store_job_get(s->store, ((const named_job *)post)->id, &job, &ignored) == SHEAR_OK &&
+    if (code == SHEAR_OK && store_job_get(s->store, post->job, &job, &ignored) == SHEAR_OK &&
         job.state == STORE_RUNNING) {
         job_message_publish(s, &job);
     }
@@ -125,9 +119,8 @@ static void opened(service *s, active_job *j, const engine_event *e) {
         end_as_duplicate(s, j);
         return;
     }
-    named_job *named = named_by_file ? group_then(&s->group, tell_name, sizeof *named) : NULL;
-    if (named != NULL) {
-        named->id = j->id;
+    if (named_by_file) {
+        group_then(&s->group, tell_name, j->id, sizeof(post_commit));
     }
     j->failed_commits = s->group.failed_commits;
     measure(s, j);

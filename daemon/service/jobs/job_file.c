@@ -43,7 +43,7 @@ char *job_file_where(const spool *sp, const char *directory, const store_job *jo
         return NULL;
     }
     spool_place place = place_of(job);
-    if (place.name[0] == '\0' && sheard_job_state_is_final(job->state)) {
+    if (place.name[0] == '\0' && store_state_is_final(job->state)) {
         spool_find_place(sp, name, GLANCE, &place); /* the service died before it was kept */
     }
     const char *where = spool_locate(sp, name, &place, buffer);

@@ -47,24 +47,18 @@ static void tell_final(service *s, const store_job *job) {
              failed ? ": " : "", failed && job->message != NULL ? job->message : "");
 }
 
-typedef struct settled_job {
-    post_commit post; /* first */
-    int64_t id;
-} settled_job;
-
 /* The store has the job's new state: tell those who wait, and let its file follow. */
 static void settled(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
-    const int64_t id = ((const settled_job *)post)->id;
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error ignored;
     if (code != SHEAR_OK) {
-        log_error("job %" PRId64 ": its end is not on disk (%s); it will run again", id,
+        log_error("job %" PRId64 ": its end is not on disk (%s); it will run again", post->job,
                   err->message);
         s->jobs->may_have_orphans = true;
         return;
     }
-    if (store_job_get(s->store, id, &job, &ignored) != SHEAR_OK) {
+    if (store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK) {
         return;
     }
     s->jobs->hooks->dispose_file(s, &job);
@@ -72,21 +66,18 @@ static void settled(post_commit *post, int code, const shear_error *err) {
     if (job.state == STORE_WAITING) {
         note_waiting(s, &job);
     }
-    if (sheard_job_state_is_final(job.state)) {
+    if (store_state_is_final(job.state)) {
         tell_final(s, &job);
     }
 }
 
 void job_outcome_settle(service *s, int64_t id) {
-    settled_job *job = group_then(&s->group, settled, sizeof *job);
-    if (job != NULL) {
-        job->id = id;
-    }
+    group_then(&s->group, settled, id, sizeof(post_commit));
 }
 
 /* ---- failures ---- */
 
-static failure_reason reason_rpc(enum store_class class, enum sheard_rpc_code code) {
+static failure_reason reason_rpc(enum store_class class, int code) {
     return (failure_reason){class, sheard_rpc_code_get(code)->name};
 }
 

@@ -68,11 +68,6 @@ static void start(service *s, const store_job *job) {
     active_jobs_add(s->jobs, j);
 }
 
-typedef struct marked_job {
-    post_commit post; /* first */
-    int64_t id;
-} marked_job;
-
 static void start_marked(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     CLEANUP(store_job_deinit) store_job job = {0};
@@ -80,8 +75,7 @@ static void start_marked(post_commit *post, int code, const shear_error *err) {
     (void)err;
     assert(s->jobs->marked > 0);
     s->jobs->marked--;
-    if (code != SHEAR_OK ||
-        store_job_get(s->store, ((const marked_job *)post)->id, &job, &ignored) != SHEAR_OK) {
+    if (code != SHEAR_OK || store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK) {
         s->jobs->may_have_orphans = true; /* most likely nothing was marked */
         return;
     }
@@ -143,11 +137,9 @@ static bool mark_next(service *s) {
         store_next(s->store, clock_wall_ms(), &job, &ignored) != SHEAR_OK || job.id == 0) {
         return false;
     }
-    marked_job *marked = group_then(&s->group, start_marked, sizeof *marked);
-    if (marked == NULL) {
+    if (group_then(&s->group, start_marked, job.id, sizeof(post_commit)) == NULL) {
         return false;
     }
-    marked->id = job.id;
     s->jobs->marked++;
     return true;
 }

@@ -6,8 +6,7 @@
 #include "store/store.h"
 
 typedef struct code_pair {
-    int code;
-    enum sheard_rpc_code rpc;
+    int code, rpc;
 } code_pair;
 
 static const code_pair store_codes[] = {

@@ -10,14 +10,13 @@
 
 void *job_reply_later(service *s, post_commit_run *run, size_t size, server_handle to,
                       int64_t job) {
-    job_reply *later = group_then(&s->group, run, size);
+    job_reply *later = group_then(&s->group, run, job, size);
     if (later == NULL) {
         refuse_with(s, to, SHEARD_RPC_OUT_OF_MEMORY,
                     "out of memory for a reply; the request may have been carried out");
         return NULL;
     }
     later->to = to;
-    later->job = job;
     return later;
 }
 
@@ -36,7 +35,7 @@ void job_reply_run(post_commit *post, int code, const shear_error *err) {
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error own = {0};
     if (code == SHEAR_OK) {
-        code = store_job_get(s->store, later->job, &job, &own);
+        code = store_job_get(s->store, post->job, &job, &own);
         err = &own;
     }
     if (code != SHEAR_OK) {
@@ -46,7 +45,7 @@ void job_reply_run(post_commit *post, int code, const shear_error *err) {
     file_disposal_end(s, &job);
     reply_with(s, later, &job);
     job_message_publish(s, &job);
-    if (sheard_job_state_is_final(job.state)) {
+    if (store_state_is_final(job.state)) {
         job_outcome_tell(s, &job);
     }
 }

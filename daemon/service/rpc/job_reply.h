@@ -12,7 +12,6 @@ typedef struct service service;
 typedef struct job_reply {
     post_commit post; /* first */
     server_handle to;
-    int64_t job;
     bool submit; /* the method; else one whose reply is the job alone */
     bool known;  /* of submit: the key had been seen */
 } job_reply;

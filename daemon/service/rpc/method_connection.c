@@ -46,7 +46,7 @@ static void leave_final(service *s, uint64_t connection, const sheard_msg_subscr
         shear_error ignored;
         sheard_rpc_error error;
         if (store_job_state(s->store, what->jobs[i], &state, &ignored) == SHEAR_OK &&
-            sheard_job_state_is_final(state)) {
+            store_state_is_final(state)) {
             const sheard_msg_subscribe one = {.jobs = &what->jobs[i], .n_jobs = 1};
             server_unsubscribe(s->server, connection, &one, now, &error);
         }

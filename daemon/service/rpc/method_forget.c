@@ -91,7 +91,7 @@ static int forget(service *s, const server_request *r, shear_error *err) {
         return code;
     }
     estimates_note_retraction(s);
-    forgotten_field *f = group_then(&s->group, forgotten, sizeof *f);
+    forgotten_field *f = group_then(&s->group, forgotten, 0, sizeof *f);
     if (f == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }

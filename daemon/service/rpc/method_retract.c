@@ -19,7 +19,7 @@ static void reply_retracted(post_commit *post, int code, const shear_error *err)
         return;
     }
     catalogs_remove_retracted(s);
-    if (store_job_get(s->store, ((const job_reply *)post)->job, &job, &ignored) == SHEAR_OK) {
+    if (store_job_get(s->store, post->job, &job, &ignored) == SHEAR_OK) {
         change_notifier_note(s, job.field, job.settings_digest);
     }
 }

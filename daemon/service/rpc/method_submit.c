@@ -15,7 +15,7 @@ static void reply_when_ended(post_commit *post, int code, const shear_error *err
         refuse_store(s, later->to, code, err);
         return;
     }
-    pending_waits_add_submitted(s, later->to, later->known, later->job);
+    pending_waits_add_submitted(s, later->to, later->known, post->job);
 }
 
 void method_submit(service *s, const server_request *r) {

@@ -10,7 +10,6 @@
 
 #include <assert.h>
 #include <math.h>
-#include <sys/queue.h>
 
 enum { LOOKS_A_STEP = 64, JOBS_A_STEP = 8 };
 /* Ids that all waits of a user, and all of all users, may name. */
@@ -42,33 +41,9 @@ typedef struct pending_wait {
     bool looked, timed_out;
 } pending_wait;
 
-struct pending_waits {
-    TAILQ_HEAD(, pending_wait) asleep;
-    TAILQ_HEAD(, wait_user) users;
-    size_t ids; /* of all users */
-};
-
-int pending_waits_new(pending_waits **out, shear_error *err) {
-    pending_waits *all = calloc(1, sizeof *all);
-    *out = all;
-    if (all == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for waits");
-    }
+void pending_waits_init(pending_waits *all) {
     TAILQ_INIT(&all->asleep);
     TAILQ_INIT(&all->users);
-    return SHEAR_OK;
-}
-
-void pending_waits_free(pending_waits *all) {
-    if (all == NULL) {
-        return;
-    }
-    assert(TAILQ_EMPTY(&all->asleep));
-    for (wait_user *u; (u = TAILQ_FIRST(&all->users)) != NULL;) {
-        TAILQ_REMOVE(&all->users, u, link);
-        free(u);
-    }
-    free(all);
 }
 
 /* ---- whose they are ---- */
@@ -152,7 +127,7 @@ static int look(pending_wait *w) {
             refuse_store(w->list.s, w->list.to, code, &err);
             return SERVER_PAUSE;
         }
-        if (code == SHEAR_OK && !sheard_job_state_is_final(state)) {
+        if (code == SHEAR_OK && !store_state_is_final(state)) {
             w->pending[w->n_pending++] = w->ids[w->next];
         }
     }
@@ -180,7 +155,7 @@ static bool add_job(pending_wait *w, int64_t id) {
     shear_error ignored;
     if (store_job_get(s->store, id, &job, &ignored) == SHEAR_OK) {
         job_to_message(s, &job, &message);
-        w->timed_out |= !sheard_job_state_is_final(job.state);
+        w->timed_out |= !store_state_is_final(job.state);
     }
     if (!w->submit) {
         return listing_add(&w->list, &message);

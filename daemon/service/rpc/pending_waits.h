@@ -8,11 +8,18 @@
 
 #include "server/server.h"
 
-typedef struct service service;
-typedef struct pending_waits pending_waits;
+#include <sys/queue.h>
 
-int pending_waits_new(pending_waits **w, shear_error *err);
-void pending_waits_free(pending_waits *w); /* when none is left: the server is closed */
+typedef struct service service;
+
+typedef struct pending_waits {
+    TAILQ_HEAD(, pending_wait) asleep;
+    TAILQ_HEAD(, wait_user) users;
+    size_t ids; /* that all users' waits name */
+} pending_waits;
+
+/* The server drops them all when it closes. */
+void pending_waits_init(pending_waits *all);
 
 /* A submit's reply is to come when its job has ended. */
 void pending_waits_add_submitted(service *s, server_handle to, bool known, int64_t id);

@@ -4,7 +4,7 @@
 #include "service/core/parts.h"
 #include "service/jobs/rpc_errors.h"
 
-void refuse_with(service *s, server_handle to, enum sheard_rpc_code code, const char *message) {
+void refuse_with(service *s, server_handle to, int code, const char *message) {
     sheard_rpc_error error;
     sheard_rpc_fail(&error, code, NULL, "%s", message);
     server_reply_error(s->server, to, &error);

@@ -7,7 +7,7 @@
 
 typedef struct service service;
 
-void refuse_with(service *s, server_handle to, enum sheard_rpc_code code, const char *message);
+void refuse_with(service *s, server_handle to, int code, const char *message);
 /* With an error of the store. */
 void refuse_store(service *s, server_handle to, int code, const shear_error *err);
 /* The service is draining or stopping. */
