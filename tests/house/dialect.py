@@ -115,3 +115,21 @@ class Words:
         code = house.bare_code_of(text)
         names = [(line_of(code, m.start()), m.group()) for m in re.finditer(r"[A-Za-z_]\w*", code)] if self.parts else []
         return sorted(found + [(line, word) for word, pattern in self.parts for line, name in names if pattern.search(name)])
+
+
+def enums_as_ints(path, text):
+    """`int kind; /* enum axis_kind */`: it could be declared so. Codes are of several enums, and stay int."""
+    del path
+    return [(number, f"{m.group(1)} is of an enum's type: {m.group(2)}")
+            for number, line in enumerate(text.split("\n"), 1)
+            for m in [re.search(r"\bint (\w+)(?:\[\w+\])?;\s*/\* (enum \w+)", line)] if m and m.group(1) not in ("code", "failed")]
+
+
+def stale_names(names):
+    """A rule: a comment speaks of a source file that is not there; `names` are those that are."""
+    def rule(path, text):
+        del path
+        return [(line + token.count("\n", 0, m.start()), f"there is no {m.group()}") for line, token in house.comments_of(text)
+                for m in re.finditer(r"(?<![\w./<*-])[\w./-]*\w\.[ch]\b(?![\w(.])", token)
+                if m.group().split("/")[-1] not in names and "NAME" not in m.group() and not m.group().startswith("linux/")]
+    return rule

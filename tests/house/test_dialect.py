@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The dialect (CONTRIBUTING.md, "Style"): pointers, types, lengths, includes, ladders and words. What is excepted has its
 name and its reason in exceptions.txt."""
+import pathlib
+import re
 import unittest
 
 import dialect
@@ -12,6 +14,8 @@ SOURCES = TREE.sources()
 TESTS = TREE.files(".c", ".h", folders=("tests",))
 DOCUMENTS = [p for p in ("README.md", "CONTRIBUTING.md", "SECURITY.md") if (TREE.root / p).is_file()] + TREE.files(
     ".md", ".in", folders=("docs", "man", "validation"))
+# Headers that are not this project's.
+OUTSIDE = {name.split("/")[-1] for p in SOURCES + TESTS for name in re.findall(r"#include\s*<([^>]+)>", TREE.read(p))}
 WORDS = dialect.Words(house.rules("words.txt"))
 
 
@@ -26,6 +30,13 @@ class Dialect(house.Case):
     def test_types(self):
         declared = dialect.declared_types(map(TREE.read, SOURCES))
         self.nothing(found(lambda path, text: dialect.typedefs(path, text, declared), SOURCES), "types")
+
+    def test_enums_are_of_their_type(self):
+        self.nothing(found(dialect.enums_as_ints, SOURCES), "enums")
+
+    def test_comments_name_files_that_are_there(self):
+        names = {pathlib.Path(p).name for p in SOURCES + TESTS + TREE.files(".in")} | OUTSIDE
+        self.nothing(found(dialect.stale_names(names), SOURCES + TESTS), "stale_names")
 
     def test_lengths(self):
         self.nothing(found(dialect.lengths, SOURCES), "lengths", "long")

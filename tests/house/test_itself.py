@@ -149,6 +149,13 @@ class Dialect(unittest.TestCase):
             self.assertFalse(self.wrong(dialect.typedefs, text), text)
         self.assertEqual(dialect.typedefs("", "struct a {\n};\n", dialect.declared_types(["typedef struct a a;"])), [])
 
+    def test_enums(self):
+        self.assertEqual(len(self.wrong(dialect.enums_as_ints, "    int kind; /* enum axis_kind */\n    int code; /* enum shear_code */\n")), 1)
+
+    def test_stale_names(self):
+        rule = dialect.stale_names({"a.h"})
+        self.assertEqual(rule("", "/* see b/a.h and c.h, <x.h>, cmd_NAME.c */\nint a; // d.c\n"), [(1, "there is no c.h"), (2, "there is no d.c")])
+
     def test_lengths(self):
         self.assertEqual(self.wrong(dialect.lengths, "\n" * 401), ["file of 401 lines"])
         self.assertEqual(self.wrong(dialect.lengths, "int f(int a,\n      int b) {\n" + "    a++;\n" * 58 + "}\n"),
