@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "access/beneath.h"
 
-#include "access/permission.h"
-
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "access/permission.h"
+#include "base/cleanup.h"
 
 /* LINKS_MAX is the kernel's; the others keep a path from taking the daemon's descriptors and time.
  */
@@ -28,7 +30,7 @@ typedef struct way {
 
 /* The next name into `name`, and whether anything follows it, which makes it a directory's. False:
  * none is left. */
-static bool take_name(way *w, char *name, size_t size, bool *followed) {
+static bool next_name(way *w, char *name, size_t size, bool *followed) {
     w->rest += strspn(w->rest, "/");
     if (w->rest[0] != '\0' && strlen(w->rest) <= w->own) {
         w->link = '\0';
@@ -84,29 +86,40 @@ static int open_name(const way *w, const char *name, bool directory) {
     return fd >= 0 ? fd : errno == EACCES ? -EPERM : -errno;
 }
 
+/* A descriptor that is no link and the last name is what was looked for; any other must be a
+ * directory, which is gone down into. 0 or -errno; then the descriptor is not in use. */
+static int go_down(way *w, int fd, const struct stat *st, bool followed, int *found) {
+    if (!followed) {
+        *found = fd;
+        return 0;
+    }
+    if (!S_ISDIR(st->st_mode)) {
+        return -ENOTDIR;
+    }
+    if (w->depth == DEPTH_MAX) {
+        return -ENAMETOOLONG;
+    }
+    w->at[++w->depth] = fd;
+    return 0;
+}
+
 /* Where the name leads: down, or along a link's text; *found is the last name's descriptor. 0 or
  * -errno. */
 static int enter(way *w, const char *name, bool followed, int *found) {
     struct stat st;
-    const int fd = open_name(w, name, followed);
-    int error = fd < 0 ? fd : 0;
-    if (error == 0 && fstat(fd, &st) != 0) {
-        error = -errno;
+    CLEANUP(release_fd) int fd = open_name(w, name, followed);
+    if (fd < 0) {
+        return fd;
     }
-    if (error == 0 && S_ISLNK(st.st_mode)) {
-        error = follow(w, fd);
-    } else if (error == 0 && !followed) {
-        *found = fd;
-        return 0;
-    } else if (error == 0) {
-        error = !S_ISDIR(st.st_mode) ? -ENOTDIR : w->depth == DEPTH_MAX ? -ENAMETOOLONG : 0;
-        if (error == 0) {
-            w->at[++w->depth] = fd;
-            return 0;
-        }
+    if (fstat(fd, &st) != 0) {
+        return -errno;
     }
-    if (fd >= 0) {
-        close(fd);
+    if (S_ISLNK(st.st_mode)) {
+        return follow(w, fd);
+    }
+    const int error = go_down(w, fd, &st, followed, found);
+    if (error == 0) {
+        fd = -1; /* it is the way's, or the caller's */
     }
     return error;
 }
@@ -124,6 +137,7 @@ static int step(way *w, const char *name, bool followed, int *found) {
     if (w->depth == 0) {
         return -EXDEV;
     }
+    assert(w->depth > 0 && w->depth <= DEPTH_MAX);
     close(w->at[w->depth--]);
     return 0;
 }
@@ -140,7 +154,7 @@ int beneath_open(int root, const char *path, const access_peer *peer, char *link
         return -ENAMETOOLONG;
     }
     memcpy(w.text, path, w.own + 1);
-    while (error == 0 && found < 0 && take_name(&w, name, sizeof name, &followed)) {
+    while (error == 0 && found < 0 && next_name(&w, name, sizeof name, &followed)) {
         error = step(&w, name, followed, &found);
     }
     if (error == 0 && found < 0) { /* a directory that we are in */

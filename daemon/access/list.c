@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lists of users and groups, by number. */
-#include "access/permission.h"
-
 #include <errno.h>
 #include <grp.h>
 #include <pwd.h>
@@ -9,12 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "access/permission.h"
+#include "base/cleanup.h"
+
 struct access_list {
     uid_t *users;
     gid_t *groups;
     char **unknown; /* what is said of them */
     size_t n_users, n_groups, n_unknown;
 };
+
+CLEANUP_DEFINE(access_list, access_list_free)
 
 /* A name of digits only, below (uid_t)-1, which is nobody. */
 static bool read_number(const char *name, unsigned *id) {
@@ -57,17 +60,16 @@ static int add_user(access_list *list, const char *name, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* Returns 0 or errno; *found tells. The members of a large group may need much room. */
+/* Returns 0 or errno; *found tells. The members of a large group may need much memory. */
 static int ask_for_group(const char *name, gid_t *id, bool *found) {
     struct group entry;
     struct group *result = NULL;
-    char *texts = NULL;
+    CLEANUP(release_free) char *texts = NULL;
     int error = ERANGE;
     for (size_t size = 16384; error == ERANGE && size <= (size_t)1 << 26; size *= 4) {
         char *more = realloc(texts, size);
         if (more == NULL) {
-            error = ENOMEM;
-            break;
+            return ENOMEM;
         }
         texts = more;
         error = getgrnam_r(name, &entry, texts, size, &result);
@@ -76,7 +78,6 @@ static int ask_for_group(const char *name, gid_t *id, bool *found) {
     if (*found) {
         *id = entry.gr_gid;
     }
-    free(texts);
     return error;
 }
 
@@ -91,31 +92,28 @@ static int add_group(access_list *list, const char *name, shear_error *err) {
     return SHEAR_OK;
 }
 
+static bool allocate(access_list *list, size_t n_users, size_t n_groups) {
+    list->users = calloc(n_users + 1, sizeof *list->users);
+    list->groups = calloc(n_groups + 1, sizeof *list->groups);
+    list->unknown = calloc(n_users + n_groups + 1, sizeof *list->unknown);
+    return list->users != NULL && list->groups != NULL && list->unknown != NULL;
+}
+
 int access_list_new(access_list **out, char *const *users, size_t n_users, char *const *groups,
                     size_t n_groups, shear_error *err) {
-    int code = SHEAR_OK;
     *out = NULL;
-    access_list *list = calloc(1, sizeof *list);
-    if (list != NULL) {
-        list->users = calloc(n_users + 1, sizeof *list->users);
-        list->groups = calloc(n_groups + 1, sizeof *list->groups);
-        list->unknown = calloc(n_users + n_groups + 1, sizeof *list->unknown);
-    }
-    if (list == NULL || list->users == NULL || list->groups == NULL || list->unknown == NULL) {
-        access_list_free(list);
+    CLEANUP(access_list_release) access_list *list = calloc(1, sizeof *list);
+    if (list == NULL || !allocate(list, n_users, n_groups)) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of users");
     }
-    for (size_t i = 0; i < n_users && code == SHEAR_OK; i++) {
-        code = add_user(list, users[i], err);
+    for (size_t i = 0; i < n_users + n_groups; i++) {
+        const int code =
+            i < n_users ? add_user(list, users[i], err) : add_group(list, groups[i - n_users], err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    for (size_t i = 0; i < n_groups && code == SHEAR_OK; i++) {
-        code = add_group(list, groups[i], err);
-    }
-    if (code != SHEAR_OK) {
-        access_list_free(list);
-        return code;
-    }
-    *out = list;
+    *out = CLEANUP_TAKE(list);
     return SHEAR_OK;
 }
 

@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening a file that a client has named. */
-#include "access/beneath.h"
-#include "access/roots.h"
-#include "access/walk.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -12,6 +8,10 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "access/beneath.h"
+#include "access/roots.h"
+#include "access/walk.h"
 
 const char *access_code_name(int code) {
     static const char *const names[] = {"bad_path",          "outside_roots",  "not_found",
@@ -148,13 +148,15 @@ static int try_roots(const access_roots *roots, bool by_name, request *r, int *f
 
 /* Is one of the roots missing that the path is beneath? */
 static int check_roots_of(const access_roots *roots, const char *path, shear_error *err) {
-    int code = SHEAR_OK;
-    for (size_t i = 0; i < roots->n && code == SHEAR_OK; i++) {
+    for (size_t i = 0; i < roots->n; i++) {
         if (path_beneath(path, roots->names[i]) != NULL) {
-            code = access_root_check(roots->names[i], err);
+            const int code = access_root_check(roots->names[i], err);
+            if (code != SHEAR_OK) {
+                return code;
+            }
         }
     }
-    return code;
+    return SHEAR_OK;
 }
 
 int access_open(const access_roots *roots, const access_peer *peer, const char *path, int *fd,

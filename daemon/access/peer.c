@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "access/access.h"
-
 #include <errno.h>
 #include <grp.h>
 #include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+
+#include "access/access.h"
 
 void access_peer_deinit(access_peer *peer) {
     free(peer->groups);
@@ -63,12 +63,12 @@ static int groups_of(const char *user, access_peer *peer) {
             return ENOMEM;
         }
         peer->groups = groups;
-        const int room = n;
+        const int capacity = n;
         if (getgrouplist(user, peer->gid, groups, &n) >= 0) {
             peer->n_groups = (size_t)n;
             return 0;
         }
-        n = n > room ? n : 2 * room;
+        n = n > capacity ? n : 2 * capacity;
     }
 }
 

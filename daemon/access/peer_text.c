@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A peer's groups as text and back. */
-#include "access/access.h"
-
 #include <errno.h>
 #include <inttypes.h>
 #include <stdint.h>
@@ -9,19 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "access/access.h"
+#include "base/buffer.h"
+
 int access_peer_groups_text(const access_peer *peer, char **text, shear_error *err) {
-    enum { LONGEST = 11 }; /* ten digits and a blank */
-    const size_t size = peer->n_groups * LONGEST + 1;
-    size_t used = 0;
-    *text = calloc(size, 1);
-    if (*text == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of groups");
-    }
+    buffer list = {0};
     for (size_t i = 0; i < peer->n_groups; i++) {
-        used += (size_t)snprintf(*text + used, size - used, "%s%" PRIu32, i > 0 ? " " : "",
-                                 (uint32_t)peer->groups[i]);
+        char one[16];
+        snprintf(one, sizeof one, "%s%" PRIu32, i > 0 ? " " : "", (uint32_t)peer->groups[i]);
+        buffer_add_text(&list, one);
     }
-    return SHEAR_OK;
+    *text = buffer_take(&list, NULL);
+    return *text != NULL
+               ? SHEAR_OK
+               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a list of groups");
 }
 
 static int bad_text(access_peer *peer, const char *groups, shear_error *err) {

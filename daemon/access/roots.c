@@ -8,6 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/buffer.h"
+#include "base/cleanup.h"
+
 /* The next component: slashes and "." are skipped. *length 0 at the end. */
 static const char *component(const char *path, size_t *length) {
     for (;;) {
@@ -58,37 +61,29 @@ int root_open(const char *name, int *fd, shear_error *err) {
 }
 
 int access_root_check(const char *path, shear_error *err) {
-    int fd = -1;
-    const int code = root_open(path, &fd, err);
-    if (fd >= 0) {
-        close(fd);
-    }
-    return code;
+    CLEANUP(release_fd) int fd = -1;
+    return root_open(path, &fd, err);
 }
 
 int access_roots_check(const access_roots *roots, shear_error *err) {
-    int code = SHEAR_OK;
-    for (size_t i = 0; i < roots->n && code == SHEAR_OK; i++) {
-        code = access_root_check(roots->names[i], err);
+    for (size_t i = 0; i < roots->n; i++) {
+        const int code = access_root_check(roots->names[i], err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    return code;
+    return SHEAR_OK;
 }
 
 /* The names of all, for people. */
 static char *list_names(char *const *paths, size_t n) {
-    size_t size = sizeof "none is configured";
+    buffer names = {0};
+    buffer_add_text(&names, n == 0 ? "none is configured" : "");
     for (size_t i = 0; i < n; i++) {
-        size += strlen(paths[i]) + 2;
+        buffer_add_text(&names, i == 0 ? "" : ", ");
+        buffer_add_text(&names, paths[i]);
     }
-    char *names = malloc(size);
-    if (names == NULL) {
-        return NULL;
-    }
-    snprintf(names, size, "%s", n == 0 ? "none is configured" : "");
-    for (size_t i = 0, at = 0; i < n; i++) {
-        at += (size_t)snprintf(names + at, size - at, "%s%s", i == 0 ? "" : ", ", paths[i]);
-    }
-    return names;
+    return buffer_take(&names, NULL);
 }
 
 static bool copy_names(access_roots *roots, char *const *paths, size_t n) {

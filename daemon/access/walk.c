@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "access/walk.h"
 
-#include "access/permission.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -10,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "access/permission.h"
+#include "base/cleanup.h"
 
 enum { WALK_TRIES = 8 }; /* names may change while we walk, by chance or malice */
 
@@ -45,58 +46,60 @@ static int step(int *at, const char *name) {
 static int walk_along(char *way, const access_peer *peer, int *at) {
     struct stat st;
     char *rest = NULL;
-    int error = 0;
-    for (char *name = strtok_r(way, "/", &rest); name != NULL && error == 0;
-         name = strtok_r(NULL, "/", &rest)) {
-        error = permission_check(*at, peer, PERMIT_SEARCH, &st);
-        if (error == 0) {
-            error = step(at, name);
+    for (char *name = strtok_r(way, "/", &rest); name != NULL; name = strtok_r(NULL, "/", &rest)) {
+        int error = permission_check(*at, peer, PERMIT_SEARCH, &st);
+        if (error != 0) {
+            return error;
+        }
+        error = step(at, name);
+        if (error != 0) {
+            return error;
         }
     }
-    return error;
+    return 0;
 }
 
 /* ESTALE where the way leads elsewhere by now. */
 static int walk_once(int target, const access_peer *peer, char *way) {
     struct stat end = {0};
     struct stat wanted = {0};
-    int at = open("/", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    CLEANUP(release_fd) int at = open("/", O_PATH | O_DIRECTORY | O_CLOEXEC);
     if (at < 0) {
         return errno;
     }
-    int error = walk_along(way, peer, &at);
-    if (error == ENOENT || error == ENOTDIR) {
-        error = ESTALE;
+    const int error = walk_along(way, peer, &at);
+    if (error != 0) {
+        return error == ENOENT || error == ENOTDIR ? ESTALE : error;
     }
-    if (error == 0 && (fstat(target, &wanted) != 0 || fstat(at, &end) != 0)) {
-        error = errno;
+    if (fstat(target, &wanted) != 0 || fstat(at, &end) != 0) {
+        return errno;
     }
-    if (error == 0 && (wanted.st_dev != end.st_dev || wanted.st_ino != end.st_ino)) {
-        error = ESTALE;
+    if (wanted.st_dev != end.st_dev || wanted.st_ino != end.st_ino) {
+        return ESTALE;
     }
-    if (error == 0) {
-        error = permission_check(target, peer,
-                                 S_ISDIR(wanted.st_mode) ? PERMIT_SEARCH : PERMIT_READ, &wanted);
+    return permission_check(target, peer, S_ISDIR(wanted.st_mode) ? PERMIT_SEARCH : PERMIT_READ,
+                            &wanted);
+}
+
+/* The same, by the name that it has now, into *name where that is not NULL. */
+static int walk_by_name(int target, const access_peer *peer, char **name) {
+    CLEANUP(release_free) char *way = NULL;
+    int error = walk_name(target, &way);
+    if (error != 0) {
+        return error;
     }
-    close(at);
+    CLEANUP(release_free) char *copy = strdup(way);
+    error = copy == NULL ? ENOMEM : walk_once(target, peer, copy);
+    if (error == 0 && name != NULL) {
+        *name = CLEANUP_TAKE(way);
+    }
     return error;
 }
 
 int walk_check(int target, const access_peer *peer, char **name) {
     int error = ESTALE;
     for (int i = 0; i < WALK_TRIES && error == ESTALE; i++) {
-        char *way = NULL;
-        error = walk_name(target, &way);
-        char *copy = way != NULL ? strdup(way) : NULL;
-        if (error == 0) {
-            error = copy == NULL ? ENOMEM : walk_once(target, peer, copy);
-        }
-        free(copy);
-        if (error == 0 && name != NULL) {
-            *name = way;
-        } else {
-            free(way);
-        }
+        error = walk_by_name(target, peer, name);
     }
     if (error != ESTALE) {
         return error;
