@@ -14,11 +14,11 @@
 #ifndef SHEARD_ACCESS_H
 #define SHEARD_ACCESS_H
 
+#include "shear/error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/types.h>
-
-#include "shear/error.h"
 
 enum access_code {
     ACCESS_E_PATH = 100, /* relative, with "..", too long */

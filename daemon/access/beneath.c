@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "access/beneath.h"
 
+#include "access/permission.h"
+#include "base/cleanup.h"
+
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -8,9 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "access/permission.h"
-#include "base/cleanup.h"
 
 /* LINKS_MAX is the kernel's; the others keep a path from taking the daemon's descriptors and time.
  */

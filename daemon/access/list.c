@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lists of users and groups, by number. */
+#include "access/permission.h"
+#include "base/cleanup.h"
+
 #include <errno.h>
 #include <grp.h>
 #include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "access/permission.h"
-#include "base/cleanup.h"
 
 struct access_list {
     uid_t *users;

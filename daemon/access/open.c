@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening a file that a client has named. */
+#include "access/beneath.h"
+#include "access/roots.h"
+#include "access/walk.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -8,10 +12,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include "access/beneath.h"
-#include "access/roots.h"
-#include "access/walk.h"
 
 const char *access_code_name(int code) {
     static const char *const names[] = {"bad_path",          "outside_roots",  "not_found",

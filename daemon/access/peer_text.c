@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A peer's groups as text and back. */
+#include "access/access.h"
+#include "base/buffer.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "access/access.h"
-#include "base/buffer.h"
 
 int access_peer_groups_text(const access_peer *peer, char **text, shear_error *err) {
     buffer list = {0};

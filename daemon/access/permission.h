@@ -3,9 +3,9 @@
 #ifndef SHEARD_ACCESS_PERMISSION_H
 #define SHEARD_ACCESS_PERMISSION_H
 
-#include <sys/stat.h>
-
 #include "access/access.h"
+
+#include <sys/stat.h>
 
 enum { PERMIT_READ = 4, PERMIT_SEARCH = 1 }; /* as in mode bits */
 

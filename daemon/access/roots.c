@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "access/roots.h"
 
+#include "base/buffer.h"
+#include "base/cleanup.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "base/buffer.h"
-#include "base/cleanup.h"
 
 /* The next component: slashes and "." are skipped. *length 0 at the end. */
 static const char *component(const char *path, size_t *length) {

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "access/walk.h"
 
+#include "access/permission.h"
+#include "base/cleanup.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -8,9 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "access/permission.h"
-#include "base/cleanup.h"
 
 enum { WALK_TRIES = 8 }; /* names may change while we walk, by chance or malice */
 

@@ -9,10 +9,10 @@
 #ifndef SHEARD_ENGINE_BUDGET_H
 #define SHEARD_ENGINE_BUDGET_H
 
+#include "engine/job.h"
+
 #include <stdbool.h>
 #include <stdint.h>
-
-#include "engine/job.h"
 
 enum budget_answer {
     BUDGET_RESERVED,

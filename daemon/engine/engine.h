@@ -20,15 +20,15 @@
 #ifndef SHEARD_ENGINE_H
 #define SHEARD_ENGINE_H
 
-#include <stdbool.h>
-#include <stdint.h>
-
 #include "engine/plan_cache.h"
 #include "reader/reader.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
 #include "shear/symmetry.h"
+
+#include <stdbool.h>
+#include <stdint.h>
 
 typedef struct engine engine;
 

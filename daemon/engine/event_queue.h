@@ -4,9 +4,9 @@
 #ifndef SHEARD_ENGINE_EVENT_QUEUE_H
 #define SHEARD_ENGINE_EVENT_QUEUE_H
 
-#include <pthread.h>
-
 #include "engine/engine.h"
+
+#include <pthread.h>
 
 typedef struct queued_event queued_event;
 

@@ -11,13 +11,13 @@
 #ifndef SHEARD_ENGINE_INTERNAL_H
 #define SHEARD_ENGINE_INTERNAL_H
 
-#include <assert.h>
-#include <errno.h>
-#include <pthread.h>
-
 #include "engine/engine.h"
 #include "engine/event_queue.h"
 #include "engine/job.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <pthread.h>
 
 struct engine {
     engine_options options;

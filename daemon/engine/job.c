@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/job.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/clock.h"
 #include "engine/budget.h"
 #include "engine/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 static bool allocate(job *j, const engine_job *spec) {
     const size_t workers = (size_t)j->workers;

@@ -5,14 +5,14 @@
 #ifndef SHEARD_ENGINE_JOB_H
 #define SHEARD_ENGINE_JOB_H
 
-#include <pthread.h>
-
 #include "engine/engine.h"
 #include "engine/job_files.h"
 #include "engine/plan_cache.h"
 #include "shear/catalog.h"
 #include "shear/run.h"
 #include "shear/work.h"
+
+#include <pthread.h>
 
 enum job_phase {
     JOB_PREPARING, /* its own thread has it */

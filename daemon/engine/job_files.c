@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/job_files.h"
 
+#include "engine/engine.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "engine/engine.h"
 
 static int n_files(const shear_input *input) {
     return input->path != NULL ? 1 : SHEAR_N_PARTS;

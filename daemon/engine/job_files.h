@@ -3,11 +3,11 @@
 #ifndef SHEARD_ENGINE_FILES_H
 #define SHEARD_ENGINE_FILES_H
 
-#include <stdbool.h>
-#include <sys/stat.h>
-
 #include "shear/error.h"
 #include "shear/input.h"
+
+#include <stdbool.h>
+#include <sys/stat.h>
 
 typedef struct job_files {
     shear_input input;      /* its texts are owned */

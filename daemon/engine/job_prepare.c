@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A job until it can be measured: its files are open in its reader, hashed, and there are memory
  * and a plan for it. */
-#include <inttypes.h>
-#include <string.h>
-
 #include "base/cleanup.h"
 #include "engine/budget.h"
 #include "engine/internal.h"
+
+#include <inttypes.h>
+#include <string.h>
 
 /* Terms of a stamp are in memory three times when a job ends: the work's, all of them together, and
  * as bytes for the store. */
@@ -18,10 +18,11 @@ static int read_psf(void *self, int64_t index, double *out, shear_error *err) {
     const shear_geometry *g = &reader_get_info(j->reader)->geometry;
     const double *psf = NULL;
     const int code = reader_read_psf(j->reader, index, &psf, err);
-    if (code == SHEAR_OK) {
-        memcpy(out, psf, (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *out);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    memcpy(out, psf, (size_t)g->psf_nx * (size_t)g->psf_ny * sizeof *out);
+    return SHEAR_OK;
 }
 
 /* ---- memory ---- */

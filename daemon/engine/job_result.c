@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a job has measured: its checkpoints, and its result. */
-#include <stdlib.h>
-
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "engine/internal.h"
+
+#include <stdlib.h>
 
 /* What has been measured so far. */
 typedef struct job_sums {
@@ -31,10 +31,13 @@ static int job_sums_join(job_sums *f, const job *j, size_t from, shear_error *er
         }
     }
     code = shear_work_join_terms(j->work, f->sums, from, f->terms, &f->next_block, err);
-    if (code == SHEAR_OK && j->before != NULL) {
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (j->before != NULL) {
         shear_field_sums_join(f->sums, j->before);
     }
-    return code;
+    return SHEAR_OK;
 }
 
 /* Into an event: sums as text, terms as bytes. */

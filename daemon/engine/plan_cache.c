@@ -3,6 +3,8 @@
  * same plan at the same time both make it, and the later one takes the earlier one's. */
 #include "engine/plan_cache.h"
 
+#include "base/cleanup.h"
+
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -63,6 +65,10 @@ static bool key_make(key *k, const shear_plan_request *request) {
     }
     *k = (key){.bytes = (unsigned char *)text, .n = n};
     return true;
+}
+
+static void key_deinit(key *k) {
+    free(k->bytes);
 }
 
 static bool key_equal(const key *a, const key *b) {
@@ -187,19 +193,13 @@ static const shear_plan *acquire_kept(plan_cache *p, const key *k) {
 
 int plan_cache_acquire(plan_cache *p, const shear_plan_request *request, const shear_plan **plan,
                        shear_error *err) {
-    key k = {0};
-    int code = SHEAR_OK;
+    CLEANUP(key_deinit) key k = {0};
     *plan = NULL;
     if (!key_make(&k, request)) {
-        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
-    } else {
-        *plan = acquire_kept(p, &k);
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
     }
-    if (code == SHEAR_OK && *plan == NULL) {
-        code = make(p, &k, request, plan, err);
-    }
-    free(k.bytes);
-    return code;
+    *plan = acquire_kept(p, &k);
+    return *plan != NULL ? SHEAR_OK : make(p, &k, request, plan, err);
 }
 
 int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes) {

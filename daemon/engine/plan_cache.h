@@ -10,10 +10,10 @@
 #ifndef SHEARD_ENGINE_PLANS_H
 #define SHEARD_ENGINE_PLANS_H
 
-#include <stdint.h>
-
 #include "shear/plan.h"
 #include "shear/run.h"
+
+#include <stdint.h>
 
 typedef struct plan_cache plan_cache;
 

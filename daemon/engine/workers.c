@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/workers.h"
 
-#include <stdlib.h>
-
 #include "base/clock.h"
+
+#include <stdlib.h>
 
 /* ---- under the lock ---- */
 

@@ -2,6 +2,10 @@
 /* sheard-reader: the child that reads the FITS files of one job for the daemon. All of CFITSIO that
  * ever sees a stranger's bytes runs here, sandboxed before the first of them is read. Descriptors
  * and arguments: reader/wire.h. */
+#include "base/clock.h"
+#include "reader/sandbox.h"
+#include "reader/wire.h"
+
 #include <errno.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -10,10 +14,6 @@
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include "base/clock.h"
-#include "reader/sandbox.h"
-#include "reader/wire.h"
 
 typedef struct child {
     shear_input input;
@@ -31,11 +31,12 @@ static int do_open(child *c, reader_reply *reply, shear_error *err) {
         return shear_fail(err, SHEAR_E_INTERNAL, NULL, "the reader has a file already");
     }
     const int code = shear_field_open_input(&c->field, &c->input, c->fds, err);
-    if (code == SHEAR_OK) {
-        reply->info = *shear_field_get_info(c->field);
-        reply->guards = c->guards;
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    reply->info = *shear_field_get_info(c->field);
+    reply->guards = c->guards;
+    return SHEAR_OK;
 }
 
 static int do_map(child *c, const reader_request *r, shear_error *err) {

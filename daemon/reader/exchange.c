@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/exchange.h"
 
+#include "base/clock.h"
+#include "reader/child_process.h"
+#include "reader/child_stderr.h"
+
 #include <errno.h>
 #include <poll.h>
 #include <stdio.h>
 #include <sys/socket.h>
-
-#include "base/clock.h"
-#include "reader/child_process.h"
-#include "reader/child_stderr.h"
 
 /* ---- failures of the child itself ---- */
 

@@ -3,10 +3,10 @@
 #ifndef SHEARD_READER_INTERNAL_H
 #define SHEARD_READER_INTERNAL_H
 
-#include <sys/types.h>
-
 #include "reader/reader.h"
 #include "reader/scratch.h"
+
+#include <sys/types.h>
 
 struct reader {
     pid_t pid; /* 0 once reaped */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/launch.h"
 
+#include "reader/wire.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -8,8 +10,6 @@
 #include <spawn.h>
 #include <stdio.h>
 #include <unistd.h>
-
-#include "reader/wire.h"
 
 enum { N_FDS = READER_FD_END - READER_FD_SOCKET, NUMBER = 24 };
 

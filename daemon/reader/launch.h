@@ -3,9 +3,9 @@
 #ifndef SHEARD_READER_LAUNCH_H
 #define SHEARD_READER_LAUNCH_H
 
-#include <sys/types.h>
-
 #include "reader/reader.h"
+
+#include <sys/types.h>
 
 /* What the child gets of the daemon's; all of it stays the caller's. */
 typedef struct launch_ends {

@@ -2,14 +2,14 @@
 /* Namespaces of the reader's own. A process namespace holds the children of who asks for it, so
  * there are two processes then: the one that the service started, and knows, does nothing but wait.
  */
+#include "reader/sandbox.h"
+
 #include <errno.h>
 #include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include "reader/sandbox.h"
 
 /* End as the child does, without a core: by the same signal, or with its code. */
 static _Noreturn void end_as(pid_t child) {

@@ -3,9 +3,9 @@
 #ifndef SHEARD_READER_PROGRAM_H
 #define SHEARD_READER_PROGRAM_H
 
-#include <stddef.h>
-
 #include "shear/error.h"
+
+#include <stddef.h>
 
 /* The path of sheard-reader: beside the running program (a build directory), or where it is
  * installed, seen from there. Nothing else is looked at: a directory that was compiled in would be

@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reader/reader.h"
 
+#include "base/cleanup.h"
+#include "reader/child_process.h"
+#include "reader/child_stderr.h"
+#include "reader/exchange.h"
+#include "reader/launch.h"
+#include "reader/validate.h"
+
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -10,13 +17,6 @@
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include "base/cleanup.h"
-#include "reader/child_process.h"
-#include "reader/child_stderr.h"
-#include "reader/exchange.h"
-#include "reader/launch.h"
-#include "reader/validate.h"
 
 static void close_one(int fd) {
     if (fd >= 0) {
@@ -218,13 +218,15 @@ int reader_read(void *self, int slot, int64_t first, int count, const shear_bloc
     /* The views are laid out on this side: nothing that the child writes is a pointer or a size. */
     shear_block_place(b, &r->info, r->capacity,
                       r->memory + r->psf_bytes + (size_t)slot * r->slot_bytes);
-    int code = exchange_ask(r, &request, "read stamps", &reply, err);
-    if (code == SHEAR_OK && (reply.n_psf < 0 || reply.n_psf > count)) {
-        code = exchange_give_up(r, READER_E_PROTOCOL, "read stamps", err);
-    }
+    const int code = exchange_ask(r, &request, "read stamps", &reply, err);
     b->stamps.first = first;
     b->stamps.count = count;
     b->stamps.n_psf = reply.n_psf;
     *block = b;
-    return code;
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    return reply.n_psf >= 0 && reply.n_psf <= count
+               ? SHEAR_OK
+               : exchange_give_up(r, READER_E_PROTOCOL, "read stamps", err);
 }

@@ -9,13 +9,13 @@
 #ifndef SHEARD_READER_H
 #define SHEARD_READER_H
 
-#include <stdatomic.h>
-#include <stdbool.h>
-#include <stdint.h>
-
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/input.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
 
 enum reader_code {
     READER_E_DIED = 100,     /* the child ended: a crash, or a limit on processor time */

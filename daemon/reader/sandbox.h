@@ -5,9 +5,9 @@
 #ifndef SHEARD_READER_SANDBOX_H
 #define SHEARD_READER_SANDBOX_H
 
-#include <stdint.h>
-
 #include "shear/error.h"
+
+#include <stdint.h>
 
 typedef struct sandbox_limits {
     int64_t memory_bytes; /* address space */

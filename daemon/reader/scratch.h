@@ -5,13 +5,13 @@
 #ifndef SHEARD_READER_SCRATCH_H
 #define SHEARD_READER_SCRATCH_H
 
+#include "shear/error.h"
+#include "shear/input.h"
+
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-#include "shear/error.h"
-#include "shear/input.h"
 
 typedef struct scratch {
     int fds[SHEAR_N_PARTS]; /* -1: none */

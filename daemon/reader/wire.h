@@ -7,10 +7,10 @@
 #ifndef SHEARD_READER_WIRE_H
 #define SHEARD_READER_WIRE_H
 
-#include <stdint.h>
-
 #include "shear/error.h"
 #include "shear/field.h"
+
+#include <stdint.h>
 
 /* Descriptors of the child, fixed by the daemon before exec: a field file, or each part that there
  * is at READER_FD_FILE + enum shear_part. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/accept.h"
 
-#include <stdlib.h>
-
 #include "server/connection_loop.h"
 #include "server/internal.h"
+
+#include <stdlib.h>
 
 bool accept_init(server *s) {
     static const char *const texts[N_REFUSALS] = {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sockets that systemd has opened for us: descriptors from 3 on, as sd_listen_fds(3) says. */
+#include "server/server.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include "server/server.h"
 
 enum { FIRST_FD = 3 };
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/connection.h"
 
+#include "server/internal.h"
+#include "server/lifetime.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "server/internal.h"
-#include "server/lifetime.h"
 
 /* At once. */
 enum { WRITE_LINES = 32, WRITE_BYTES = 1 << 18 };

@@ -4,13 +4,13 @@
 #ifndef SHEARD_SERVER_CONNECTION_H
 #define SHEARD_SERVER_CONNECTION_H
 
-#include <sys/queue.h>
-
 #include "server/open_requests.h"
 #include "server/out_queue.h"
 #include "server/server.h"
 #include "server/subscriptions.h"
 #include "sheard/frame.h"
+
+#include <sys/queue.h>
 
 typedef struct connection connection;
 struct server_user;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/connection_loop.h"
 
+#include "server/dispatch.h"
+#include "server/internal.h"
+
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "server/dispatch.h"
-#include "server/internal.h"
 
 /* What may be queued before it is written, so that short replies go together. */
 enum { WRITE_SOON = 1 << 14 };

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/connection_table.h"
 
-#include <assert.h>
-
 #include "base/array.h"
 #include "server/internal.h"
+
+#include <assert.h>
 
 connection *connection_table_find(const server *s, uint64_t id) {
     const size_t slot = id % CONNECTION_SLOTS;

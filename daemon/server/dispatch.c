@@ -27,27 +27,34 @@ static int admit(connection *c, const sheard_request *request, uint64_t *number,
                                "this connection has %zu requests that wait for jobs", limit);
     }
     *number = open_requests_add(&c->open, request);
-    return *number ? SHEARD_RPC_OK
-                   : sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
-                                     "out of memory for a request");
+    return *number != 0 ? SHEARD_RPC_OK
+                        : sheard_rpc_fail(error, SHEARD_RPC_OUT_OF_MEMORY, NULL,
+                                          "out of memory for a request");
 }
 
-static void dispatch_request(connection *c, const char *line, size_t n) {
+static int dispatch_request(connection *c, sheard_request *request, const char *line, size_t n,
+                            sheard_rpc_error *error) {
     server *s = c->server;
+    uint64_t number = 0;
+    int rc = sheard_request_parse(request, line, n, s->has_defaults ? &s->defaults : NULL, error);
+    if (rc != SHEARD_RPC_OK) {
+        return rc;
+    }
+    s->statistics.requests[request->method]++;
+    rc = admit(c, request, &number, error);
+    if (rc != SHEARD_RPC_OK) {
+        return rc;
+    }
+    const server_request given = {.handle = {c->id, number}, .peer = &c->peer, .request = request};
+    s->handlers.request(s->handlers.context, &given);
+    return SHEARD_RPC_OK;
+}
+
+static void handle_line(connection *c, const char *line, size_t n) {
     sheard_request request;
     sheard_rpc_error error;
-    uint64_t number = 0;
-    int rc = sheard_request_parse(&request, line, n, s->has_defaults ? &s->defaults : NULL, &error);
-    if (rc == SHEARD_RPC_OK) {
-        s->statistics.requests[request.method]++;
-        rc = admit(c, &request, &number, &error);
-    }
-    if (rc != SHEARD_RPC_OK) {
+    if (dispatch_request(c, &request, line, n, &error) != SHEARD_RPC_OK) {
         connection_send_error(c, &request.id, &error);
-    } else {
-        const server_request given = {
-            .handle = {c->id, number}, .peer = &c->peer, .request = &request};
-        s->handlers.request(s->handlers.context, &given);
     }
     sheard_request_deinit(&request);
 }
@@ -55,7 +62,7 @@ static void dispatch_request(connection *c, const char *line, size_t n) {
 static void handle_event(connection *c, enum sheard_frame_event event, const char *line, size_t n) {
     switch (event) {
     case SHEARD_FRAME_LINE:
-        dispatch_request(c, line, n);
+        handle_line(c, line, n);
         break;
     case SHEARD_FRAME_NUL:
         send_line_error(c, SHEARD_RPC_NUL_BYTE, "there is a NUL byte in the line");

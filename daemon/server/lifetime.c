@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/lifetime.h"
 
+#include "server/internal.h"
+
 #include <assert.h>
 #include <stdlib.h>
-
-#include "server/internal.h"
 
 void lifetime_free(server *s) {
     assert(s->handles == 0);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/open_requests.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/array.h"
 
 static void request_free(open_request *r) {
     if (r->work.drop != NULL) {

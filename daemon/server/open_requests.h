@@ -3,9 +3,9 @@
 #ifndef SERVER_OPEN_REQUESTS_H
 #define SERVER_OPEN_REQUESTS_H
 
-#include <sys/queue.h>
-
 #include "server/server.h"
+
+#include <sys/queue.h>
 
 typedef struct open_request {
     uint64_t number;

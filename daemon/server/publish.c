@@ -33,10 +33,11 @@ int server_subscribe(server *s, uint64_t connection_id, const sheard_msg_subscri
         return is_gone(error);
     }
     const int rc = subscriptions_add(&c->subscriptions, what, s->limits.subscriptions, error);
-    if (rc == SHEARD_RPC_OK) {
-        note_change(c, now);
+    if (rc != SHEARD_RPC_OK) {
+        return rc;
     }
-    return rc;
+    note_change(c, now);
+    return SHEARD_RPC_OK;
 }
 
 int server_unsubscribe(server *s, uint64_t connection_id, const sheard_msg_subscribe *what,

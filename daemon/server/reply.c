@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Replies, and the work that they take. */
-#include <stdlib.h>
-
 #include "server/internal.h"
+
+#include <stdlib.h>
 
 /* The open request of a handle, and its connection; NULL: there is nobody to answer. */
 static open_request *find(const server *s, server_handle handle, connection **c) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/scheduler.h"
 
-#include <assert.h>
-
 #include "base/clock.h"
 #include "server/internal.h"
+
+#include <assert.h>
 
 enum { ACCEPTS = 32 /* in a slice */ };
 

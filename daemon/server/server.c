@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/server.h"
 
-#include <signal.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 #include "server/accept.h"
 #include "server/connection_loop.h"
 #include "server/internal.h"
 #include "server/lifetime.h"
 #include "server/limits.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 enum { BACKLOG = 4096, MAX_TICK_MS = 1000 };
 

@@ -41,14 +41,14 @@
 #ifndef SHEARD_SERVER_H
 #define SHEARD_SERVER_H
 
+#include "access/access.h"
+#include "sheard/rpc.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/types.h>
 #include <uv.h>
-
-#include "access/access.h"
-#include "sheard/rpc.h"
 
 typedef struct server server;
 

@@ -4,9 +4,9 @@
 #ifndef SHEARD_SERVER_SOCKET_FILE_H
 #define SHEARD_SERVER_SOCKET_FILE_H
 
-#include <sys/types.h>
-
 #include "shear/error.h"
+
+#include <sys/types.h>
 
 typedef struct socket_file {
     char *path, *lock_path; /* NULL: there is no file */

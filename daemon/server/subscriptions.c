@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/subscriptions.h"
 
+#include "base/array.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/array.h"
 
 static int compare_jobs(const void *a, const void *b) {
     const int64_t x = *(const int64_t *)a;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/users.h"
 
+#include "base/array.h"
+
 #include <assert.h>
 #include <stdlib.h>
-
-#include "base/array.h"
 
 /* ---- who is there ---- */
 

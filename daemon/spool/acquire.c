@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/acquire.h"
 
-#include <errno.h>
-#include <string.h>
-
 #include "base/clock.h"
 #include "spool/examine.h"
 #include "spool/internal.h"
 #include "spool/report.h"
+
+#include <errno.h>
+#include <string.h>
 
 enum { RETRY_MS = 1000 }; /* after a file could not be acquired */
 

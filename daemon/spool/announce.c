@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/announce.h"
 
-#include <errno.h>
-#include <string.h>
-
 #include "base/cleanup.h"
 #include "spool/internal.h"
 #include "spool/report.h"
+
+#include <errno.h>
+#include <string.h>
 
 static void announce(spool *s, const char *active_name, bool again) {
     char key[SPOOL_KEY_SIZE];

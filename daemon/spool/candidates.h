@@ -4,12 +4,12 @@
 #ifndef SHEARD_SPOOL_CANDIDATES_H
 #define SHEARD_SPOOL_CANDIDATES_H
 
+#include "spool/fingerprint.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/queue.h>
-
-#include "spool/fingerprint.h"
 
 enum candidate_state {
     CANDIDATE_SETTLING, /* to stand still for a while; queue by since_ms */

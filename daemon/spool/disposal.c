@@ -6,15 +6,15 @@
  *     done/
  *     move the file; fsync of both
  *     remove the undo log */
-#include <errno.h>
-#include <fcntl.h>
-#include <string.h>
-#include <unistd.h>
-
 #include "base/io.h"
 #include "spool/internal.h"
 #include "spool/place.h"
 #include "spool/undo_log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <unistd.h>
 
 typedef struct disposal {
     const char *active_name;

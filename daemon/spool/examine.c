@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/examine.h"
 
-#include <assert.h>
-#include <errno.h>
-#include <stdio.h>
-
 #include "base/clock.h"
 #include "spool/internal.h"
 #include "spool/report.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <stdio.h>
 
 /* Reasons to ignore a file: the status of its name, and these. */
 enum reason { IS_LINK = NAME_N_STATUSES, IS_DIRECTORY, IS_PIPE, IS_OTHER, UNREADABLE, N_REASONS };

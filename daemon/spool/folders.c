@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/folders.h"
 
+#include "spool/spool.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -9,8 +11,6 @@
 #include <string.h>
 #include <sys/file.h>
 #include <unistd.h>
-
-#include "spool/spool.h"
 
 static const struct {
     const char *name;
@@ -179,26 +179,34 @@ static int check_root(const folders *f, shear_error *err) {
     return SHEAR_OK;
 }
 
+static bool is_current(const folders *f, enum folder folder) {
+    struct stat held;
+    struct stat named;
+    return fstat(f->fd[folder], &held) == 0 &&
+           fstatat(f->root, layout[folder].name, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+           same_file(&held, &named);
+}
+
 int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
     *incoming_changed = false;
     int code = check_root(f, err);
-    for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++) {
-        struct stat held;
-        struct stat named;
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    for (enum folder i = INCOMING; i < N_FOLDERS; i++) {
         int fd = -1;
-        if (fstat(f->fd[i], &held) == 0 &&
-            fstatat(f->root, layout[i].name, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
-            same_file(&held, &named)) {
+        if (is_current(f, i)) {
             continue;
         }
         code = open_folder(f, i, &fd, err);
-        if (code == SHEAR_OK) {
-            close(f->fd[i]);
-            f->fd[i] = fd;
-            *incoming_changed |= i == INCOMING;
+        if (code != SHEAR_OK) {
+            return code;
         }
+        close(f->fd[i]);
+        f->fd[i] = fd;
+        *incoming_changed |= i == INCOMING;
     }
-    return code;
+    return SHEAR_OK;
 }
 
 int folder_move(const folders *f, enum folder from, const char *name, enum folder to,

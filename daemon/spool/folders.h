@@ -4,11 +4,11 @@
 #ifndef SHEARD_SPOOL_FOLDERS_H
 #define SHEARD_SPOOL_FOLDERS_H
 
+#include "shear/error.h"
+
 #include <dirent.h>
 #include <stdbool.h>
 #include <sys/stat.h>
-
-#include "shear/error.h"
 
 enum folder { INCOMING, ACTIVE, DONE, FAILED, N_FOLDERS };
 

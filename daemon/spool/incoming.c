@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/incoming.h"
 
-#include <errno.h>
-#include <string.h>
-
 #include "base/clock.h"
 #include "spool/examine.h"
 #include "spool/internal.h"
 #include "spool/report.h"
+
+#include <errno.h>
+#include <string.h>
 
 /* NULL where it is passed over, or memory is out: then a later scan finds it. */
 static candidate *find_or_add(spool *s, const char *name) {

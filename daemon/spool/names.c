@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/names.h"
 
+#include "base/clock.h"
+#include "base/text.h"
+#include "base/utf8.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/random.h>
-
-#include "base/clock.h"
-#include "base/text.h"
-#include "base/utf8.h"
 
 /* The extension, in upper or lower case, or NULL where the name has none that is taken. */
 static const char *extension_of(const char *name) {

@@ -4,9 +4,9 @@
 #ifndef SHEARD_SPOOL_NAMES_H
 #define SHEARD_SPOOL_NAMES_H
 
-#include <limits.h>
-
 #include "spool/spool.h"
+
+#include <limits.h>
 
 enum name_status {
     NAME_GOOD,

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/place.h"
 
+#include "base/cleanup.h"
+#include "base/io.h"
+#include "spool/internal.h"
+
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/cleanup.h"
-#include "base/io.h"
-#include "spool/internal.h"
 
 void place_fingerprint(const struct stat *st, char out[SPOOL_FINGERPRINT_SIZE]) {
     snprintf(out, SPOOL_FINGERPRINT_SIZE, "%" PRId64 " %" PRId64 ".%09ld", (int64_t)st->st_size,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/report.h"
 
+#include "spool/internal.h"
+
 #include <stdarg.h>
 #include <stdio.h>
-
-#include "spool/internal.h"
 
 void report_line(const spool *s, enum spool_level level, const char *format, ...) {
     char text[1024];

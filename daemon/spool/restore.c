@@ -7,13 +7,13 @@
  *
  * The last fsync keeps a link that is gone from coming back with the power: by then another file
  * may lie at failed/NAME, with a report of its own. */
-#include <errno.h>
-#include <string.h>
-#include <unistd.h>
-
 #include "spool/internal.h"
 #include "spool/place.h"
 #include "spool/undo_log.h"
+
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
 
 static int check_same(const spool *s, enum folder folder, const char *name,
                       const spool_place *place, shear_error *err) {

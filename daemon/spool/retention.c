@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/retention.h"
 
+#include "base/array.h"
+#include "spool/internal.h"
+#include "spool/report.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "base/array.h"
-#include "spool/internal.h"
-#include "spool/report.h"
 
 static const int64_t ns_per_s = 1000000000;
 static const int64_t ns_per_ms = 1000000;

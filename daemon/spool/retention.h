@@ -4,14 +4,14 @@
 #ifndef SHEARD_SPOOL_RETENTION_H
 #define SHEARD_SPOOL_RETENTION_H
 
+#include "spool/folders.h"
+#include "spool/spool.h"
+
 #include <dirent.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <sys/types.h>
-
-#include "spool/folders.h"
-#include "spool/spool.h"
 
 /* A file, with its report where there is one. */
 typedef struct ended_file {

@@ -2,13 +2,6 @@
 /* Opening, closing, and what is done when the timer or inotify wakes the spool. */
 #include "spool/spool.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 #include "base/cleanup.h"
 #include "base/clock.h"
 #include "spool/acquire.h"
@@ -17,6 +10,13 @@
 #include "spool/internal.h"
 #include "spool/report.h"
 #include "spool/undo_log.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 static int64_t wall_clock_ms(void *nothing) {
     (void)nothing;

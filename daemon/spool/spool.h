@@ -27,12 +27,12 @@
 #ifndef SHEARD_SPOOL_H
 #define SHEARD_SPOOL_H
 
+#include "shear/error.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 #include <sys/types.h>
 #include <uv.h>
-
-#include "shear/error.h"
 
 enum spool_code {
     SPOOL_LOCKED = 100, /* another process owns this spool */

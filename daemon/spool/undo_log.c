@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/undo_log.h"
 
+#include "base/cleanup.h"
+#include "base/text.h"
+
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "base/cleanup.h"
-#include "base/text.h"
 
 static const char undo_suffix[] = ".end";
 static const char temporary_suffix[] = ".tmp";

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "spool/watch.h"
 
+#include "spool/folders.h"
+
 #include <errno.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -9,8 +11,6 @@
 #include <string.h>
 #include <sys/inotify.h>
 #include <unistd.h>
-
-#include "spool/folders.h"
 
 static const uint32_t of_directory =
     IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE | IN_DELETE | IN_MOVED_FROM | IN_ONLYDIR;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Is the database sound, and does what it says agree? These read everything: not for every day. */
-#include <math.h>
-#include <string.h>
-
 #include "store/query.h"
 #include "store/sums_text.h"
+
+#include <math.h>
+#include <string.h>
 
 static const char damaged[] = "stop the service and restore the database from a copy";
 
@@ -115,14 +115,19 @@ static int join_contributions(store *s, int64_t field, char **text, shear_error 
     }
     CLEANUP(query_end) query q = query_once(s, sql, sql);
     query_int(&q, field);
-    code = query_step(&q, &row, err);
-    while (row && code == SHEAR_OK) {
+    for (;;) {
+        code = query_step(&q, &row, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+        if (!row) {
+            return shear_field_sums_format(sums, text, err);
+        }
         code = add_row(s, &q, sums, err);
-        if (code == SHEAR_OK) {
-            code = query_step(&q, &row, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
     }
-    return code != SHEAR_OK ? code : shear_field_sums_format(sums, text, err);
 }
 
 /* The packed sums as text of the present version: what was counted once may be of an older one. */
@@ -141,28 +146,33 @@ static int audit_field(store *s, int64_t field, const char *name, const char *pa
         return code;
     }
     code = read_packed(packed, &kept, err);
-    if (code == SHEAR_OK && strcmp(joined, kept) != 0) {
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (strcmp(joined, kept) != 0) {
         return shear_fail(err, SHEAR_E_FORMAT, damaged,
                           "%s: the sums of field '%s' are not those of its contributions", s->path,
                           name);
     }
-    return code;
+    return SHEAR_OK;
 }
 
 static int audit_fields(store *s, shear_error *err) {
     static const char sql[] = "SELECT id, name, sums FROM fields";
     bool row = false;
     CLEANUP(query_end) query q = query_once(s, sql, sql);
-    int code = query_step(&q, &row, err);
-    while (row && code == SHEAR_OK) {
+    for (;;) {
+        int code = query_step(&q, &row, err);
+        if (!row) {
+            return code;
+        }
         const int64_t id = query_get_int(&q);
         const char *name = query_peek_text(&q);
         code = audit_field(s, id, name, query_peek_text(&q), err);
-        if (code == SHEAR_OK) {
-            code = query_step(&q, &row, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
     }
-    return code;
 }
 
 int store_audit(store *s, shear_error *err) {

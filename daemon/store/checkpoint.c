@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sums of a running job so far. */
-#include <inttypes.h>
-
 #include "store/job.h"
 #include "store/operation.h"
 #include "store/sums_text.h"
 #include "store/terms.h"
+
+#include <inttypes.h>
 
 /* Refuse now what a resumed job could not go on with. */
 static int check_checkpoint(int64_t id, const store_progress *p, shear_error *err) {
@@ -48,9 +48,7 @@ int store_checkpoint_terms(store *s, int64_t id, const store_progress *progress,
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_begin(s, err);
-    return code != SHEAR_OK ? code
-                            : operation_end(s, write_checkpoint(s, id, progress, packed, err), err);
+    return OPERATION(s, write_checkpoint(s, id, progress, packed, err), err);
 }
 
 int store_checkpoint(store *s, int64_t id, int64_t next_block, const char *sums, shear_error *err) {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a field was joined from. */
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-
 #include "store/field_row.h"
 #include "store/page.h"
 #include "store/query.h"
 #include "store/sums_text.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
 
 void store_contribution_page_deinit(store_contribution_page *page) {
     for (size_t i = 0; i < page->n; i++) {
@@ -29,17 +29,17 @@ static void read_contribution(query *q, store_contribution *c) {
 }
 
 static int read_page(query *q, size_t limit, store_contribution_page *page, shear_error *err) {
-    bool row = false;
-    int code = query_step(q, &row, err);
-    while (row && code == SHEAR_OK && page->n < limit) {
+    for (;;) {
+        int code = query_step(q, &page->more, err);
+        if (!page->more || page->n == limit) {
+            return code;
+        }
         read_contribution(q, &page->items[page->n++]);
         code = query_got(q, err);
-        if (code == SHEAR_OK) {
-            code = query_step(q, &row, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
     }
-    page->more = row;
-    return code;
 }
 
 int store_contributions(store *s, const char *name, const char *settings_digest, int64_t after,
@@ -99,7 +99,7 @@ int store_field_truth(store *s, const char *name, const char *settings_digest, s
         return code;
     }
     code = end_of_truths(s, SQL_FIELD_GREATEST_TRUTH, field, greatest, &none, err);
-    if (code == SHEAR_OK && !none && least[0] == greatest[0] && least[1] == greatest[1]) {
+    if (!none && least[0] == greatest[0] && least[1] == greatest[1]) {
         *truth = (store_truth){true, least[0], least[1]};
     }
     return code;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/database.h"
 
+#include "base/cleanup.h"
+#include "store/schema.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "base/cleanup.h"
-#include "store/schema.h"
 
 int database_exec(sqlite3 *db, const char *path, const char *sql, shear_error *err) {
     const int rc = sqlite3_exec(db, sql, NULL, NULL, NULL);

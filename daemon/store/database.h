@@ -4,10 +4,10 @@
 #ifndef SHEARD_STORE_DATABASE_H
 #define SHEARD_STORE_DATABASE_H
 
-#include <sqlite3.h>
-
 #include "store/sql.h"
 #include "store/store.h"
+
+#include <sqlite3.h>
 
 struct store {
     int lock; /* descriptor (lock.h), held while the database is open; -1: none */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Fields as their readers see them. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "store/page.h"
 #include "store/query.h"
 #include "store/sums_text.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 static void deinit(store_field *f) {
     free(f->name);
@@ -76,11 +76,11 @@ static int get_by_name(store *s, const char *name, store_field_page *page, shear
     query pending = query_on(s, SQL_FIELD_PENDING);
     query_text(&pending, name);
     code = query_number(&pending, 0, &page->unfinished, err);
-    if (code == SHEAR_OK && page->n == 0 && page->unfinished == 0) {
-        return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names",
-                          "there is no field '%.*s'", STORE_FIELD_MAX, name);
+    if (code != SHEAR_OK || page->n > 0 || page->unfinished > 0) {
+        return code;
     }
-    return code;
+    return shear_fail(err, STORE_NOT_FOUND, "list the fields to see their names",
+                      "there is no field '%.*s'", STORE_FIELD_MAX, name);
 }
 
 int store_field_get(store *s, const char *name, store_field_page *page, shear_error *err) {

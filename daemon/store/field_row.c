@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/field_row.h"
 
+#include "store/query.h"
+
 #include <math.h>
 #include <stdlib.h>
-
-#include "store/query.h"
 
 int field_row_get(store *s, const char *name, const char *settings_digest, field_row *field,
                   shear_error *err) {

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A job's end: it and its contribution to its field in one operation. */
-#include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-
 #include "store/field_row.h"
 #include "store/identity.h"
 #include "store/job.h"
 #include "store/operation.h"
 #include "store/sums_text.h"
 #include "store/terms.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
 
 /* A job's sums in the three forms that are needed. */
 typedef struct job_sums {
@@ -208,11 +208,7 @@ int store_finish(store *s, int64_t id, const store_work *work, store_finished *e
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, finish(s, id, work, &j, end, err), err);
+    code = OPERATION(s, finish(s, id, work, &j, end, err), err);
     if (code != SHEAR_OK) {
         *end = (store_finished){0};
     }

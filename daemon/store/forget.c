@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How a whole field is taken back: its rows at once, in one operation that tells the contributions
  * to go; then these, one by one, for there may be very many. */
+#include "store/operation.h"
+#include "store/query.h"
+
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "store/operation.h"
-#include "store/query.h"
 
 typedef struct forgotten_row {
     int64_t id; /* 0: there is none */
@@ -103,11 +103,7 @@ static int forget(store *s, const char *name, const char *wanted, store_forgotte
 int store_forget(store *s, const char *name, const char *settings_digest, store_forgotten *out,
                  shear_error *err) {
     *out = (store_forgotten){0};
-    int code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, forget(s, name, settings_digest, out, err), err);
+    const int code = OPERATION(s, forget(s, name, settings_digest, out, err), err);
     if (code != SHEAR_OK) {
         *out = (store_forgotten){0};
     }
@@ -149,18 +145,16 @@ static int remove_contribution(store *s, const store_removal *removal, bool cata
         return query_run_id(s, SQL_FORGOTTEN_DROP, removal->forgotten, err);
     }
     int code = query_run_id(s, SQL_CONTRIBUTION_DROP, removal->contribution, err);
-    if (code == SHEAR_OK && removal->kept) {
-        code = query_run_id(s, SQL_JOB_RETRACT, removal->job, err);
+    if (code != SHEAR_OK || !removal->kept) {
+        return code;
     }
-    if (code == SHEAR_OK && removal->catalog != NULL && catalog_gone) {
-        code = query_run_id(s, SQL_CATALOG_GONE, removal->job, err);
+    code = query_run_id(s, SQL_JOB_RETRACT, removal->job, err);
+    if (code != SHEAR_OK || removal->catalog == NULL || !catalog_gone) {
+        return code;
     }
-    return code;
+    return query_run_id(s, SQL_CATALOG_GONE, removal->job, err);
 }
 
 int store_remove(store *s, const store_removal *removal, bool catalog_gone, shear_error *err) {
-    const int code = operation_begin(s, err);
-    return code != SHEAR_OK
-               ? code
-               : operation_end(s, remove_contribution(s, removal, catalog_gone, err), err);
+    return OPERATION(s, remove_contribution(s, removal, catalog_gone, err), err);
 }

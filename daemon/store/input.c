@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a running job finds in its input. */
-#include <string.h>
-
 #include "store/identity.h"
 #include "store/job.h"
 #include "store/operation.h"
+
+#include <string.h>
 
 static int write_input(store *s, int64_t id, const store_input *input, shear_error *err) {
     query q = query_on(s, SQL_JOB_SET_INPUT);
@@ -57,11 +57,7 @@ int store_set_input(store *s, int64_t id, const store_input *input, int64_t *dup
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, set_input(s, id, input, duplicate_of, err), err);
+    code = OPERATION(s, set_input(s, id, input, duplicate_of, err), err);
     *duplicate_of = code == SHEAR_OK ? *duplicate_of : 0;
     return code;
 }

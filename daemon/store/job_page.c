@@ -2,10 +2,10 @@
 /* Pages of jobs. Each filter has an index that begins with it, goes on with the state and ends in
  * the id. So a page is the head of at most six ranges, one a state, merged: never more than six
  * pages of ids are read, however many jobs there are. */
-#include <stdlib.h>
-
 #include "store/page.h"
 #include "store/query.h"
+
+#include <stdlib.h>
 
 enum { IDS_MAX = STORE_N_STATES * (STORE_PAGE_MAX + 1) };
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A job as its readers see it, and its attempts. */
+#include "store/query.h"
+
 #include <inttypes.h>
 #include <stdlib.h>
-
-#include "store/query.h"
 
 static void read_numbers(query *q, store_job *job) {
     job->id = query_get_int(q);
@@ -123,15 +123,17 @@ static int read_attempts(store *s, int64_t id, store_attempts *list, shear_error
     bool row = false;
     CLEANUP(query_end) query q = query_on(s, SQL_ATTEMPTS);
     query_int(&q, id);
-    int code = query_step(&q, &row, err);
-    while (row && code == SHEAR_OK && list->n < STORE_ATTEMPTS_KEPT) {
+    for (;;) {
+        int code = query_step(&q, &row, err);
+        if (!row || list->n == STORE_ATTEMPTS_KEPT) {
+            return code;
+        }
         read_attempt(&q, &list->attempts[list->n++]);
         code = query_got(&q, err);
-        if (code == SHEAR_OK) {
-            code = query_step(&q, &row, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
     }
-    return code;
 }
 
 int store_attempts_get(store *s, int64_t id, store_attempts *list, shear_error *err) {

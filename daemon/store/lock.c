@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/lock.h"
 
+#include "store/store.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -8,8 +10,6 @@
 #include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
-
-#include "store/store.h"
 
 enum { TRY_EVERY_MS = 10 };
 

@@ -87,11 +87,7 @@ static int retire(store *s, const store_retention *rule, int64_t *gone, shear_er
 
 int store_retire(store *s, const store_retention *rule, int64_t *retired, shear_error *err) {
     *retired = 0;
-    int code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, retire(s, rule, retired, err), err);
+    const int code = OPERATION(s, retire(s, rule, retired, err), err);
     *retired = code == SHEAR_OK ? *retired : 0;
     return code;
 }

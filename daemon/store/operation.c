@@ -59,16 +59,14 @@ static void undo_in_group(store *s, int code) {
 }
 
 int operation_end(store *s, int code, shear_error *err) {
-    if (!s->in_group) {
-        if (code == SHEAR_OK) {
-            return commit(s, err);
-        }
+    if (!s->in_group && code != SHEAR_OK) {
         roll_back(s);
         return code;
     }
-    if (code == SHEAR_OK) {
-        code = run(s, SQL_RELEASE, err);
+    if (!s->in_group) {
+        return commit(s, err);
     }
+    code = code != SHEAR_OK ? code : run(s, SQL_RELEASE, err);
     if (code != SHEAR_OK) {
         undo_in_group(s, code);
     }

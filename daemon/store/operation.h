@@ -11,4 +11,12 @@ int operation_begin(store *s, shear_error *err);
  * Returns `code`, or why it could not be kept. */
 int operation_end(store *s, int code, shear_error *err);
 
+/* The work, an expression that is an error code, as one operation. The code of that, or why it
+ * could not begin or be kept. */
+#define OPERATION(s, work, err)                                                                    \
+    __extension__({                                                                                \
+        const int operation_begun_ = operation_begin((s), (err));                                  \
+        operation_begun_ != SHEAR_OK ? operation_begun_ : operation_end((s), (work), (err));       \
+    })
+
 #endif

@@ -41,11 +41,7 @@ static int next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
 
 int store_next(store *s, int64_t now_ms, store_job *job, shear_error *err) {
     *job = (store_job){0};
-    int code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, next(s, now_ms, job, err), err);
+    const int code = OPERATION(s, next(s, now_ms, job, err), err);
     if (code != SHEAR_OK) {
         store_job_deinit(job);
     }
@@ -63,8 +59,7 @@ static int set_clock(store *s, const store_clock *c, shear_error *err) {
 }
 
 int store_set_clock(store *s, const store_clock *clock, shear_error *err) {
-    const int code = operation_begin(s, err);
-    return code != SHEAR_OK ? code : operation_end(s, set_clock(s, clock, err), err);
+    return OPERATION(s, set_clock(s, clock, err), err);
 }
 
 static void copy_text(char *to, size_t size, query *q) {
@@ -90,15 +85,15 @@ int store_waiting_reasons(store *s, store_waiting *reasons, size_t capacity, siz
     return code;
 }
 
-int store_retry_waiting(store *s, const char *failure, int64_t now_ms, shear_error *err) {
-    const int code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
+static int retry_waiting(store *s, const char *failure, int64_t now_ms, shear_error *err) {
     query q = query_on(s, SQL_RETRY_WAITING);
     query_int(&q, now_ms);
     query_text(&q, failure);
-    return operation_end(s, query_run(&q, err), err);
+    return query_run(&q, err);
+}
+
+int store_retry_waiting(store *s, const char *failure, int64_t now_ms, shear_error *err) {
+    return OPERATION(s, retry_waiting(s, failure, now_ms, err), err);
 }
 
 static int check_failure(const store_failure *f, shear_error *err) {
@@ -147,8 +142,8 @@ static int fail(store *s, int64_t id, const store_failure *f, enum store_state *
     return query_run_id(s, SQL_CHECKPOINT_DROP, id, err);
 }
 
-static int end_with_state(store *s, int code, enum store_state *state, shear_error *err) {
-    code = operation_end(s, code, err);
+/* Nothing is told where nothing has happened. */
+static int keep_state(int code, enum store_state *state) {
     *state = code == SHEAR_OK ? *state : STORE_QUEUED;
     return code;
 }
@@ -156,23 +151,16 @@ static int end_with_state(store *s, int code, enum store_state *state, shear_err
 int store_fail(store *s, int64_t id, const store_failure *failure, enum store_state *state,
                shear_error *err) {
     *state = STORE_QUEUED;
-    int code = check_failure(failure, err);
+    const int code = check_failure(failure, err);
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_begin(s, err);
-    return code != SHEAR_OK ? code
-                            : end_with_state(s, fail(s, id, failure, state, err), state, err);
+    return keep_state(OPERATION(s, fail(s, id, failure, state, err), err), state);
 }
 
 int store_release(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
-    *state = STORE_QUEUED;
-    const int code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    const int done = job_put_back(s, id, STORE_ATTEMPT_RELEASED, now_ms, state, err);
-    return end_with_state(s, done, state, err);
+    return keep_state(
+        OPERATION(s, job_put_back(s, id, STORE_ATTEMPT_RELEASED, now_ms, state, err), err), state);
 }
 
 static int cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
@@ -198,8 +186,5 @@ static int cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state,
 }
 
 int store_cancel(store *s, int64_t id, int64_t now_ms, enum store_state *state, shear_error *err) {
-    *state = STORE_QUEUED;
-    const int code = operation_begin(s, err);
-    return code != SHEAR_OK ? code
-                            : end_with_state(s, cancel(s, id, now_ms, state, err), state, err);
+    return keep_state(OPERATION(s, cancel(s, id, now_ms, state, err), err), state);
 }

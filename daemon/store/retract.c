@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How what was counted is taken back: exactly, for the sums are integers. */
-#include <inttypes.h>
-#include <stdlib.h>
-
 #include "store/field_row.h"
 #include "store/operation.h"
 #include "store/query.h"
 #include "store/sums_text.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
 
 typedef struct counted {
     int64_t id, field;
@@ -126,8 +126,7 @@ static int retract(store *s, int64_t id, shear_error *err) {
 }
 
 int store_retract(store *s, int64_t id, shear_error *err) {
-    const int code = operation_begin(s, err);
-    return code != SHEAR_OK ? code : operation_end(s, retract(s, id, err), err);
+    return OPERATION(s, retract(s, id, err), err);
 }
 
 /* ---- catalogs that are to go ---- */
@@ -150,7 +149,5 @@ int store_next_leftover(store *s, int64_t after, int64_t *id, char **path, shear
 }
 
 int store_catalog_gone(store *s, int64_t id, shear_error *err) {
-    const int code = operation_begin(s, err);
-    return code != SHEAR_OK ? code
-                            : operation_end(s, query_run_id(s, SQL_CATALOG_GONE, id, err), err);
+    return OPERATION(s, query_run_id(s, SQL_CATALOG_GONE, id, err), err);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <errno.h>
-#include <string.h>
-
 #include "store/database.h"
 #include "store/lock.h"
+
+#include <errno.h>
+#include <string.h>
 
 static const char full_advice[] = "make room on the file system of the state directory";
 static const char retry_advice[] = "see that the state directory is there, writable and sound; the "

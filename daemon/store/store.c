@@ -2,16 +2,16 @@
 /* Opening and closing. */
 #include "store/store.h"
 
-#include <assert.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 #include "store/job.h"
 #include "store/lock.h"
 #include "store/operation.h"
 #include "store/query.h"
 #include "store/schema.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 static void close_failed(store **s) {
     store_close(*s);
@@ -81,8 +81,7 @@ static int requeue_running(store *s, int64_t now_ms, shear_error *err) {
 }
 
 static int recover(store *s, int64_t now_ms, shear_error *err) {
-    const int code = operation_begin(s, err);
-    return code != SHEAR_OK ? code : operation_end(s, requeue_running(s, now_ms, err), err);
+    return OPERATION(s, requeue_running(s, now_ms, err), err);
 }
 
 static int open_database(store *s, const store_options *options, int64_t now_ms, shear_error *err) {

@@ -40,12 +40,12 @@
 #ifndef SHEARD_STORE_H
 #define SHEARD_STORE_H
 
+#include "shear/error.h"
+#include "shear/symmetry.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-#include "shear/error.h"
-#include "shear/symmetry.h"
 
 enum store_code {
     STORE_QUEUE_FULL = 100, /* as many unfinished jobs as the caller allows */

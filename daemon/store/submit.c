@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How a job comes in, and how it comes in again. */
-#include <inttypes.h>
-#include <string.h>
-
 #include "store/job.h"
 #include "store/operation.h"
+
+#include <inttypes.h>
+#include <string.h>
 
 static int check_spec(const store_spec *p, shear_error *err) {
     const text_rule rules[] = {
@@ -143,11 +143,7 @@ int store_submit(store *s, const store_spec *spec, int64_t max_unfinished, int64
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, submit(s, spec, max_unfinished, id, known, err), err);
+    code = OPERATION(s, submit(s, spec, max_unfinished, id, known, err), err);
     if (code != SHEAR_OK) {
         *id = 0;
         *known = false;
@@ -182,11 +178,7 @@ int store_find_dropped(store *s, uint32_t owner, const char *key, const char *dr
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_begin(s, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = operation_end(s, find_dropped(s, owner, key, dropped, id, err), err);
+    code = OPERATION(s, find_dropped(s, owner, key, dropped, id, err), err);
     *id = code == SHEAR_OK ? *id : 0;
     return code;
 }
@@ -208,9 +200,7 @@ int store_set_disposal(store *s, int64_t id, const char *place, const char *fing
     if (code != SHEAR_OK) {
         return code;
     }
-    code = operation_begin(s, err);
-    return code != SHEAR_OK ? code
-                            : operation_end(s, set_disposal(s, id, place, fingerprint, err), err);
+    return OPERATION(s, set_disposal(s, id, place, fingerprint, err), err);
 }
 
 static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
@@ -227,6 +217,5 @@ static int retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err)
 }
 
 int store_retry(store *s, int64_t id, int64_t max_unfinished, shear_error *err) {
-    const int code = operation_begin(s, err);
-    return code != SHEAR_OK ? code : operation_end(s, retry(s, id, max_unfinished, err), err);
+    return OPERATION(s, retry(s, id, max_unfinished, err), err);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/sums_text.h"
 
+#include "store/query.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "store/query.h"
 
 int sums_parse_given(shear_field_sums **sums, const char *text, shear_error *err) {
     const text_rule rule = {"sums", text, STORE_SUMS_MAX, false};

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/terms.h"
 
-#include <inttypes.h>
-#include <string.h>
-
 #include "store/field_row.h"
 #include "store/query.h"
+
+#include <inttypes.h>
+#include <string.h>
 
 /* Of a row of the database: far below SQLite's limit. */
 enum { PART_STAMPS = 1 << 14, PART_BYTES = PART_STAMPS * SHEAR_SYMMETRY_BYTES };
@@ -96,17 +96,24 @@ static int add_part(query *q, shear_symmetry *terms, shear_error *err) {
                                                : shear_symmetry_add_bytes(terms, bytes, size, err);
 }
 
+static int add_rows(query *q, shear_symmetry *terms, shear_error *err) {
+    for (;;) {
+        bool row = false;
+        int code = query_step(q, &row, err);
+        if (!row) {
+            return code;
+        }
+        code = add_part(q, terms, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
+    }
+}
+
 /* All rows of a query of blobs and their stamps' length, which has its parameters. */
 static int read_all(query *q, shear_symmetry *terms, shear_error *err) {
     const size_t before = shear_symmetry_count(terms);
-    bool row = false;
-    int code = query_step(q, &row, err);
-    while (code == SHEAR_OK && row) {
-        code = add_part(q, terms, err);
-        if (code == SHEAR_OK) {
-            code = query_step(q, &row, err);
-        }
-    }
+    const int code = add_rows(q, terms, err);
     query_end(q);
     if (code != SHEAR_OK) {
         shear_symmetry_truncate(terms, before);
