@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* clang-format off */
 /* server/server.h: the Unix stream socket that clients talk to. It turns bytes into requests and
  * replies into bytes (docs/protocol.md); what a request means is the owner's business. It knows no
  * SQL and no engine.
@@ -11,9 +10,9 @@
  * Time is given in slices of `slice_us`, after which the loop looks at its other events. In a
  * slice, the user (uid) who has had the least time lately comes first, then that user's connection
  * that has had the least: each has one request, or one step of the work of one (server_defer), done
- * at a time. So whoever asks for little is answered at once, whatever the others ask for.
- *
- * What a client may do to the others is bounded:
+ * at a time. So whoever asks for little is answered at once, whatever the others ask for. */
+/* clang-format off */
+/* What a client may do to the others is bounded:
  *   unread replies  a connection is not read from, and what it asked is not begun, before all that
  *                   was sent to it is in the socket's buffer. All connections together have
  *                   `unsent_bytes` for what is not, each user at most half: where that is used up,
