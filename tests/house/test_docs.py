@@ -67,6 +67,12 @@ class Docs(house.Case):
                 for name in spread(quoted):
                     self.assertTrue((house.ROOT / name).exists(), f"{document}: {name}")
 
+    def test_sources_that_documents_speak_of(self):
+        names = {os.path.basename(path) for path in EVERY}
+        for document in ["README.md", "CONTRIBUTING.md"] + TREE.files(".md", ".in", folders=("docs", "man", "validation")):
+            for name in re.findall(r"(?<![\w./<*-])[\w./-]*\w\.[ch]\b(?![\w(])", TREE.read(document)):
+                self.assertTrue("NAME" in name or os.path.basename(name) in names, f"{document}: {name}")
+
     def test_links_are_files(self):
         for document in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/architecture.md", "docs/glossary.md",
                          "docs/accuracy.md", "docs/choosing.md"):
