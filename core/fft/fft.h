@@ -37,7 +37,7 @@ fft_lanes fft_lanes_new(int n); /* zeros; re is NULL when memory is out */
 void fft_lanes_free(fft_lanes lanes);
 
 typedef struct fft_plan fft_plan;
-fft_plan *fft_plan_new(int n); /* n >= 2 numbers a line; NULL when memory is out */
+fft_plan *fft_plan_new(int n); /* n >= 2 numbers per line; NULL when memory is out */
 void fft_plan_free(fft_plan *plan);
 /* What a plan takes; of lengths that FFTW does, about. */
 size_t fft_plan_bytes(int n);

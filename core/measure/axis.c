@@ -11,8 +11,8 @@ static axis_weights linear_weights(double t) {
     return (axis_weights){.a = 1.0 - t, .b = t};
 }
 
-/* Cubic Hermite basis: what label A_bicubic and its derivatives at the cell's ends amount to in one
- * dimension. */
+/* Cubic Hermite basis: what eq. (15) of Zhang (2010) and its derivatives at the cell's ends amount
+ * to in one dimension. */
 static axis_weights hermite_weights(double t) {
     const double u = 1.0 - t;
     return (axis_weights){.a = (1.0 + 2.0 * t) * u * u,
@@ -21,7 +21,7 @@ static axis_weights hermite_weights(double t) {
                           .d = -t * t * u};
 }
 
-/* Label HKUV with unit spacing: a = H, b = K, c = U, d = V. */
+/* Zhang (2010), eq. (18), with unit spacing: a = H, b = K, c = U, d = V. */
 static axis_weights spline_weights(double t) {
     const double h = 1.0 - t;
     return (axis_weights){.a = h, .b = t, .c = (h * h * h - h) / 6.0, .d = (t * t * t - t) / 6.0};
@@ -80,7 +80,7 @@ void axis_deinit(axis *ax) {
     *ax = (axis){0};
 }
 
-/* Label dAdxdy: central differences, one-sided at the two ends. */
+/* Zhang (2010), eq. (14): central differences, one-sided at the two ends. */
 SHEAR_SIMD static void cubic_slopes(int n, const double *f, double *e, size_t stride, int lanes) {
     for (int i = 0; i < n; i++) {
         const double *before = f + (size_t)(i > 0 ? i - 1 : i) * stride;

@@ -3,10 +3,10 @@
  * with the paper's mixed derivative is a cubic Hermite interpolation along x, then along y; the 2-D
  * spline is defined that way.
  *
- * On the cell between grid points i and i+1, at t = 0, 1/s, ... (label tu),
+ * On the cell between grid points i and i+1, at t = 0, 1/s, ... (Zhang (2010), eq. (13)),
  *     f(t) = a(t) f_i + b(t) f_{i+1} + c(t) e_i + d(t) e_{i+1}
- * with e = nothing (linear), the first derivative (cubic, label dAdxdy) or the second (spline,
- * labels A_spline and HKUV). A grid of n points has n s fine points at 0, 1/s, ..., n - 1/s: the
+ * with e = nothing (linear), the first derivative (cubic, eq. (14)) or the second (spline,
+ * eqs. (17) and (18)). A grid of n points has n s fine points at 0, 1/s, ..., n - 1/s: the
  * last s-1 of them lie beyond the last grid point, in the cell that closes the period; there f is
  * linear between the last and the first point, so that a constant stays constant, the fine grid is
  * as symmetric as the stamp, and the DFT sees no jump of our making.

@@ -13,7 +13,7 @@ struct shear_field_sums {
     shear_influence top;
 };
 
-/* A stamp's moments for a unit of its noise's power at high k; zeros where there is none. */
+/* A stamp's moments for a unit of its noise's power at high k; zeros if there is no noise. */
 typedef struct noise_shape {
     double n1, n2, d, u, v;
 } noise_shape;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* measure/filter.h: the border filter (label window_noise) on a grid. */
+/* measure/filter.h: the border filter of Zhang (2010), section 4.2, on a grid. */
 #ifndef SHEAR_MEASURE_FILTER_H
 #define SHEAR_MEASURE_FILTER_H
 

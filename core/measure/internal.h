@@ -77,7 +77,7 @@ bool mode_groups_want(const shear_plan *plan, const transfer *t, int group);
 
 /* Both maps, empty; coarse only where it is another grid. False when memory is out. */
 bool plan_init_filters(filter_map *fine, filter_map *coarse, const shear_plan_info *info);
-/* Noise stamps a galaxy. */
+/* Noise stamps per galaxy. */
 static inline int noise_planes(const shear_stamps *stamps) {
     return stamps->noise_planes > 1 ? stamps->noise_planes : 1;
 }

@@ -31,7 +31,7 @@ void measure_choose_filter(const shear_plan *plan, shear_workspace *ws, const sh
     *coarse = one_grid ? &ws->fine : &ws->coarse;
 }
 
-/* The image that stamp i brings; NULL where there is none. */
+/* The image that stamp i brings; NULL if it is absent. */
 static const double *psf_of(const shear_plan *plan, const shear_stamps *stamps, int i) {
     const transfer_plan *p = &plan->transfer_plan;
     const int index = stamps->psf_index != NULL ? stamps->psf_index[i] : i;
@@ -101,7 +101,7 @@ static double removed_flux(const shear_plan *plan, const shear_workspace *ws,
 typedef struct stamp_pair {
     const double *galaxy, *noise;
     const filter_map *fine, *coarse;
-    const transfer *transfer; /* NULL where there is none, or the row is flagged already */
+    const transfer *transfer; /* NULL if it is absent, or the row is flagged already */
     photometry ph;
     bool packed;
     bool noisy; /* one of its noise stamps varies by more than rounding makes */

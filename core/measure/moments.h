@@ -4,8 +4,8 @@
  *
  * The galaxy g and the noise n are real, z = g + i n is transformed once, and
  *     Re[Z(k) Z(-k)] = |G(k)|^2 - |N(k)|^2
- * is the corrected power at once (label OSN3 mode by mode; all moments are even in k). Its
- * imaginary part is the cross spectrum 2 Re[G(k) N*(k)].
+ * is the corrected power at once (Zhang (2010), eq. (8), mode by mode; all moments are even in k).
+ * Its imaginary part is the cross spectrum 2 Re[G(k) N*(k)].
  */
 #ifndef SHEAR_MEASURE_MOMENTS_H
 #define SHEAR_MEASURE_MOMENTS_H

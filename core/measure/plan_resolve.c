@@ -5,12 +5,12 @@
 
 #include <math.h>
 
-/* A packed fine image of more points than this would need over a gigabyte a thread. */
+/* A packed fine image of more points than this would need over a gigabyte per thread. */
 static const double max_fine_points = 67108864.0;
-/* A PSF of this radius (in samples) is well sampled (METHOD section 1). */
+/* A PSF of this radius (in samples) is well sampled (docs/method.md, section 1). */
 static const double well_sampled_px = 1.0;
-/* Below it, what the pixels fold back on the modes is nothing under a target of this beta (METHOD
- * section 1). */
+/* Below it, what the pixels fold back on the modes is nothing under a target of this beta
+ * (docs/method.md, section 1). */
 static const double aliases_vanish_px = 1.2;
 /* Such a PSF leaves galaxies no power beyond 3/4 of Nyquist (docs/method.md, section 5). */
 static const double smooth_px = 1.3;

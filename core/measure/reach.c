@@ -14,7 +14,8 @@
 enum { TRIMMED = 64, FEWEST = 64, CORES_PER_PX = 4 };
 
 /* Part of the shear that the mean profile may lose. The moments are quadratic in the flux: large
- * and elongated galaxies lose more, of their mean up to 10 times as much (METHOD section 2). */
+ * and elongated galaxies lose more, of their mean up to 10 times as much (docs/method.md, section
+ * 2). */
 static const double most_lost = 1e-4;
 /* A ring this many errors above zero is seen ... */
 static const double seen = 4.0;

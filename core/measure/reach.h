@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* measure/reach.h: how far a file's galaxies reach, and the smallest filter that leaves them whole
- * (filter=auto; METHOD section 2). */
+ * (filter=auto; docs/method.md, section 2). */
 #ifndef SHEAR_MEASURE_REACH_H
 #define SHEAR_MEASURE_REACH_H
 

@@ -15,7 +15,7 @@ void row_fill_photometry(shear_row *row, const shear_stamps *st, const double *g
 void row_fill_cross(shear_row *row, const moments *m, double beta, double r_psf);
 /* The noise's own moments, and the power that galaxy and noise stamp have at high k. */
 void row_fill_noise(shear_row *row, const spectra *sp, const shear_plan *plan);
-/* METHOD steps 5 and 6, after the others: a row that no sum could hold is flagged. */
+/* docs/method.md, steps 5 and 6, after the others: a row that no sum could hold is flagged. */
 void row_fill_moments(shear_row *row, const moments *m, double beta);
 
 #endif

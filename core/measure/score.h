@@ -7,7 +7,7 @@
  * 1. A bin's response is how its n_i - n_-i falls from g - width to g + width. Of few stamps it is
  * noise for the most part. So their scores are not responses over variances, bin by bin, but the
  * curve a t + b t^2 that comes closest to them, t = (i + 1/2)/bins: two numbers are found from the
- * stamps instead of one a bin. More stamps have a third term, and many each bin for itself.
+ * stamps instead of one per bin. More stamps have a third term, and many each bin for itself.
  *
  * 2. A score that follows its own stamps' noise makes S(g) = sum_i score_i (n_i - n_-i) look as if
  * it fell faster than it does. So the slope of each group of stamps is taken with scores from all

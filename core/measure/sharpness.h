@@ -14,7 +14,7 @@ typedef struct sharpness {
     double leak;  /* what its fainter parts exceed that by, in units of its flux */
 } sharpness;
 
-/* Of a PSF image [ny][nx] with q samples a pixel. It need not be good (psf_check). Allocates
+/* Of a PSF image [ny][nx] with q samples per pixel. It need not be good (psf_check). Allocates
  * nothing. */
 sharpness sharpness_of(const double *psf, int nx, int ny, int q);
 

@@ -13,8 +13,8 @@ typedef struct spectra {
     double flux;             /* of the filtered pair */
 } spectra;
 
-/* METHOD step 4, of the pair that pack_pair has left in ws: the rows of modes that the transfer
- * lets through, and for the noise's power the others, too. */
+/* docs/method.md, step 4, of the pair that pack_pair has left in ws: the rows of modes that the
+ * transfer lets through, and for the noise's power the others, too. */
 spectra spectra_of(const shear_plan *plan, shear_workspace *ws, const transfer *t);
 
 /* Further noise stamps, two as a pair: `share` (1, or 1/2 of one that was taken twice) of their

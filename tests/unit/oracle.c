@@ -21,7 +21,7 @@ static bool is_log(enum shear_interpolation method) {
 /* ---- step 1: interpolation; -INFINITY is the logarithm of a zero
  * --------------------------------------- */
 
-/* First derivatives, label dAdxdy: central, one-sided at both ends. */
+/* First derivatives, eq. (14) of Zhang (2010): central, one-sided at both ends. */
 static void derivatives(int n, const double *f, double *e) {
     for (int i = 0; i < n; i++) {
         const int a = i > 0 ? i - 1 : 0;
@@ -58,7 +58,7 @@ static void second_derivatives(int n, const double *f, double *e) {
     free(m);
 }
 
-/* Labels A_bilinear, A_bicubic, A_spline in one dimension, at t between two points. */
+/* Eqs. (12), (15) and (17) in one dimension, at t between two points. */
 static double between(enum shear_interpolation method, double t, double f0, double f1, double e0,
                       double e1) {
     const double h = 1.0 - t;
@@ -300,8 +300,8 @@ static double psf_power(const shear_plan_info *info, const shear_settings *setti
     return cut;
 }
 
-/* P = T |F|^2 summed with the six weights; `sign` is that of the stamp in the difference of label
- * OSN3. */
+/* P = T |F|^2 summed with the six weights; `sign` is that of the stamp in the difference of
+ * eq. (8). */
 static void add_moments(shear_row *row, const shear_plan_info *info, const modes *power,
                         const modes *psf, double cut, double sign) {
     const double beta = info->beta_px;

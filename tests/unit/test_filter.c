@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Label window_noise on every point, and the bounding columns and rows of what is not zero. Values
- * below 1e-18 are zero. */
+/* The filter of Zhang (2010), section 4.2, on every point, and the bounding columns and rows of
+ * what is not zero. Values below 1e-18 are zero. */
 static void check_map(int nx, int ny, int s, double core, double width) {
     filter_map m;
     assert_true(filter_map_init(&m, nx, ny, s));

@@ -94,7 +94,7 @@ static shear_row minus(const shear_row *a, const shear_row *b) {
                        .d = a->d - b->d};
 }
 
-/* Label OSN3: the pair's moments are the galaxy's minus the noise's. */
+/* Zhang (2010), eq. (8): the pair's moments are the galaxy's minus the noise's. */
 static void test_noise_correction(void **state) {
     (void)state;
     for (int m = 0; m < PAIR_METHODS; m++) {

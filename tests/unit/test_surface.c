@@ -59,7 +59,7 @@ static void test_bilinear(void **state) {
     draw(a, NX * NY, 1);
     refine_good(a, NX, NY, SHEAR_INTERP_BILINEAR, S, 0, 0.0, fine);
     for (int y = 0; y < (NY - 1) * S; y++) {
-        for (int x = 0; x < (NX - 1) * S; x++) { /* label A_bilinear */
+        for (int x = 0; x < (NX - 1) * S; x++) { /* Zhang (2010), eq. (12) */
             const double t = (x % S) / (double)S;
             const double u = (y % S) / (double)S;
             const double *p = a + (y / S) * NX + x / S;
@@ -70,7 +70,7 @@ static void test_bilinear(void **state) {
     }
 }
 
-/* The estimates of label dAdxdy, one-sided at the borders: value, d/dx, d/dy, d2/dxdy at pixel (x,
+/* The estimates of eq. (14), one-sided at the borders: value, d/dx, d/dy, d2/dxdy at pixel (x,
  * y). */
 static void estimates(const double *a, int nx, int ny, int x, int y, double *out) {
     const int x0 = x > 0 ? x - 1 : x;
@@ -85,7 +85,7 @@ static void estimates(const double *a, int nx, int ny, int x, int y, double *out
 }
 
 /* The c_mn of one cell, row (m-1), column (n-1): t^(m-1) u^(n-1). They follow from the sixteen
- * conditions of labels A_bicubic and dAdxs in closed form: c = H F H^T, F the values and
+ * conditions of eqs. (15) and (16) in closed form: c = H F H^T, F the values and
  * derivatives at the four corners, H the cubic with given ends. */
 static void coefficients(const double *a, int nx, int ny, int x, int y, double c[4][4]) {
     static const double h[4][4] = {{1, 0, 0, 0}, {0, 0, 1, 0}, {-3, 3, -2, -1}, {2, -2, 1, 1}};

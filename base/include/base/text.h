@@ -26,8 +26,8 @@ bool text_list(char *buf, size_t size, const char *const *words);
 bool text_ends_with(const char *text, const char *end);
 
 /* The whole text as a decimal number, as strtoll and strtod read it (leading spaces and a sign may
- * be there). False, with *value unchanged, if it is none or beyond int64_t. A double may be
- * infinite or NaN. */
+ * be there). False, with *value unchanged, if it is no such number or beyond int64_t. A double may
+ * be infinite or NaN. */
 bool text_to_int64(const char *text, int64_t *value);
 bool text_to_double(const char *text, double *value);
 

@@ -124,7 +124,7 @@ int shear_catalog_resume(shear_catalog **catalog, const char *path, const shear_
     return SHEAR_OK;
 }
 
-/* First the rows, then the word that they are there: a file that was begun anew and never came so
+/* First the rows, then the word that they are there: a file that was begun again and never came so
  * far does not have it, whatever a checkpoint of before says. */
 int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err) {
     const sf_place at = {c->out.name, SF_CATALOG_HDU};

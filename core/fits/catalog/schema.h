@@ -24,7 +24,8 @@ typedef struct sf_member {
 } sf_member;
 extern const sf_member sf_catalog_members[SF_CATALOG_MEMBERS];
 
-/* Behind FLAGS, columns of places of pixels: from 1, where the member counts from 0 and -1 is none.
+/* Behind FLAGS, columns of places of pixels: from 1, while the member counts from 0, -1 for no
+ * pixel.
  */
 enum { SF_CATALOG_PLACES = 2 };
 typedef struct sf_place_member {

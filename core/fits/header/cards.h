@@ -24,7 +24,7 @@ int sf_cards_init(sf_cards *c, const sf_file *file, const sf_hdu *hdu, const cha
                   shear_error *err);
 void sf_cards_deinit(sf_cards *c);
 
-/* The card of a keyword; NULL where there is none. SHEAR_E_FORMAT: there are two. */
+/* The card of a keyword; NULL if it is absent. SHEAR_E_FORMAT: there are two. */
 int sf_cards_find(const sf_cards *c, const char *key, const char **card, shear_error *err);
 
 /* *found tells whether the keyword is there; the value is left alone where it is not.

@@ -46,7 +46,7 @@ typedef struct sf_hdu_index {
 int sf_hdu_index_init(sf_hdu_index *s, int fd, int64_t size, const char *file, shear_error *err);
 void sf_hdu_index_deinit(sf_hdu_index *s);
 
-/* The extension of that name, in any case. *hdu is NULL where there is none and it is optional.
+/* The extension of that name, in any case. *hdu is NULL if it is absent and it is optional.
  * SHEAR_E_FORMAT: none although required (the message lists what there is), or two of them. */
 int sf_hdu_index_find(const sf_hdu_index *s, const char *name, bool required, const sf_hdu **hdu,
                       shear_error *err);

@@ -33,9 +33,9 @@ int sf_table_init(sf_table *t, const sf_file *file, const sf_hdu *hdu, const sf_
                   shear_error *err);
 void sf_table_deinit(sf_table *t);
 
-/* The column of that name, in any case; NULL where there is none. SHEAR_E_FORMAT: there are two. */
+/* The column of that name, in any case; NULL if it is absent. SHEAR_E_FORMAT: there are two. */
 int sf_table_find(const sf_table *t, const char *name, const sf_column **column, shear_error *err);
-/* The same, and it must hold one number (or logical) a row, with sound TSCALn, TZEROn, TNULLn. */
+/* The same, and it must hold one number (or logical) per row, with sound TSCALn, TZEROn, TNULLn. */
 int sf_table_find_number(const sf_table *t, const char *name, const sf_column **column,
                          shear_error *err);
 

@@ -42,7 +42,7 @@ void sf_output_discard(sf_output *out);
 int sf_output_create_kept(sf_output *out, const char *path, shear_error *err);
 /* The one that is there, open for writing, after `check` has looked at it by a path of its own:
  * CFITSIO reads its headers, and what a power failure may have left of it must not confuse it.
- * SHEAR_E_IO where there is none. Leave or discard it after an error, too. */
+ * SHEAR_E_IO if there is no such file. Leave or discard it after an error, too. */
 typedef int sf_output_check(const char *path, void *context, shear_error *err);
 int sf_output_reopen(sf_output *out, const char *path, sf_output_check *check, void *context,
                      shear_error *err);

@@ -3,9 +3,9 @@
  *
  * CFITSIO walks through a file's headers by itself and acts on keywords that nobody has bounded. So
  * it is never given the file. A view is a FITS file that exists only for CFITSIO's reads (an I/O
- * driver of ours): a header of the keywords below, each checked and written anew, and behind it the
- * bytes of one HDU's data. Whatever else stands in the file's headers, in this HDU or another, does
- * not reach CFITSIO.
+ * driver of ours): a header of the keywords below, each checked and written by us, and behind it
+ * the bytes of one HDU's data. Whatever else stands in the file's headers, in this HDU or another,
+ * does not reach CFITSIO.
  */
 #ifndef SHEAR_FITS_TILES_VIEW_H
 #define SHEAR_FITS_TILES_VIEW_H
