@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear/error.h"
 
+#include "base/text.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -32,7 +34,7 @@ int shear_fail(shear_error *err, int code, const char *advice, const char *forma
     va_start(args, format);
     vsnprintf(err->message, sizeof err->message, format, args);
     va_end(args);
-    snprintf(err->advice, sizeof err->advice, "%s", advice != NULL ? advice : "");
+    text_set(err->advice, sizeof err->advice, advice);
     err->code = code;
     return code;
 }
@@ -47,8 +49,7 @@ int shear_prefix(shear_error *err, int code, const char *format, ...) {
     va_start(args, format);
     vsnprintf(joined, sizeof err->message, format, args);
     va_end(args);
-    const size_t used = strlen(joined);
-    snprintf(joined + used, sizeof joined - used, ": %s", err->message);
+    text_append(joined, sizeof joined, ": %s", err->message);
     joined[sizeof err->message - 1] = '\0';
     memcpy(err->message, joined, sizeof err->message);
     return err->code;

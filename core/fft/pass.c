@@ -50,22 +50,22 @@ static SHEAR_INLINE void dft2(cx *a, cx *b) {
 static SHEAR_INLINE void dft4(cx *a, cx *b, cx *c, cx *d) {
     dft2(a, c);
     dft2(b, d);
-    const cx turned = minus_i(*d);
+    const cx rotated = minus_i(*d);
     const cx second = *c;
     *c = sub(*a, *b);
     *a = add(*a, *b);
-    *b = add(second, turned);
-    *d = sub(second, turned);
+    *b = add(second, rotated);
+    *d = sub(second, rotated);
 }
 
 static SHEAR_INLINE void dft3(cx *a, cx *b, cx *c) {
     const double half_root3 = 0.86602540378443864676;
     const cx sum = add(*b, *c);
-    const cx turned = scale(half_root3, minus_i(sub(*b, *c)));
+    const cx rotated = scale(half_root3, minus_i(sub(*b, *c)));
     const cx middle = sub(*a, scale(0.5, sum));
     *a = add(*a, sum);
-    *b = add(middle, turned);
-    *c = sub(middle, turned);
+    *b = add(middle, rotated);
+    *c = sub(middle, rotated);
 }
 
 static SHEAR_INLINE void dft5(cx *a, cx *b, cx *c, cx *d, cx *e) {
@@ -114,47 +114,47 @@ static SHEAR_INLINE cx load(const strands *t, size_t j, size_t l) {
     return (cx){t->re[j * t->apart + l], t->im[j * t->apart + l]};
 }
 
-static SHEAR_INLINE void store(const strands *t, bool turned, size_t k, size_t l, cx z) {
-    const double c = turned ? t->w[2 * k - 2] : 1.0;
-    const double d = turned ? t->w[2 * k - 1] : 0.0;
-    t->out_re[k * t->out_apart + l] = turned ? z.re * c - z.im * d : z.re;
-    t->out_im[k * t->out_apart + l] = turned ? z.re * d + z.im * c : z.im;
+static SHEAR_INLINE void store(const strands *t, bool rotated, size_t k, size_t l, cx z) {
+    const double c = rotated ? t->w[2 * k - 2] : 1.0;
+    const double d = rotated ? t->w[2 * k - 1] : 0.0;
+    t->out_re[k * t->out_apart + l] = rotated ? z.re * c - z.im * d : z.re;
+    t->out_im[k * t->out_apart + l] = rotated ? z.re * d + z.im * c : z.im;
 }
 
-/* `turned`: times the twiddles, which are all 1 for p = 0. A constant where this is inlined. */
-typedef void butterfly(const strands *t, bool turned, size_t l);
+/* `rotated`: times the twiddles, which are all 1 for p = 0. A constant where this is inlined. */
+typedef void butterfly(const strands *t, bool rotated, size_t l);
 
-static SHEAR_INLINE void butterfly2(const strands *t, bool turned, size_t l) {
+static SHEAR_INLINE void butterfly2(const strands *t, bool rotated, size_t l) {
     cx a = load(t, 0, l);
     cx b = load(t, 1, l);
     dft2(&a, &b);
     store(t, false, 0, l, a);
-    store(t, turned, 1, l, b);
+    store(t, rotated, 1, l, b);
 }
 
-static SHEAR_INLINE void butterfly3(const strands *t, bool turned, size_t l) {
+static SHEAR_INLINE void butterfly3(const strands *t, bool rotated, size_t l) {
     cx a = load(t, 0, l);
     cx b = load(t, 1, l);
     cx c = load(t, 2, l);
     dft3(&a, &b, &c);
     store(t, false, 0, l, a);
-    store(t, turned, 1, l, b);
-    store(t, turned, 2, l, c);
+    store(t, rotated, 1, l, b);
+    store(t, rotated, 2, l, c);
 }
 
-static SHEAR_INLINE void butterfly4(const strands *t, bool turned, size_t l) {
+static SHEAR_INLINE void butterfly4(const strands *t, bool rotated, size_t l) {
     cx a = load(t, 0, l);
     cx b = load(t, 1, l);
     cx c = load(t, 2, l);
     cx d = load(t, 3, l);
     dft4(&a, &b, &c, &d);
     store(t, false, 0, l, a);
-    store(t, turned, 1, l, b);
-    store(t, turned, 2, l, c);
-    store(t, turned, 3, l, d);
+    store(t, rotated, 1, l, b);
+    store(t, rotated, 2, l, c);
+    store(t, rotated, 3, l, d);
 }
 
-static SHEAR_INLINE void butterfly5(const strands *t, bool turned, size_t l) {
+static SHEAR_INLINE void butterfly5(const strands *t, bool rotated, size_t l) {
     cx a = load(t, 0, l);
     cx b = load(t, 1, l);
     cx c = load(t, 2, l);
@@ -162,24 +162,24 @@ static SHEAR_INLINE void butterfly5(const strands *t, bool turned, size_t l) {
     cx e = load(t, 4, l);
     dft5(&a, &b, &c, &d, &e);
     store(t, false, 0, l, a);
-    store(t, turned, 1, l, b);
-    store(t, turned, 2, l, c);
-    store(t, turned, 3, l, d);
-    store(t, turned, 4, l, e);
+    store(t, rotated, 1, l, b);
+    store(t, rotated, 2, l, c);
+    store(t, rotated, 3, l, d);
+    store(t, rotated, 4, l, e);
 }
 
-static SHEAR_INLINE void butterfly8(const strands *t, bool turned, size_t l) {
+static SHEAR_INLINE void butterfly8(const strands *t, bool rotated, size_t l) {
     cx even[4] = {load(t, 0, l), load(t, 2, l), load(t, 4, l), load(t, 6, l)};
     cx odd[4] = {load(t, 1, l), load(t, 3, l), load(t, 5, l), load(t, 7, l)};
     dft8(even, odd);
     store(t, false, 0, l, even[0]);
-    store(t, turned, 1, l, even[1]);
-    store(t, turned, 2, l, even[2]);
-    store(t, turned, 3, l, even[3]);
-    store(t, turned, 4, l, odd[0]);
-    store(t, turned, 5, l, odd[1]);
-    store(t, turned, 6, l, odd[2]);
-    store(t, turned, 7, l, odd[3]);
+    store(t, rotated, 1, l, even[1]);
+    store(t, rotated, 2, l, even[2]);
+    store(t, rotated, 3, l, even[3]);
+    store(t, rotated, 4, l, odd[0]);
+    store(t, rotated, 5, l, odd[1]);
+    store(t, rotated, 6, l, odd[2]);
+    store(t, rotated, 7, l, odd[3]);
 }
 
 /* All butterflies of a pass. `one` and `radix` are constants where this is inlined. */

@@ -220,7 +220,7 @@ bool artefact_suspected(const artefact_pair *pair, const sharpness *s) {
 /* ---- pixel by pixel ---- */
 
 /* An image, and what its pixels are held against. */
-typedef struct judge {
+typedef struct stamp_test {
     const double *pixels;
     int nx, ny;
     double ratio;
@@ -228,39 +228,39 @@ typedef struct judge {
     double sigma, gain;  /* gain: of p - r m over that of a pixel */
     double allowance;    /* beside all that scales with noise or pixel */
     double dark;         /* the lowest that a pixel may be */
-} judge;
+} stamp_test;
 
-static double pixel(const judge *j, int x, int y) {
-    return j->pixels[(size_t)y * (size_t)j->nx + (size_t)x];
+static double pixel(const stamp_test *t, int x, int y) {
+    return t->pixels[(size_t)y * (size_t)t->nx + (size_t)x];
 }
 
 /* The smaller of the two means; INFINITY in a corner. */
-static double around(const judge *j, int x, int y) {
-    const bool inside_x = x > 0 && x < j->nx - 1;
-    const bool inside_y = y > 0 && y < j->ny - 1;
-    const double row = inside_x ? 0.5 * (pixel(j, x - 1, y) + pixel(j, x + 1, y)) : INFINITY;
-    const double column = inside_y ? 0.5 * (pixel(j, x, y - 1) + pixel(j, x, y + 1)) : INFINITY;
+static double around(const stamp_test *t, int x, int y) {
+    const bool inside_x = x > 0 && x < t->nx - 1;
+    const bool inside_y = y > 0 && y < t->ny - 1;
+    const double row = inside_x ? 0.5 * (pixel(t, x - 1, y) + pixel(t, x + 1, y)) : INFINITY;
+    const double column = inside_y ? 0.5 * (pixel(t, x, y - 1) + pixel(t, x, y + 1)) : INFINITY;
     return fmin(row, column);
 }
 
 /* By how much a pixel is brighter than m allows; sigma: the noise of their difference. */
-static double too_bright(const judge *j, double p, double m, double sigma) {
+static double too_bright(const stamp_test *t, double p, double m, double sigma) {
     const double bright =
-        (1.0 - part_of_pixel) * (p - j->sky) - m - bright_sigma * sigma - j->allowance;
+        (1.0 - part_of_pixel) * (p - t->sky) - m - bright_sigma * sigma - t->allowance;
     return isnan(bright) ? -INFINITY : bright;
 }
 
 /* By how much pixel (x, y) is too bright or too dark; <= 0: it is not. */
-static double excess(const judge *j, int x, int y) {
-    const double p = pixel(j, x, y);
-    const double m = j->ratio * fmax(0.0, around(j, x, y) - j->low_sky);
-    const double photons = sqrt(1.0 + m / (sky_electrons * j->sigma));
-    const double sigma = j->gain * j->sigma;
-    double most = fmax(too_bright(j, p, m, sigma * photons), j->dark - p);
-    const double inside = inside_border(j->pixels, j->nx, j->ny, x, y);
+static double excess(const stamp_test *t, int x, int y) {
+    const double p = pixel(t, x, y);
+    const double m = t->ratio * fmax(0.0, around(t, x, y) - t->low_sky);
+    const double photons = sqrt(1.0 + m / (sky_electrons * t->sigma));
+    const double sigma = t->gain * t->sigma;
+    double most = fmax(too_bright(t, p, m, sigma * photons), t->dark - p);
+    const double inside = inside_border(t->pixels, t->nx, t->ny, x, y);
     if (isfinite(inside)) {
-        const double q = steepest(j->ratio) * fmax(0.0, inside - j->low_sky);
-        most = fmax(most, too_bright(j, p, q, sigma * gain_at_border(j->ratio)));
+        const double q = steepest(t->ratio) * fmax(0.0, inside - t->low_sky);
+        most = fmax(most, too_bright(t, p, q, sigma * gain_at_border(t->ratio)));
     }
     return most;
 }
@@ -290,13 +290,14 @@ static double gain_of(const artefact_pair *pair, double ratio) {
     return fmax(white_gain(ratio), isfinite(gain) ? gain : 0.0);
 }
 
-static judge judge_of(const artefact_pair *pair, const double *pixels, const sharpness *s,
-                      double most, double flux) {
+static stamp_test stamp_test_of(const artefact_pair *pair, const double *pixels, const sharpness *s,
+                                double most, double flux) {
     const double sky = pair->ph->noise_mean;
     const double peak = fmax(0.0, most - sky);
     double middle;
     double scatter;
-    judge j = {.pixels = pixels, .nx = pair->nx, .ny = pair->ny, .ratio = s->ratio, .sky = sky};
+    stamp_test j = {
+        .pixels = pixels, .nx = pair->nx, .ny = pair->ny, .ratio = s->ratio, .sky = sky};
     look_at_border(pixels, pair->nx, pair->ny, &middle, &scatter);
     j.low_sky = fmin(sky, middle);
     j.sigma = fmax(artefact_sigma(pair), scatter);
@@ -306,12 +307,12 @@ static judge judge_of(const artefact_pair *pair, const double *pixels, const sha
     return j;
 }
 
-static artefact worst_of(const judge *j) {
+static artefact worst_of(const stamp_test *t) {
     artefact worst = {.x = -1, .y = -1};
     double most = 0.0;
-    for (int y = 0; y < j->ny; y++) {
-        for (int x = 0; x < j->nx; x++) {
-            const double e = excess(j, x, y);
+    for (int y = 0; y < t->ny; y++) {
+        for (int x = 0; x < t->nx; x++) {
+            const double e = excess(t, x, y);
             if (e > most) {
                 most = e;
                 worst = (artefact){.x = x, .y = y};
@@ -323,10 +324,10 @@ static artefact worst_of(const judge *j) {
 
 artefact artefact_find(const artefact_pair *pair, const sharpness *s) {
     const photometry *ph = pair->ph;
-    const judge galaxy = judge_of(pair, pair->galaxy, s, ph->galaxy_most, ph->flux);
+    const stamp_test galaxy = stamp_test_of(pair, pair->galaxy, s, ph->galaxy_most, ph->flux);
     artefact worst = worst_of(&galaxy);
     if (worst.x < 0) {
-        const judge noise = judge_of(pair, pair->noise, s, ph->noise_most, 0.0);
+        const stamp_test noise = stamp_test_of(pair, pair->noise, s, ph->noise_most, 0.0);
         worst = worst_of(&noise);
         worst.in_noise = worst.x >= 0;
     }

@@ -31,7 +31,7 @@ size_t high_band_bytes(int nx, int ny, bool corners_only) {
 }
 
 /* What mode (jx, jy) counts in the table, and its group's first jx with it. Column jx = nx/2 is
- * left out like row jy = ny/2: turned by 90 degrees, a square stamp has the same power. */
+ * left out like row jy = ny/2: rotated by 90 degrees, a square stamp has the same power. */
 static void count_mode(high_band *b, int x, int jy) {
     const int jx = x <= b->nx / 2 ? x : b->nx - x;
     if (2 * jx == b->nx) {

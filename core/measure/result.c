@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "measure/result.h"
+
 #include "measure/field_sums.h"
 
 #include "shear/settings.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Squares of very faint units (pixels of 1e-75) lose their digits below this: then the errors are
  * not known. */
@@ -249,11 +252,8 @@ static enum shear_no_shear no_shear(const shear_result *out, const rounded *r) {
     return out->signal >= least_signal && !only_one ? SHEAR_HAS_SHEAR : SHEAR_NO_SIGNAL;
 }
 
-static shear_result without_numbers(const shear_field_sums *f) {
-    shear_result r = {.n_stamps = f->n_stamps,
-                      .n_used = f->n_used,
-                      .n_flagged = f->n_stamps - f->n_used,
-                      .top_stamp = -1};
+shear_result result_unknown(void) {
+    shear_result r = {.top_stamp = -1};
     double *const unknown[] = {&r.g1,
                                &r.g2,
                                &r.g1_err,
@@ -288,16 +288,17 @@ static shear_result without_numbers(const shear_field_sums *f) {
     for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) {
         *unknown[i] = (double)NAN;
     }
-    for (int i = 0; i < SHEAR_N_FLAGS; i++) {
-        r.flagged[i] = f->flagged[i];
-    }
     return r;
 }
 
 void shear_field_result(const shear_field_sums *f, shear_result *out) {
     const rounded r = round_sums(f);
     const double n = (double)f->n_used;
-    *out = without_numbers(f);
+    *out = result_unknown();
+    out->n_stamps = f->n_stamps;
+    out->n_used = f->n_used;
+    out->n_flagged = f->n_stamps - f->n_used;
+    memcpy(out->flagged, f->flagged, sizeof out->flagged);
     out->sum_weight = r.t[SHEAR_S_W];
     out->sum_d = r.at_level.d;
     if (f->n_used >= 2) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The shear of a field by PDF symmetrization: both components in turns, and their covariance. */
+/* The shear of a field by PDF symmetrization: both components alternately, and their covariance. */
 #include "base/cleanup.h"
 #include "measure/symmetry_solver.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/cleanup.h"
-#include "fits/catalog/header.h"
+#include "fits/catalog/keywords.h"
 #include "fits/catalog/schema.h"
 #include "fits/header/table.h"
 

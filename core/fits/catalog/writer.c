@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/array.h"
-#include "fits/catalog/header.h"
 #include "fits/catalog/internal.h"
+#include "fits/catalog/keywords.h"
 #include "fits/catalog/schema.h"
 #include "fits/field/columns.h"
 

@@ -4,7 +4,7 @@
 #include "base/cleanup.h"
 #include "fits/field/columns.h"
 #include "fits/field/spec.h"
-#include "fits/header/keys.h"
+#include "fits/header/key_write.h"
 #include "fits/io/bitset.h"
 #include "fits/io/output.h"
 
@@ -34,10 +34,10 @@ static int write_primary(shear_field_writer *w, const shear_field_spec *spec, sh
     if (spec->name != NULL) {
         fits_write_key_longstr(f, "FIELD", spec->name, "name of the field", &status);
     }
-    sf_write_double(f, "PIXSCALE", spec->pixscale, "[arcsec] per pixel", &status);
+    sf_key_write_double(f, "PIXSCALE", spec->pixscale, "[arcsec] per pixel", &status);
     if (spec->has_truth) {
-        sf_write_double(f, "SIM_G1", spec->sim_g1, "true shear of the mock", &status);
-        sf_write_double(f, "SIM_G2", spec->sim_g2, "true shear of the mock", &status);
+        sf_key_write_double(f, "SIM_G1", spec->sim_g1, "true shear of the mock", &status);
+        sf_key_write_double(f, "SIM_G2", spec->sim_g2, "true shear of the mock", &status);
     }
     for (const char *const *line = spec->history; line != NULL && *line != NULL; line++) {
         fits_write_history(f, *line, &status);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* fits/catalog/header.h: the keywords of a result catalog. */
-#ifndef SHEAR_FITS_CATALOG_HEADER_H
-#define SHEAR_FITS_CATALOG_HEADER_H
+/* fits/catalog/keywords.h: the keywords of a result catalog. */
+#ifndef SHEAR_FITS_CATALOG_KEYWORDS_H
+#define SHEAR_FITS_CATALOG_KEYWORDS_H
 
 #include "fits/header/cards.h"
 #include "shear/catalog.h"

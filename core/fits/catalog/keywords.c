@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fits/catalog/header.h"
+#include "fits/catalog/keywords.h"
 
 #include "fits/catalog/schema.h"
 #include "fits/field/name.h"
-#include "fits/header/keys.h"
+#include "fits/header/key_write.h"
+#include "measure/result.h"
 #include "shear/version.h"
 
 #include <math.h>
@@ -33,8 +34,8 @@ void sf_catalog_write_field(fitsfile *f, const shear_field_info *info, int *stat
         put_string(f, "FIELD", info->name, "name of the field", status);
     }
     if (info->has_truth) {
-        sf_write_double(f, "SIM_G1", info->sim_g1, "true shear of the mock", status);
-        sf_write_double(f, "SIM_G2", info->sim_g2, "true shear of the mock", status);
+        sf_key_write_double(f, "SIM_G1", info->sim_g1, "true shear of the mock", status);
+        sf_key_write_double(f, "SIM_G2", info->sim_g2, "true shear of the mock", status);
     }
 }
 
@@ -52,7 +53,7 @@ static void put_setting(fitsfile *f, const shear_settings *s, const shear_settin
     } else if (def->type == SHEAR_T_INT && strcmp(text, "auto") != 0) {
         put_integer(f, def->keyword, *(const int *)member, comment, status);
     } else if (def->type == SHEAR_T_DOUBLE && isfinite(*(const double *)member)) {
-        sf_write_double(f, def->keyword, *(const double *)member, comment, status);
+        sf_key_write_double(f, def->keyword, *(const double *)member, comment, status);
     } else {
         put_string(f, def->keyword, text, comment, status);
     }
@@ -67,18 +68,18 @@ static void put_settings(fitsfile *f, const shear_settings *s, int *status) {
 }
 
 static void put_resolved(fitsfile *f, const shear_plan_info *p, int *status) {
-    sf_write_double(f, "R_PSF", p->r_psf_px, "[px] scale radius of the PSF", status);
-    sf_write_double(f, "BETA", p->beta_px, "[px] scale radius of the target PSF", status);
+    sf_key_write_double(f, "R_PSF", p->r_psf_px, "[px] scale radius of the PSF", status);
+    sf_key_write_double(f, "BETA", p->beta_px, "[px] scale radius of the target PSF", status);
     put_string(f, "RINTERP", shear_interpolation_name(p->interpolation), "interpolation used",
                status);
     put_integer(f, "ROVERS", p->oversample, "fine grid used, points per pixel", status);
     put_string(f, "RFILTER", shear_filter_name(p->filter), "filter used", status);
-    sf_write_double(f, "RCORE", p->core_px, "[px] core of the filter; absent: none or per stamp",
-                    status);
-    sf_write_double(f, "RWIDTH", p->width_px, "[px] width of the filter's edge", status);
+    sf_key_write_double(f, "RCORE", p->core_px,
+                        "[px] core of the filter; absent: none or per stamp", status);
+    sf_key_write_double(f, "RWIDTH", p->width_px, "[px] width of the filter's edge", status);
     put_string(f, "RNOISEBD", shear_noise_band_name(p->noise_band),
                "where the noise level was read off", status);
-    sf_write_double(f, "KCUT", p->k_cut, "[rad/px] modes from here on are left out", status);
+    sf_key_write_double(f, "KCUT", p->k_cut, "[rad/px] modes from here on are left out", status);
 }
 
 static void put_counts(fitsfile *f, const shear_result *r, int *status) {
@@ -92,17 +93,17 @@ static void put_counts(fitsfile *f, const shear_result *r, int *status) {
 
 static void put_result(fitsfile *f, const shear_result *r, int *status) {
     if (r->valid) {
-        sf_write_double(f, "G1", r->g1, "shear of the field", status);
-        sf_write_double(f, "G2", r->g2, "shear of the field", status);
-        sf_write_double(f, "G1_ERR", r->g1_err, "1-sigma error of G1", status);
-        sf_write_double(f, "G2_ERR", r->g2_err, "1-sigma error of G2", status);
-        sf_write_double(f, "COV12", r->cov12, "covariance of G1 and G2", status);
+        sf_key_write_double(f, "G1", r->g1, "shear of the field", status);
+        sf_key_write_double(f, "G2", r->g2, "shear of the field", status);
+        sf_key_write_double(f, "G1_ERR", r->g1_err, "1-sigma error of G1", status);
+        sf_key_write_double(f, "G2_ERR", r->g2_err, "1-sigma error of G2", status);
+        sf_key_write_double(f, "COV12", r->cov12, "covariance of G1 and G2", status);
     }
-    sf_write_double(f, "NOISELVL", r->noise_level, "noise under galaxies over that of noise stamps",
-                    status);
-    sf_write_double(f, "NOISELER", r->noise_level_err, "1-sigma error of NOISELVL", status);
-    sf_write_double(f, "N_EFF", r->n_eff, "effective number of stamps", status);
-    sf_write_double(f, "TOPSHARE", r->top_share, "part of the stamp that counts most", status);
+    sf_key_write_double(f, "NOISELVL", r->noise_level,
+                        "noise under galaxies over that of noise stamps", status);
+    sf_key_write_double(f, "NOISELER", r->noise_level_err, "1-sigma error of NOISELVL", status);
+    sf_key_write_double(f, "N_EFF", r->n_eff, "effective number of stamps", status);
+    sf_key_write_double(f, "TOPSHARE", r->top_share, "part of the stamp that counts most", status);
     if (r->top_stamp >= 0) {
         put_integer(f, "TOPSTAMP", r->top_stamp, "its number, from 0", status);
     }
@@ -185,31 +186,8 @@ static enum shear_estimator get_estimator(reading *r) {
 
 static void get_result(reading *r, shear_result *out) {
     const int64_t most = INT64_C(1) << 53; /* integers that are read by way of a double */
-    *out = (shear_result){.sum_weight = NAN,
-                          .sum_d = NAN,
-                          .signal = NAN,
-                          .delta_g1_err = NAN,
-                          .delta_g2_err = NAN,
-                          .noise_effect = NAN,
-                          .noise_shape = NAN,
-                          .noise_shape_err = NAN,
-                          .noise_share = NAN,
-                          .high_galaxy = NAN,
-                          .top_stamp = -1,
-                          .mean_flux = NAN,
-                          .filter_removed = NAN,
-                          .filter_removed_err = NAN,
-                          .border_excess = NAN,
-                          .border_excess_err = NAN,
-                          .border_rough = NAN,
-                          .border_rough_err = NAN,
-                          .border_noise_var = NAN,
-                          .border_step_x = NAN,
-                          .border_step_x_err = NAN,
-                          .border_step_y = NAN,
-                          .border_step_y_err = NAN,
-                          .border_step2 = NAN,
-                          .border_step2_err = NAN};
+    *out = result_unknown();
+    out->sum_weight = out->sum_d = NAN;
     out->g1 = get_double(r, "G1");
     out->g2 = get_double(r, "G2");
     out->g1_err = get_double(r, "G1_ERR");
