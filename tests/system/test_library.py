@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """libshear for programs of others: its headers, and examples/ built against an installation that was moved, by pkg-config
 and by CMake's find_package. BUILD is the build directory, CMAKE the program."""
+import gzip
 import os
 import re
 import shutil
@@ -77,6 +78,44 @@ class Headers(Installation):
                 self.assertIn('extern "C"', text, header)
             for name in re.findall(r"^#define (\w+)|^\w[\w *]*?\b(\w+)\(", text, re.M):
                 self.assertRegex("".join(name), "^(SHEAR|shear)_", header)
+
+
+@needs("doxygen")
+class Reference(Installation):
+    """Pages of section 3 and HTML, made from the headers."""
+
+    def test_every_symbol_has_a_page(self):
+        for header in self.headers:
+            with open(os.path.join(self.prefix, "include", header), encoding="utf-8") as file:
+                text = re.sub(r"/\*.*?\*/", "", file.read(), flags=re.S)
+            for name in re.findall(r"^\w[\w *]*?\b(\w+)\(", text, re.M) + re.findall(r"^} (\w+);", text, re.M):
+                self.assertIn(f"share/man/man3/{name}.3.gz", self.files)
+
+    def test_pages_are_the_librarys(self):
+        for name in self.files:
+            if "/man3/" in name:
+                self.assertRegex(os.path.basename(name), r"^(shear[-_]|SHEAR_|libshear\.3)")
+                with gzip.open(os.path.join(self.prefix, name), "rt", encoding="utf-8") as file:
+                    text = file.read()
+                linked = re.fullmatch(r"\.so (man3/\S+)\n", text)
+                if linked:
+                    self.assertIn(f"share/man/{linked[1]}.gz", self.files)
+                else:
+                    self.assertRegex(text, r'^\.TH "\S+" 3 "\w+ \d+, \d+" "libshear \S+" "libshear"\n')
+
+    def test_pages_have_no_scripts(self):
+        pages = [name for name in self.files if "/libshear-dev/html/" in name]
+        self.assertIn("share/doc/libshear-dev/html/index.html", pages)
+        self.assertFalse([name for name in pages if name.endswith(".js")])
+
+    def test_a_symbol_without_documentation_is_an_error(self):
+        header = self.path("undocumented.h")
+        for text, code in ("/** Nothing. */\nint documented(void);\n", 0), ("int undocumented(void);\n", 1):
+            with open(header, "w", encoding="utf-8") as file:
+                file.write("/** @file\n * A header. */\n" + text)
+            with open(os.path.join(BUILD, "reference", "Doxyfile"), encoding="utf-8") as file:
+                options = file.read() + f"\nINPUT = {header}\nOUTPUT_DIRECTORY = {self.path('reference')}\n"
+            run("doxygen", "-", code=code, input=options)
 
 
 @unittest.skipIf(SANITIZED, "the library wants its sanitizer's runtime")

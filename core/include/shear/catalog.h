@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear/catalog.h: result catalogs: FITS binary table SHEAR, one row a stamp, in stamp order.
+/**
+ * @file shear/catalog.h
+ * Result catalogs: a FITS binary table SHEAR with one row per stamp, in stamp order.
  *
- * Columns: ID, X, Y, RA, DEC where the field file gives them, then N1 N2 D U V M20 M02 M11 M4 FLUX
- * SNR WEIGHT (D) and FLAGS (J; shear/stamp.h). The header holds every setting (shear/settings.h),
- * what the plan resolved them to, the field's result, the input's name and checksum, and the
- * software's version.
+ * Columns: ID, X, Y, RA, DEC if the field file gives them, then N1 N2 D U V M20 M02 M11 M4 FLUX SNR
+ * WEIGHT (doubles) and FLAGS (a 32-bit integer; shear/stamp.h). The header holds every setting
+ * (shear/settings.h), what the plan resolved them to, the field's result, the input's name and
+ * checksum, and the version of the software.
+ *
+ * A handle is used by one thread at a time.
  */
 #ifndef SHEAR_CATALOG_H
 #define SHEAR_CATALOG_H
@@ -18,52 +22,62 @@
 extern "C" {
 #endif
 
-typedef struct shear_catalog shear_catalog; /* a catalog being written */
+/** A catalog that is being written. */
+typedef struct shear_catalog shear_catalog;
 
-/* Begin `path` for the stamps of `info`; temporary file, fsync and rename as for field files. Not
- * thread-safe. */
+/** Begin the catalog `path` for the stamps of `info`. It appears under its name only when it is
+ * finished (temporary file, fsync, rename). SHEAR_E_EXISTS if there is one and `overwrite` is
+ * false. *c is NULL on error. */
 int shear_catalog_create(shear_catalog **c, const char *path, const shear_field_info *info,
                          bool overwrite, shear_error *err);
-/* Rows [first, first+count); `block` supplies ID, X, Y, RA, DEC. Any order, any chunking. */
+/** Write rows [first, first+count); `block` supplies ID, X, Y, RA, DEC. Any order, any chunking. */
 int shear_catalog_write(shear_catalog *c, int64_t first, int count, const shear_row *rows,
                         const shear_block *block, shear_error *err);
-/* Write the header and put the file in place. Frees c, whatever it returns. */
+/** Write the header and put the file in place. Frees c, whatever it returns. */
 int shear_catalog_finish(shear_catalog *c, const shear_plan *plan, const shear_result *result,
                          const char *input_name, const char *checksum, shear_error *err);
+/** Give the catalog up: remove its temporary file and free c. NULL is accepted. */
 void shear_catalog_abort(shear_catalog *c);
 
-/* ---- catalogs of work that outlives its process ----
- *
- * Their temporary file is called ".NAME.part", stays where the process ends, however it ends, and
- * can be gone on with: rows [0, rows) are there if shear_catalog_sync said so. `checksum` (of the
- * input) and n_stamps tie it to its input; settings and path are the caller's to keep the same. The
- * finished file has the same bytes, whether it was interrupted or not. */
+/**
+ * @name Catalogs of work that outlives its process
+ * Their temporary file is called ".NAME.part". It stays when the process ends, however that
+ * happens, and can be continued: rows [0, rows) are in it if shear_catalog_sync() said so.
+ * `checksum` (of the input) and n_stamps tie it to its input; the caller keeps settings and path
+ * the same. The finished file has the same bytes, whether it was interrupted or not.
+ * @{
+ */
 
-/* Begin anew, whatever is there; an existing catalog is replaced in the end. */
+/** Begin from the start, whatever is there; an existing catalog is replaced in the end. */
 int shear_catalog_begin(shear_catalog **c, const char *path, const shear_field_info *info,
                         const char *checksum, shear_error *err);
-/* Go on behind row `rows`; later ones are written again. SHEAR_E_IO, SHEAR_E_FORMAT: there is none
- * that could be gone on with; then begin anew. */
+/** Continue after row `rows`; later rows are written again. SHEAR_E_IO or SHEAR_E_FORMAT if there
+ * is no file that can be continued: begin from the start then. */
 int shear_catalog_resume(shear_catalog **c, const char *path, const shear_field_info *info,
                          const char *checksum, int64_t rows, shear_error *err);
-/* Bring rows [0, rows), all of which have been written, to disk. */
+/** Bring rows [0, rows), all of which have been written, to disk. */
 int shear_catalog_sync(shear_catalog *c, int64_t rows, shear_error *err);
-/* Close, and let the temporary file stay. NULL is accepted. */
+/** Close the temporary file, leave it there, and free c. NULL is accepted. */
 void shear_catalog_suspend(shear_catalog *c);
-/* Remove the temporary file of `path`, where there is one. SHEAR_E_IO. */
+/** Remove the temporary file of `path`, if there is one. */
 int shear_catalog_discard(const char *path, shear_error *err);
+/** @} */
 
-/* Reading one back (for plots and tests). */
+/** A catalog that was read (for plots and tests). */
 typedef struct shear_catalog_table {
-    int64_t n;
-    char field[72];
-    bool has_truth;
-    double sim_g1, sim_g2;
-    double beta_px, r_psf_px;
-    shear_result result; /* valid, g1, g2, errors, cov12, jackknife, estimator, counts */
-    shear_row *rows;     /* [n]; members that the table does not hold are NaN */
+    int64_t n;           /**< rows */
+    char field[72];      /**< the field's name */
+    bool has_truth;      /**< sim_g1 and sim_g2 are known */
+    double sim_g1;       /**< true g1 of a simulated field */
+    double sim_g2;       /**< true g2 */
+    double beta_px;      /**< the plan's beta */
+    double r_psf_px;     /**< the plan's R_PSF */
+    shear_result result; /**< valid, g1, g2, errors, cov12, jackknife, estimator, counts */
+    shear_row *rows;     /**< [n]; members that the table does not hold are NaN */
 } shear_catalog_table;
+/** Read a result catalog; *t is NULL on error. */
 int shear_catalog_read(shear_catalog_table **t, const char *path, shear_error *err);
+/** NULL is accepted. */
 void shear_catalog_table_free(shear_catalog_table *t);
 
 #ifdef __cplusplus

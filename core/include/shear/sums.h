@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear/sums.h: from rows to a field's shear.
+/**
+ * @file shear/sums.h
+ * From rows to a field's shear.
  *
  * Rows are summed in fixed blocks of SHEAR_BLOCK consecutive stamps of a file, in stamp order, with
- * compensated (Neumaier) summation. Blocks are joined in an exact accumulator (integers, no
- * rounding), so that the join is associative and commutative: a field's result is the same to the
+ * compensated (Neumaier) summation. Blocks are added to an exact accumulator (integers, no
+ * rounding), so that addition is associative and commutative: a field's result is the same to the
  * last bit for any number of workers, any chunking, any order of arrival and any sharding along
  * block boundaries.
  *
- * Estimator: g_i = sum w N_i / sum w D (Zhang 2010, eqs. shear12PSF and OSN3), N and D of galaxy
- * minus noise, the noise at its level in the field (docs/method.md, section 5).
+ * Estimator: g_i = sum w N_i / sum w D, eqs. (5) and (8) of Zhang (2010), N and D of galaxy minus
+ * noise, the noise at its level in the field (docs/method.md section 5).
  */
 #ifndef SHEAR_SUMS_H
 #define SHEAR_SUMS_H
@@ -25,180 +27,210 @@
 extern "C" {
 #endif
 
+/** Sizes of sums. */
 enum {
-    SHEAR_BLOCK = 16
-}; /* stamps in a block; a multiple of 4, so that rotated fours stay together */
-
-/* What a shear is made of, a stamp: the vector x of which sums w x and sums of products w^2 x x'
- * are kept. */
-enum shear_component {
-    SHEAR_C_N1, /* galaxy minus noise */
-    SHEAR_C_N2,
-    SHEAR_C_D,
-    SHEAR_C_NOISE_N1, /* the noise stamps' own */
-    SHEAR_C_NOISE_N2,
-    SHEAR_C_NOISE_D,
-    SHEAR_C_HIGH_GALAXY, /* power at high k */
-    SHEAR_C_HIGH_NOISE,
-    SHEAR_N_COMPONENTS
+    SHEAR_BLOCK = 16 /**< stamps in a block; a multiple of 4, so that rotated fours stay together */
 };
-enum { SHEAR_N_PRODUCTS = SHEAR_N_COMPONENTS * (SHEAR_N_COMPONENTS + 1) / 2 };
 
-/* The sums that make a shear, g_i = n_i / d: galaxy minus noise, the noise at its level, which is
- * sum w G_hi / sum w N_hi, or 1 without power at high k. `x`: sum w x_i, of a field or a part. */
+/** What a shear is made of, per stamp: the vector x of which the sums of w x and of the products
+ * w^2 x x' are kept. */
+enum shear_component {
+    SHEAR_C_N1,          /**< N1 of galaxy minus noise */
+    SHEAR_C_N2,          /**< N2 of galaxy minus noise */
+    SHEAR_C_D,           /**< D of galaxy minus noise */
+    SHEAR_C_NOISE_N1,    /**< N1 of the noise stamps */
+    SHEAR_C_NOISE_N2,    /**< N2 of the noise stamps */
+    SHEAR_C_NOISE_D,     /**< D of the noise stamps */
+    SHEAR_C_HIGH_GALAXY, /**< power at high k of the galaxy stamp */
+    SHEAR_C_HIGH_NOISE,  /**< power at high k of the noise stamps */
+    SHEAR_N_COMPONENTS   /**< how many there are */
+};
+/** Numbers of products. */
+enum {
+    SHEAR_N_PRODUCTS = SHEAR_N_COMPONENTS * (SHEAR_N_COMPONENTS + 1) / 2 /**< of two components */
+};
+
+/** The sums that make a shear, g_i = n_i / d: galaxy minus noise, the noise at its level. */
 typedef struct shear_ratio {
-    double n1, n2, d, level;
+    double n1;    /**< sum w N1 */
+    double n2;    /**< sum w N2 */
+    double d;     /**< sum w D */
+    double level; /**< sum w G_high / sum w N_high, or 1 without power at high k */
 } shear_ratio;
+/** The ratio of the sums x = sum w x_i, of a field or a part of it. */
 shear_ratio shear_ratio_of(const double x[SHEAR_N_COMPONENTS]);
 
-/* The terms that are summed over the unflagged stamps of a block. */
+/** The terms that are summed over the unflagged stamps of a block. */
 enum shear_term {
-    SHEAR_S_W,                                                /* w */
-    SHEAR_S_COMPONENT,                                        /* w x_i, in order */
-    SHEAR_S_PRODUCT = SHEAR_S_COMPONENT + SHEAR_N_COMPONENTS, /* w^2 x_i x_j: shear_term_product */
-    SHEAR_S_POWER = SHEAR_S_PRODUCT + SHEAR_N_PRODUCTS,       /* w (M20 + M02) */
-    SHEAR_S_NOISE_U,                                          /* w noise_u, w noise_v */
-    SHEAR_S_NOISE_V,
-    SHEAR_S_CORNER_GALAXY, /* w corner_galaxy, w corner_noise */
-    SHEAR_S_CORNER_NOISE,
-    SHEAR_S_FLUX,        /* flux */
-    SHEAR_S_REMOVED,     /* flux_removed */
-    SHEAR_S_REMOVED2,    /* flux_removed^2 */
-    SHEAR_S_BORDER_MEAN, /* border_mean and its square */
-    SHEAR_S_BORDER_MEAN2,
-    SHEAR_S_BORDER_VAR, /* border_var and its square */
-    SHEAR_S_BORDER_VAR2,
-    SHEAR_S_BORDER_NOISE,  /* border_var_noise */
-    SHEAR_S_BORDER_STEP_X, /* border_step_x and its square, and so on */
-    SHEAR_S_BORDER_STEP_X2,
-    SHEAR_S_BORDER_STEP_Y,
-    SHEAR_S_BORDER_STEP_Y2,
-    SHEAR_S_BORDER_STEP2,
-    SHEAR_S_BORDER_STEP4,
-    SHEAR_N_TERMS
+    SHEAR_S_W,         /**< w */
+    SHEAR_S_COMPONENT, /**< w x_i, in the order of enum shear_component */
+    SHEAR_S_PRODUCT =
+        SHEAR_S_COMPONENT + SHEAR_N_COMPONENTS,         /**< w^2 x_i x_j: shear_term_product() */
+    SHEAR_S_POWER = SHEAR_S_PRODUCT + SHEAR_N_PRODUCTS, /**< w (M20 + M02) */
+    SHEAR_S_NOISE_U,                                    /**< w noise_u */
+    SHEAR_S_NOISE_V,                                    /**< w noise_v */
+    SHEAR_S_CORNER_GALAXY,                              /**< w corner_galaxy */
+    SHEAR_S_CORNER_NOISE,                               /**< w corner_noise */
+    SHEAR_S_FLUX,                                       /**< flux */
+    SHEAR_S_REMOVED,                                    /**< flux_removed */
+    SHEAR_S_REMOVED2,                                   /**< flux_removed^2 */
+    SHEAR_S_BORDER_MEAN,                                /**< border_mean */
+    SHEAR_S_BORDER_MEAN2,                               /**< border_mean^2 */
+    SHEAR_S_BORDER_VAR,                                 /**< border_var */
+    SHEAR_S_BORDER_VAR2,                                /**< border_var^2 */
+    SHEAR_S_BORDER_NOISE,                               /**< border_var_noise */
+    SHEAR_S_BORDER_STEP_X,                              /**< border_step_x */
+    SHEAR_S_BORDER_STEP_X2,                             /**< border_step_x^2 */
+    SHEAR_S_BORDER_STEP_Y,                              /**< border_step_y */
+    SHEAR_S_BORDER_STEP_Y2,                             /**< border_step_y^2 */
+    SHEAR_S_BORDER_STEP2,                               /**< border_step2 */
+    SHEAR_S_BORDER_STEP4,                               /**< border_step2^2 */
+    SHEAR_N_TERMS                                       /**< how many there are */
 };
 
-/* The term of w^2 x_i x_j. */
+/** The term of w^2 x_i x_j. */
 static inline int shear_term_product(int i, int j) {
     const int low = i < j ? i : j;
     const int high = i < j ? j : i;
     return (int)SHEAR_S_PRODUCT + high * (high + 1) / 2 + low;
 }
 
-/* The stamp that counts most: the largest w |N1|, w |N2| or w |D| of the unflagged ones. */
+/** The stamp that counts most: the largest w |N1|, w |N2| or w |D| of the unflagged ones. */
 typedef struct shear_influence {
-    double size;   /* 0 where there is none */
-    int64_t stamp; /* its number in its file */
+    double size;   /**< 0 if there is none */
+    int64_t stamp; /**< its number in its file */
 } shear_influence;
 
-/* The sums of one block: plain data, may be copied, stored and sent between processes of one
+/** The sums of one block: plain data, may be copied, stored and sent between processes of one
  * machine. */
 typedef struct shear_block_sums {
-    int64_t n_stamps;               /* rows added */
-    int64_t n_used;                 /* of them unflagged */
-    int64_t flagged[SHEAR_N_FLAGS]; /* rows that carry each flag */
-    double hi[SHEAR_N_TERMS];       /* the running sums ... */
-    double lo[SHEAR_N_TERMS];       /* ... and their compensations: the sum is hi + lo */
-    shear_influence top;
+    int64_t n_stamps;               /**< rows added */
+    int64_t n_used;                 /**< of them unflagged */
+    int64_t flagged[SHEAR_N_FLAGS]; /**< rows that carry each flag */
+    double hi[SHEAR_N_TERMS];       /**< by enum shear_term: the running sums ... */
+    double lo[SHEAR_N_TERMS];       /**< ... and their compensations: a sum is hi + lo */
+    shear_influence top;            /**< the stamp that counts most */
 } shear_block_sums;
 
+/** Make the sums 0. */
 void shear_block_sums_init(shear_block_sums *b);
-/* Add one row; call in stamp order. */
+/** Add one row; call in stamp order. */
 void shear_block_sums_add(shear_block_sums *b, const shear_row *row);
 
-/* A field's exact sums. Not thread-safe: one owner at a time. */
+/** A field's exact sums. Not thread-safe: one owner at a time. */
 typedef struct shear_field_sums shear_field_sums;
+/** Make sums that are 0; *f is NULL on error. */
 int shear_field_sums_new(shear_field_sums **f, shear_error *err);
+/** NULL is accepted. */
 void shear_field_sums_free(shear_field_sums *f);
-void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b);  /* exact */
-void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g); /* f += g, exact */
-/* f -= g, exact, where g is among what was joined to f: f is then as if g had never been, but for
- * the stamp that counts most: where that was g's, it is no longer known (size NaN) until
- * shear_field_sums_set_top tells it. */
+/** f += b, exact. */
+void shear_field_sums_add(shear_field_sums *f, const shear_block_sums *b);
+/** f += g, exact. */
+void shear_field_sums_join(shear_field_sums *f, const shear_field_sums *g);
+/** f -= g, exact, if g is among what was joined to f: f is then as if g had never been, but for the
+ * stamp that counts most. If that was one of g's, it is unknown (size NaN) until
+ * shear_field_sums_set_top(). */
 void shear_field_sums_subtract(shear_field_sums *f, const shear_field_sums *g);
+/** The stamp that counts most. */
 shear_influence shear_field_sums_top(const shear_field_sums *f);
+/** Say which stamp counts most. */
 void shear_field_sums_set_top(shear_field_sums *f, shear_influence top);
-/* Exact text form (ASCII, versioned, 10 to 30 KiB); *text is malloc'd, the caller frees it. Reading
- * it back gives the same sums. Sums of version 0.1 are read, too: they have no noise level. Parse
- * errors are SHEAR_E_FORMAT and say which part cannot be right. */
+/** The sums as text (ASCII, versioned, 10 to 30 KiB), exact; *text is malloc'd, the caller frees
+ * it. */
 int shear_field_sums_format(const shear_field_sums *f, char **text, shear_error *err);
+/** The same sums back from their text. Sums of version 0.1 are read, too; they have no noise level.
+ * SHEAR_E_FORMAT says which part cannot be right. *f is NULL on error. */
 int shear_field_sums_parse(shear_field_sums **f, const char *text, shear_error *err);
 
-/* Why a field has no shear. */
+/** Why a field has no shear. */
 enum shear_no_shear {
-    SHEAR_HAS_SHEAR = 0,
-    SHEAR_NO_STAMPS,     /* fewer than 2 are usable */
-    SHEAR_NO_WEIGHT,     /* all weights are 0 */
-    SHEAR_NO_DIFFERENCE, /* galaxy and noise stamps are the same, but for rounding */
-    SHEAR_NO_SIGNAL,     /* sum w D is not 5 sigma of the noise above 0 */
-    SHEAR_SWAPPED,       /* the noise stamps have more power than the galaxies', beyond doubt */
-    SHEAR_TOO_NARROW,  /* the galaxies are narrower than the PSF, beyond doubt: D < 0 < M20 + M02 */
-    SHEAR_NO_SYMMETRY, /* fewer than 16 stamps for the symmetry, or no shear makes them symmetric */
-    SHEAR_NOT_FINITE   /* sums beyond the range of double */
+    SHEAR_HAS_SHEAR = 0, /**< it has one */
+    SHEAR_NO_STAMPS,     /**< fewer than 2 are usable */
+    SHEAR_NO_WEIGHT,     /**< all weights are 0 */
+    SHEAR_NO_DIFFERENCE, /**< galaxy and noise stamps are the same, but for rounding */
+    SHEAR_NO_SIGNAL,     /**< sum w D is less than 5 sigma of the noise above 0 */
+    SHEAR_SWAPPED,       /**< the noise stamps have more power than the galaxies', beyond doubt */
+    SHEAR_TOO_NARROW,  /**< the galaxies are narrower than the PSF, beyond doubt: D < 0 < M20 + M02
+                        */
+    SHEAR_NO_SYMMETRY, /**< fewer than 16 stamps for the symmetry, or no shear makes them symmetric
+                        */
+    SHEAR_NOT_FINITE   /**< sums beyond the range of double */
 };
 
-/* A field's result. Without a shear (`why`), `valid` is false and the shear and its errors are NaN.
+/** A field's result. Without a shear (`why`), `valid` is false and the shear and its errors are
+ * NaN.
  *
- * The noise level alpha: how much more noise power the galaxy stamps have than the noise stamps,
- * read off at high k. The noise stamps' moments count alpha times: g_i = sum w (N_i + (1 - alpha)
- * noise N_i) / sum w (D + (1 - alpha) noise D). 1 where it cannot be known. */
+ * The noise level alpha says how much more noise power the galaxy stamps have than the noise
+ * stamps, read off at high k. The noise stamps' moments count alpha times: g_i = sum w (N_i + (1 -
+ * alpha) noise N_i) / sum w (D + (1 - alpha) noise D). It is 1 if it cannot be known. */
 typedef struct shear_result {
-    bool valid;
-    enum shear_no_shear why;
-    enum shear_estimator estimator;
-    double g1, g2;
-    double g1_err, g2_err; /* 1 sigma: delta method, or jackknife where it was asked for, or the
-                              symmetry's own */
-    double cov12;          /* covariance of g1 and g2, by the same method */
-    double delta_g1_err, delta_g2_err; /* the delta method's, whatever the others are */
-    int jackknife;                     /* groups of the jackknife; 0 = delta method */
-    int64_t n_stamps, n_used, n_flagged;
-    int64_t flagged[SHEAR_N_FLAGS];
-    double sum_weight, sum_d; /* sum_d: at the noise level */
-    double signal; /* sum_d over what noise alone scatters it by; INFINITY without noise */
-    /* Influence. */
-    double n_eff;      /* (sum w D)^2 / sum (w D)^2 */
-    double top_size;   /* shear_influence.size of that stamp; 0: there is none */
-    double top_share;  /* of the stamp that counts most in |sum w D|; NaN: not known */
-    int64_t top_stamp; /* its number in its file, -1: none */
-    /* The noise level. */
-    double noise_level, noise_level_err; /* alpha; NaN: cannot be known */
-    double noise_effect;                 /* what alpha - 1 changes sum w D by, as a part of it */
-    double noise_shape, noise_shape_err; /* alpha beyond Nyquist over that below it, minus 1: not 0
-                                            where the two noises' spectra differ; NaN: not known */
-    double high_galaxy; /* the galaxy stamps' mean power at high k, as a variance a pixel; NaN: not
-                           looked at */
-    double noise_share; /* noise stamps' part of sum w D: sum w noise D / sum w D */
-    double mean_flux;   /* of the used stamps */
-    double filter_removed;     /* part of the stacked flux that the filter removes ... */
-    double filter_removed_err; /* ... and its 1-sigma error */
-    double border_excess;      /* mean border pixel, galaxy minus noise ... */
-    double border_excess_err;
-    double border_rough; /* mean border variance, galaxy minus noise ... */
-    double border_rough_err;
-    double border_noise_var;                 /* mean border variance of the noise stamps */
-    double border_step_x, border_step_x_err; /* mean step across the border: of a gradient that all
-                                                have ... */
-    double border_step_y, border_step_y_err;
-    double border_step2, border_step2_err; /* ... and mean square: of any, or of neighbours */
+    bool valid;                     /**< there is a shear */
+    enum shear_no_shear why;        /**< why there is none */
+    enum shear_estimator estimator; /**< by which it was estimated */
+    double g1;                      /**< the shear along the axes; > 0 stretches along x */
+    double g2;                      /**< the shear along the diagonals */
+    double g1_err; /**< 1 sigma of g1: delta method, or jackknife if asked for, or the symmetry's */
+    double g2_err; /**< 1 sigma of g2, likewise */
+    double cov12;  /**< covariance of g1 and g2, by the same method */
+    double delta_g1_err; /**< the delta method's 1 sigma of g1, whatever the others are */
+    double delta_g2_err; /**< the delta method's 1 sigma of g2 */
+    int jackknife;       /**< groups of the jackknife; 0 = none */
+    int64_t n_stamps;    /**< rows */
+    int64_t n_used;      /**< rows without a flag */
+    int64_t n_flagged;   /**< rows with a flag */
+    int64_t flagged[SHEAR_N_FLAGS]; /**< rows that carry each flag */
+    double sum_weight;              /**< sum w */
+    double sum_d;                   /**< sum w D, at the noise level */
+    double signal;      /**< sum_d over its scatter from noise alone; INFINITY without noise */
+    double n_eff;       /**< equal stamps that the field counts as: (sum w D)^2 / sum (w D)^2 */
+    double top_size;    /**< shear_influence.size of the stamp that counts most; 0: there is none */
+    double top_share;   /**< its share of |sum w D|; NaN: unknown */
+    int64_t top_stamp;  /**< its number in its file; -1: none */
+    double noise_level; /**< alpha; NaN: cannot be known */
+    double noise_level_err; /**< its 1 sigma */
+    double noise_effect;    /**< by which part of it alpha - 1 changes sum w D */
+    double noise_shape;     /**< alpha beyond Nyquist over that below it, minus 1: not 0 if the
+                               spectra of the two noises differ; NaN: unknown */
+    double noise_shape_err; /**< its 1 sigma */
+    double high_galaxy; /**< the galaxy stamps' mean power at high k, as a variance per pixel; NaN:
+                           not measured */
+    double noise_share; /**< the noise stamps' part of sum w D: sum w noise D / sum w D */
+    double mean_flux;   /**< of the used stamps */
+    double filter_removed;     /**< part of the stacked flux that the filter removes */
+    double filter_removed_err; /**< its 1 sigma */
+    double border_excess;      /**< mean border pixel, galaxy minus noise */
+    double border_excess_err;  /**< its 1 sigma */
+    double border_rough;       /**< mean border variance, galaxy minus noise */
+    double border_rough_err;   /**< its 1 sigma */
+    double border_noise_var;   /**< mean border variance of the noise stamps */
+    double border_step_x;      /**< mean step across the border in x: of a gradient that all have */
+    double border_step_x_err;  /**< its 1 sigma */
+    double border_step_y;      /**< mean step across the border in y */
+    double border_step_y_err;  /**< its 1 sigma */
+    double border_step2;       /**< mean square of the step: of any gradient, or of neighbours */
+    double border_step2_err;   /**< its 1 sigma */
 } shear_result;
 
-/* Where the errors are from: "delta", "jackknife" or "symmetry". */
+/** Where the errors come from: "delta", "jackknife" or "symmetry". */
 const char *shear_error_method(const shear_result *r);
 
-/* The field's result with delta-method errors. They contain the noise level's. */
+/** The field's result by the ratio of means, with errors by the delta method, which contain the
+ * noise level's. */
 void shear_field_result(const shear_field_sums *f, shear_result *out);
 
-/* The jackknife: N groups of whole consecutive blocks (nearly equal numbers of them), each left out
- * in turn. Call _add for every block of the field in canonical order (file by file, block by
- * block), then _finish, which overwrites errors and covariance of *out. SHEAR_E_SETTING where there
- * are fewer blocks than groups. Thread-compatible. */
+/** The jackknife: groups of whole consecutive blocks (nearly equal numbers of them), each left out
+ * in turn. Not thread-safe: one owner at a time. */
 typedef struct shear_jackknife shear_jackknife;
+/** Begin a jackknife over so many groups, at least 2; *j is NULL on error. */
 int shear_jackknife_new(shear_jackknife **j, int groups, shear_error *err);
+/** NULL is accepted. */
 void shear_jackknife_free(shear_jackknife *j);
+/** Add every block of the field, in canonical order: file by file, block by block. */
 int shear_jackknife_add(shear_jackknife *j, const shear_block_sums *b, shear_error *err);
-/* Append all blocks of `other`. All or nothing. */
+/** Append all blocks of `other`. All or nothing. */
 int shear_jackknife_join(shear_jackknife *j, const shear_jackknife *other, shear_error *err);
+/** Overwrite errors and covariance of *out, which shear_field_result() has filled in.
+ * SHEAR_E_SETTING if there are fewer blocks than groups. */
 int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err);
 
 #ifdef __cplusplus

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* shear/text.h: text from outside (names, paths, messages about them) on its way to a terminal or a
- * log: one rule for all of it.
+/**
+ * @file shear/text.h
+ * Text from outside (names, paths, messages about them) on its way to a terminal or a log: one rule
+ * for all of it.
  *
- * A character is shown where it is sound UTF-8 and neither a control (C0, C1, DEL), a line or
- * paragraph separator, nor one that is not seen itself but changes how others are (bidirectional
- * controls and marks, zero width, joiners, tags, soft hyphen): such a name would look like another.
+ * A character is shown if it is valid UTF-8 and neither a control (C0, C1, DEL), a line or
+ * paragraph separator, nor one that is invisible itself but changes how others are shown
+ * (bidirectional controls and marks, zero width, joiners, tags, soft hyphen): a name with such a
+ * character would look like another name.
  */
 #ifndef SHEAR_TEXT_H
 #define SHEAR_TEXT_H
@@ -15,12 +18,12 @@
 extern "C" {
 #endif
 
-/* Bytes of the character that begins at `text` where it is shown as it is; 0 where it is not, and
- * at the end. */
+/** The length in bytes of the character at the beginning of `text` if it is shown as it is; 0 if it
+ * is not, and at the end. */
 size_t shear_text_shown(const char *text);
 
-/* The text into buf[size], '?' in place of each character that is not shown and of each byte that
- * is no UTF-8; what does not fit is cut off between characters. Returns buf. */
+/** Copy the text into buf[size], with '?' in place of every character that is not shown and of
+ * every byte that is not UTF-8. What does not fit is cut off between characters. Returns buf. */
 char *shear_text_clean(const char *text, char *buf, size_t size);
 
 #ifdef __cplusplus

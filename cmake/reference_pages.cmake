@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What Doxygen makes, as it is installed: in DIR/man3 a compressed page for each header (shear-plan.h.3), structure and
+# symbol of the library, in DIR/html pages without scripts. -DDIR= -DGZIP= -DTITLE= -DDATE=
+file(REMOVE_RECURSE ${DIR}/man3)
+file(MAKE_DIRECTORY ${DIR}/man3)
+file(GLOB pages ${DIR}/man/man3/shear_*.3 ${DIR}/man/man3/SHEAR_*.3 ${DIR}/man/man3/*.h.3)
+set(names)
+foreach(page IN LISTS pages)
+  get_filename_component(name ${page} NAME)
+  file(READ ${page} text)
+  # The headers' pages are called by the library, and name no day on which they were made.
+  string(REGEX REPLACE "^shear\\.h\\.3$" "libshear.3" name ${name})
+  string(REGEX REPLACE "^([a-z]+\\.h\\.3)$" "shear-\\1" name ${name})
+  string(REGEX REPLACE "\\.so man3/([a-z]+\\.h\\.3)" ".so man3/shear-\\1" text "${text}")
+  string(REGEX REPLACE "\\.so man3/shear-shear\\.h" ".so man3/libshear" text "${text}")
+  get_filename_component(page_name ${name} NAME_WLE)
+  string(REGEX REPLACE "^\\.TH [^\n]*" ".TH \"${page_name}\" 3 \"${DATE}\" \"${TITLE}\" \"libshear\"" text "${text}")
+  string(REGEX REPLACE "\n\\.SH \"Author\".*" "\n" text "${text}")
+  string(REGEX REPLACE "\n\\.SH NAME\nshear/([a-z]+\\.h)" "\n.SH NAME\nshear-\\1" text "${text}")
+  string(REGEX REPLACE "\n\\.SH NAME\nshear\\.h" "\n.SH NAME\nlibshear" text "${text}")
+  file(WRITE ${DIR}/man3/${name} "${text}")
+  list(APPEND names ${DIR}/man3/${name})
+endforeach()
+execute_process(COMMAND ${GZIP} -9 -n ${names} COMMAND_ERROR_IS_FATAL ANY)
+
+file(GLOB scripts ${DIR}/html/*.js)
+file(REMOVE ${scripts})
+file(GLOB pages ${DIR}/html/*.html)
+foreach(page IN LISTS pages)
+  file(READ ${page} text)
+  string(REGEX REPLACE "<script [^>]*></script>\n?" "" text "${text}")
+  file(WRITE ${page} "${text}")
+endforeach()
