@@ -52,7 +52,7 @@ int access_peer_from_user(uid_t uid, gid_t gid, access_peer *peer, shear_error *
 /* The supplementary groups as text ("4 27 1000"; "" where there are none), to be kept with what the
  * peer asked for; *text is malloc'd. SHEAR_E_NOMEM. */
 int access_peer_groups_text(const access_peer *peer, char **text, shear_error *err);
-/* The peer again. SHEAR_E_INTERNAL where the text is none of the above's, SHEAR_E_NOMEM. */
+/* The peer again. SHEAR_E_INTERNAL where the text was not made by the above, SHEAR_E_NOMEM. */
 int access_peer_from_text(uid_t uid, gid_t gid, const char *groups, access_peer *peer,
                           shear_error *err);
 

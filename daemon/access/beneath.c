@@ -19,7 +19,7 @@ enum { LINKS_MAX = 40, DEPTH_MAX = 100, STEPS_MAX = 4096 };
 typedef struct way {
     const access_peer *peer;
     int at[DEPTH_MAX + 1]; /* the directories from the root (not ours) to where we are: ".." goes
-                              back to the one that we came from, wherever it is by now */
+                              back to the one that we came from, even if that was moved meanwhile */
     int depth;
     int links, steps;
     char text[2 * PATH_MAX];
@@ -29,7 +29,7 @@ typedef struct way {
 } way;
 
 /* The next name into `name`, and whether anything follows it, which makes it a directory's. False:
- * none is left. */
+ * there is none. */
 static bool next_name(way *w, char *name, size_t size, bool *followed) {
     w->rest += strspn(w->rest, "/");
     if (w->rest[0] != '\0' && strlen(w->rest) <= w->own) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Resolving a path beneath a directory, links and all, without leaving it. */
+/* access/beneath.h: resolving a path beneath a directory, links and all, without leaving it. */
 #ifndef SHEARD_ACCESS_BENEATH_H
 #define SHEARD_ACCESS_BENEATH_H
 

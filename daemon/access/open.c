@@ -57,8 +57,8 @@ static int fail_plainly(const request *r, int error, shear_error *err) {
     }
 }
 
-/* `link` as of beneath_open. Everybody may make links to where only others may look: what became of
- * one must not tell what is there. */
+/* `link` as of beneath_open. Anyone may make a link into a directory that only others may search:
+ * an error must not tell what is there. */
 static int fail_at(const request *r, char link, int error, shear_error *err) {
     if (link != '\0' && link != '/' && r->peer->uid != 0) {
         return shear_fail(err, ACCESS_E_DENIED, "give the file itself, beneath a data root",
@@ -69,7 +69,7 @@ static int fail_at(const request *r, char link, int error, shear_error *err) {
     return fail_plainly(r, error, err);
 }
 
-/* The file behind an O_PATH descriptor, for reading: itself, whatever its name is by now. */
+/* The file behind an O_PATH descriptor, for reading: itself, even if its name has changed. */
 static int reopen(const request *r, int handle, int *fd, shear_error *err) {
     char self[32];
     struct stat st;

@@ -94,7 +94,7 @@ static int check_list(const char *list, size_t size, const struct stat *st, cons
     }
     memcpy(&version, list, sizeof version);
     if (le32toh(version) != ACL_VERSION) {
-        return EACCES; /* what is not understood gives nothing */
+        return EACCES; /* a version that is not known gives nothing */
     }
     for (size_t at = sizeof version; at < size; at += sizeof(acl_entry)) {
         acl_entry entry;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* May this peer do that with the file behind this descriptor? */
+/* access/permission.h: may this peer do that with the file behind this descriptor? */
 #ifndef SHEARD_ACCESS_PERMISSION_H
 #define SHEARD_ACCESS_PERMISSION_H
 

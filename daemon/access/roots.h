@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The data roots. */
+/* access/roots.h: the data roots. */
 #ifndef SHEARD_ACCESS_ROOTS_H
 #define SHEARD_ACCESS_ROOTS_H
 

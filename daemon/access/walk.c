@@ -59,7 +59,7 @@ static int walk_along(char *way, const access_peer *peer, int *at) {
     return 0;
 }
 
-/* ESTALE where the way leads elsewhere by now. */
+/* ESTALE where the way leads elsewhere meanwhile. */
 static int walk_once(int target, const access_peer *peer, char *way) {
     struct stat end = {0};
     struct stat wanted = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The way from / to an open file. */
+/* access/walk.h: the way from / to an open file. */
 #ifndef SHEARD_ACCESS_WALK_H
 #define SHEARD_ACCESS_WALK_H
 

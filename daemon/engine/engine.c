@@ -170,7 +170,7 @@ int engine_add(engine *e, const engine_job *spec, shear_error *err) {
     return SHEAR_OK;
 }
 
-/* A copy; NULL where there are none, or memory is out: then the job begins anew. */
+/* A copy; NULL where there are none, or memory is out: then the job begins again. */
 static shear_symmetry *copy_terms(const shear_symmetry *terms) {
     shear_symmetry *copy = NULL;
     if (terms == NULL || shear_symmetry_new(&copy, NULL) != SHEAR_OK) {
@@ -184,7 +184,7 @@ static shear_symmetry *copy_terms(const shear_symmetry *terms) {
 }
 
 void engine_go(engine *e, int64_t id, const engine_checkpoint *checkpoint) {
-    /* Where memory is out for the checkpoint, the job begins anew. */
+    /* Where memory is out for the checkpoint, the job begins again. */
     char *sums = checkpoint != NULL ? strdup(checkpoint->sums) : NULL;
     shear_symmetry *terms = checkpoint != NULL ? copy_terms(checkpoint->terms) : NULL;
     pthread_mutex_lock(&e->lock);

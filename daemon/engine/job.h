@@ -29,7 +29,7 @@ typedef struct job {
     enum job_phase phase;
     bool go, stop_asked;
     atomic_bool stopping;  /* stop_asked, for the reader, which does not know the lock */
-    atomic_int stage;      /* enum engine_stage, for who looks on */
+    atomic_int stage;      /* enum engine_stage, for engine_get_progress */
     atomic_llong hashed;   /* bytes of the files */
     int64_t bytes;         /* of the files, in all */
     int64_t served;        /* stamps of whole turns, for fairness */

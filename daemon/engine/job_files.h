@@ -25,7 +25,7 @@ int64_t job_files_bytes(const job_files *f);
 
 /* ENGINE_E_CHANGED where one of the files is not what it was when it was taken: its size or the
  * time of its last change (of content, mode, names). Seen on the descriptors that are read from, so
- * that a name that leads elsewhere by now does not matter. */
+ * that it does not matter where their names lead meanwhile. */
 int job_files_check(const job_files *f, shear_error *err);
 
 #endif

@@ -13,7 +13,7 @@ static int sync_rows(void *self, int64_t rows, shear_error *err) {
 }
 
 /* The rows before the checkpoint must be there: where they are not, *first_block becomes 0 and the
- * work begins anew. */
+ * work begins again. */
 static int open_catalog(job *j, int64_t *first_block, shear_error *err) {
     const shear_field_info *info = reader_get_info(j->reader);
     const int64_t rows = *first_block * SHEAR_BLOCK;
@@ -55,7 +55,7 @@ static int read_block(void *self, int slot, int64_t first, int count, const shea
 }
 
 /* The checkpoint's sums; none where the terms of their stamps are not with them: then the work
- * begins anew. */
+ * begins again. */
 static int read_sums_before(job *j, int64_t *first_block, shear_error *err) {
     shear_result r;
     *first_block = 0;

@@ -9,8 +9,8 @@
 int64_t machine_memory(void);
 
 /* The least memory.max or memory.high of the version 2 control group that the file `membership`
- * (/proc/self/cgroup) names beneath `root` (/sys/fs/cgroup), and of those above it; INT64_MAX:
- * none. */
+ * (/proc/self/cgroup) names beneath `root` (/sys/fs/cgroup), and of those above it; INT64_MAX
+ * where there is no limit. */
 int64_t machine_cgroup_memory(const char *membership, const char *root);
 
 #endif

@@ -26,8 +26,8 @@ void plan_cache_free(plan_cache *p);
 /* Other bounds, from now on. */
 void plan_cache_limit(plan_cache *p, int64_t max_count, int64_t max_bytes);
 
-/* Give up idle plans, the longest unused first, until all take at most `bytes`, or none is idle.
- * What they take then. */
+/* Give up idle plans, the longest unused first, until all take at most `bytes`, or no idle one
+ * is left. Returns what they take then. */
 int64_t plan_cache_shrink_to(plan_cache *p, int64_t bytes);
 
 /* The plan for these, kept or new. *plan is NULL on an error: those of shear_plan_new. To be given

@@ -52,9 +52,9 @@ bool log_drain(int timeout_ms);
 
 typedef struct log_losses {
     int64_t lines;         /* that were lost since log_open */
-    int64_t untold;        /* ... of them, so far: no line says so yet */
+    int64_t untold;        /* ... of them, those that no line tells of yet */
     int64_t since_ms;      /* the first of those, milliseconds since 1970; 0: none */
-    int64_t waiting_bytes; /* not yet taken by who reads the log */
+    int64_t waiting_bytes; /* that the log's reader has not taken yet */
 } log_losses;
 log_losses log_get_losses(void);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which messages have come too often. */
+/* log/repeats.h: which messages have come too often. */
 #ifndef LOG_REPEATS_H
 #define LOG_REPEATS_H
 

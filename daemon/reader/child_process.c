@@ -35,8 +35,8 @@ int child_process_reap(pid_t *pid, bool kill_now, char *end, size_t size) {
     pid_t got = kill_now ? 0 : wait_for_end(*pid, &status);
     if (got == 0) {
         kill(*pid, SIGKILL);
-        /* Not for ever: what sleeps in a dead file server cannot be killed, and must hold up
-         * nobody. It is left to the system. */
+        /* Not for ever: a process that sleeps in a dead file server cannot be killed, and
+         * must not hold up the caller. It is left to the system. */
         got = wait_for_end(*pid, &status);
     }
     *pid = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Namespaces of the reader's own. A process namespace holds the children of who asks for it, so
- * there are two processes then: the one that the service started, and knows, does nothing but wait.
+/* Namespaces for the reader alone. A process namespace holds the children of the process that asks
+ * for it, so there are two processes then: the one that the service started, and knows, only waits.
  */
 #include "reader/sandbox.h"
 

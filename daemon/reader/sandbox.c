@@ -46,7 +46,7 @@ static int fail_errno(shear_error *err, const char *what) {
         "the reader's sandbox: %s: %s", what, strerror(errno));
 }
 
-/* At most so much, and never more than whoever started the service allows. */
+/* At most `value`, and never more than the limits that the service was started with. */
 static int limit(int resource, int64_t value, const char *what, shear_error *err) {
     struct rlimit r;
     if (getrlimit((__rlimit_resource_t)resource, &r) != 0) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reader/wire.h: what the daemon and its reader child say to each other, over a SOCK_SEQPACKET
+/* reader/wire.h: the messages between the daemon and its reader child, over a SOCK_SEQPACKET
  * pair: one request, one reply, each a whole struct (both ends are of one build). Stamps do not
  * travel here: they lie in shared memory.
  *

@@ -36,7 +36,7 @@ struct connection {
     open_requests open;
     subscriptions subscriptions;
     out_queue out;
-    size_t writing;   /* bytes of `out` that libuv has, for the socket's buffer is full */
+    size_t writing;   /* bytes of `out` that libuv has, because the socket's buffer is full */
     uint64_t lost;    /* notifications left out */
     size_t unwritten; /* bytes that libuv had at the last tick */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The requests of a connection that have not been answered. */
+/* server/open_requests.h: the requests of a connection that have not been answered. */
 #ifndef SERVER_OPEN_REQUESTS_H
 #define SERVER_OPEN_REQUESTS_H
 

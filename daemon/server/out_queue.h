@@ -31,7 +31,7 @@ typedef struct out_queue {
     size_t held; /* memory of this queue alone: whole lines, without those counted elsewhere */
 } out_queue;
 
-void out_queue_deinit(out_queue *q); /* zeroed: fine */
+void out_queue_deinit(out_queue *q); /* may be zeroed */
 /* Takes a reference of its own. False: out of memory. */
 bool out_queue_push(out_queue *q, out_line *line);
 out_line *out_queue_at(const out_queue *q, size_t i); /* i < n */

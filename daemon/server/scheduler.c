@@ -131,7 +131,7 @@ static void serve(server *s, uint64_t end) {
         s->scheduler.current = c;
         s->scheduler.again = false;
         s->scheduler.call.process(c);
-        if (!s->scheduler.again && c->unflushed) { /* whoever asked for one thing has it at once */
+        if (!s->scheduler.again && c->unflushed) { /* the reply to a single request goes at once */
             leave_unflushed(s, c);
             s->scheduler.call.flush(c);
         }

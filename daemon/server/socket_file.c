@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The order of the steps is what keeps everybody out who should be:
+/* The order of the steps keeps out everybody who should not get in:
  *   1. the lock (PATH.lock): of several servers that start at once one goes on. A socket that is
  *      bound but does not listen yet answers a connect as a dead one does, so the test of step 2
  *      is only sound while nobody else is at the steps after it;
@@ -62,8 +62,8 @@ static int make_address(struct sockaddr_un *address, const char *path, shear_err
 
 /* ---- the lock ---- */
 
-/* Its holder removes the lock file at last, so a lock may be had on a file that has no name any
- * more and locks nobody out. */
+/* Its holder removes the lock file at last, so a lock may be acquired on a file that has lost its
+ * name, and locks nobody out. */
 static bool is_current(int fd, const char *path) {
     struct stat held;
     struct stat named;

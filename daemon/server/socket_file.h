@@ -18,7 +18,7 @@ typedef struct socket_file {
 /* *fd becomes a listening socket, close-on-exec. On failure there is nothing to remove. */
 int socket_file_make(socket_file *file, int *fd, const char *path, unsigned mode, const char *group,
                      shear_error *err);
-/* Remove the file, if it is still the one that was made, and the lock. Once more: fine. */
+/* Remove the file, if it is still the one that was made, and the lock. It may be called again. */
 void socket_file_remove(socket_file *file);
 
 #endif

@@ -12,13 +12,13 @@ typedef struct subscriptions {
     bool all, progress;
 } subscriptions;
 
-void subscriptions_deinit(subscriptions *w); /* zeroed: fine */
+void subscriptions_deinit(subscriptions *w); /* may be zeroed */
 /* All of it or, on an error, nothing. `limit`: jobs and fields together. */
 int subscriptions_add(subscriptions *w, const sheard_msg_subscribe *what, size_t limit,
                       sheard_rpc_error *error);
 /* Nothing named: everything. */
 void subscriptions_remove(subscriptions *w, const sheard_msg_subscribe *what);
-/* Was it subscriptions by its number? It is not any more. */
+/* End the subscription to a job by its number. False: there was none. */
 bool subscriptions_end_job(subscriptions *w, int64_t job);
 bool subscriptions_any(const subscriptions *w);
 bool subscriptions_match(const subscriptions *w, int notice, int64_t job, const char *field);

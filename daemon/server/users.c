@@ -32,7 +32,7 @@ server_user *users_join(server_user_list *all, uid_t uid, uint64_t clock_ns) {
             return NULL;
         }
         u->uid = uid;
-        u->used_ns = clock_ns; /* whoever is new has saved up nothing */
+        u->used_ns = clock_ns; /* a new user has saved up no time */
         TAILQ_INIT(&u->deferred);
         TAILQ_INSERT_TAIL(all, u, link);
     }
@@ -50,7 +50,7 @@ void users_part(server_user_list *all, server_user *u) {
     drop_unused(all, u);
 }
 
-/* ---- the heap: places from 1, so that 0 is none ---- */
+/* ---- the heap: places begin at 1, so that 0 means that it is not in the heap ---- */
 
 static void put(server_user *u, size_t place, connection *c) {
     u->ready[place - 1] = c;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Users and whose turn it is. Of those that have something to do, the one that has had the least
- * time is next: users first, then the user's connections. Time that somebody did not ask for is not
- * saved up, but for USERS_CREDIT_NS. */
+/* server/users.h: users and whose turn it is. Of those that have something to do, the one that has
+ * had the least time is next: users first, then the user's connections. Time that somebody did not
+ * ask for is not saved up, but for USERS_CREDIT_NS. */
 #ifndef SERVER_USERS_H
 #define SERVER_USERS_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/folders.h: the spool's directory, its lock and its four folders, held by descriptors: who
- * renames a folder under the running service does not make it write elsewhere. */
+/* spool/folders.h: the spool's directory, its lock and its four folders, held by descriptors: when
+ * a folder is renamed under the running service, files do not go elsewhere. */
 #ifndef SHEARD_SPOOL_FOLDERS_H
 #define SHEARD_SPOOL_FOLDERS_H
 

@@ -28,7 +28,7 @@ enum {
 enum name_status name_validate(const char *name);
 /* What is wrong with it, as the end of "its name ..."; "" for NAME_GOOD and NAME_QUIET. */
 const char *name_complaint(enum name_status status);
-/* For messages: what is no printable ASCII becomes '?'. */
+/* For messages: what is not printable ASCII becomes '?'. */
 void name_printable(char out[NAME_SIZE], const char *name);
 
 /* KEY-NAME with a new key: time, `counter` and random bits. Returns 0 or errno. */

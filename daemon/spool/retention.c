@@ -184,7 +184,7 @@ static void remove_item(spool *s, const ended_file *item) {
     const int fd = s->folders.fd[folder];
     struct stat st;
     if (folder_stat(&s->folders, folder, item->name, &st) != 0 || st.st_ino != item->inode) {
-        return; /* somebody was faster, and the name may stand for a younger file by now */
+        return; /* somebody was faster, and a younger file may have the name now */
     }
     if (unlinkat(fd, item->name, 0) != 0) {
         report_line(s, SPOOL_WARNING, "%s/%s/%s: is to be removed, but cannot: %s", s->folders.path,

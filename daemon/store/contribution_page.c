@@ -66,7 +66,7 @@ int store_contributions(store *s, const char *name, const char *settings_digest,
     return code;
 }
 
-/* The first or last truth of a field's contributions; *none: that one has none. */
+/* The first or last true shear of a field's contributions; *none: that contribution has none. */
 static int end_of_truths(store *s, enum sql which, int64_t field, double g[2], bool *none,
                          shear_error *err) {
     bool row = false;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a whole field is taken back: its rows at once, in one operation that tells the contributions
- * to go; then these, one by one, for there may be very many. */
+/* A whole field is taken back: its rows at once, in one operation that marks their contributions;
+ * then these, one by one, because there may be very many. */
 #include "store/operation.h"
 #include "store/query.h"
 

@@ -16,7 +16,7 @@
  * STORE_LOCKED, SHEAR_E_IO. Closing it, or the end of the process, is the lock's end. */
 int lock_acquire(int *fd, const char *path, int busy_ms, shear_error *err);
 
-/* What both locks say. */
+/* The error of both locks. */
 int lock_fail(const char *path, shear_error *err);
 
 #endif

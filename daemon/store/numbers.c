@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers that triggers keep (schema.c), and how jobs leave. */
+/* The numbers that triggers keep (schema.c), and the retention of finished jobs. */
 #include "store/operation.h"
 #include "store/query.h"
 

@@ -59,8 +59,8 @@ int query_step(query *q, bool *row, shear_error *err) {
         return SHEAR_OK;
     }
     const int code = database_fail(q->s->db, q->s->path, rc, q->doing, err);
-    /* Once the database is ours, nobody can be in the way but a file system that plays tricks with
-     * locks. */
+    /* Once the database is ours, nobody else can hold a lock, unless the file system does not
+     * keep them. */
     if (code == STORE_LOCKED) {
         return shear_fail(err, SHEAR_E_IO, "keep the state directory on a local file system",
                           "%s: lost its lock", q->s->path);

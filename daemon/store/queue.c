@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Which job runs next, and how a running one stops without a result. */
+/* Which job runs next, and the ends of a running one without a result. */
 #include "base/text.h"
 #include "store/job.h"
 #include "store/operation.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How what was counted is taken back: exactly, for the sums are integers. */
+/* What was counted is taken back: exactly, because the sums are integers. */
 #include "store/field_row.h"
 #include "store/operation.h"
 #include "store/query.h"

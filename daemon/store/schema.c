@@ -315,7 +315,7 @@ static const char *const version_6[] = {
      * them. */
     "ALTER TABLE contribution_terms ADD COLUMN stamp_bytes INTEGER NOT NULL DEFAULT 48",
     /* A job that went on from sums without noise parts would tell a wrong noise level: jobs that
-     * were stopped begin anew. */
+     * were stopped begin again. */
     "DELETE FROM checkpoint_terms", "DELETE FROM checkpoints", NULL};
 
 const schema_step schema_steps[SCHEMA_VERSION] = {version_1, version_2, version_3,

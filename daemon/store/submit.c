@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How a job comes in, and how it comes in again. */
+/* Jobs are submitted, and submitted again. */
 #include "store/job.h"
 #include "store/operation.h"
 
