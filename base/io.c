@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/io.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -8,10 +9,12 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-ssize_t io_read(int fd, void *buffer, size_t size) {
+/* From `offset`, or from the descriptor's position if that is negative. */
+static ssize_t read_all(int fd, char *buffer, size_t size, off_t offset) {
     size_t done = 0;
     while (done < size) {
-        const ssize_t n = read(fd, (char *)buffer + done, size - done);
+        const ssize_t n = offset < 0 ? read(fd, buffer + done, size - done)
+                                     : pread(fd, buffer + done, size - done, offset + (off_t)done);
         if (n == 0) {
             break;
         }
@@ -23,19 +26,13 @@ ssize_t io_read(int fd, void *buffer, size_t size) {
     return (ssize_t)done;
 }
 
+ssize_t io_read(int fd, void *buffer, size_t size) {
+    return read_all(fd, buffer, size, -1);
+}
+
 ssize_t io_read_at(int fd, void *buffer, size_t size, off_t offset) {
-    size_t done = 0;
-    while (done < size) {
-        const ssize_t n = pread(fd, (char *)buffer + done, size - done, offset + (off_t)done);
-        if (n == 0) {
-            break;
-        }
-        if (n < 0 && errno != EINTR) {
-            return -1;
-        }
-        done += n > 0 ? (size_t)n : 0;
-    }
-    return (ssize_t)done;
+    assert(offset >= 0);
+    return read_all(fd, buffer, size, offset);
 }
 
 int io_write(int fd, const void *bytes, size_t n) {

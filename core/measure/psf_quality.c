@@ -18,18 +18,18 @@ static const double edge_max = 0.6065;
 /* Of the flux, in the outer quarters of an axis on either side: it lies round the edges. */
 static const double wrapped_min = 0.01;
 
-typedef struct view {
+typedef struct psf_image {
     const double *psf;
     int nx, ny;
     int x, y; /* the brightest sample */
-} view;
+} psf_image;
 
-static double at(const view *v, int x, int y) {
+static double at(const psf_image *v, int x, int y) {
     return v->psf[(size_t)y * (size_t)v->nx + (size_t)x];
 }
 
-static view view_of(const double *psf, int nx, int ny) {
-    view v = {.psf = psf, .nx = nx, .ny = ny};
+static psf_image psf_image_of(const double *psf, int nx, int ny) {
+    psf_image v = {.psf = psf, .nx = nx, .ny = ny};
     size_t best = 0;
     for (size_t i = 1; i < (size_t)nx * (size_t)ny; i++) {
         best = psf[i] > psf[best] ? i : best;
@@ -55,7 +55,7 @@ static double brightest_edge(const double *psf, int nx, int ny) {
     return most;
 }
 
-static bool all_equal(const view *v) {
+static bool all_equal(const psf_image *v) {
     const size_t n = (size_t)v->nx * (size_t)v->ny;
     size_t i = 1;
     while (i < n && v->psf[i] == v->psf[0]) {
@@ -65,7 +65,7 @@ static bool all_equal(const view *v) {
 }
 
 /* The peak lies in an outer quarter of the axis, and some of its flux in the opposite one. */
-static bool wraps(const view *v, bool along_x) {
+static bool wraps(const psf_image *v, bool along_x) {
     const int n = along_x ? v->nx : v->ny;
     const int quarter = n / 4;
     double sum = 0.0;
@@ -85,7 +85,7 @@ static bool wraps(const view *v, bool along_x) {
     return outer && low > wrapped_min * sum && high > wrapped_min * sum && low + high > 0.5 * sum;
 }
 
-static int refuse_edge(const view *v, double edge, shear_error *err) {
+static int refuse_edge(const psf_image *v, double edge, shear_error *err) {
     const double peak = at(v, v->x, v->y);
     const bool x_wraps = wraps(v, true);
     const bool y_wraps = wraps(v, false);
@@ -118,7 +118,7 @@ int shear_psf_usable(const double *psf, int nx, int ny, shear_error *err) {
     }
     const double edge = brightest_edge(psf, nx, ny);
     if (edge > edge_max * peak) {
-        const view v = view_of(psf, nx, ny);
+        const psf_image v = psf_image_of(psf, nx, ny);
         return refuse_edge(&v, edge, err);
     }
     return SHEAR_OK;
@@ -142,7 +142,7 @@ static int smaller(int a, int b) {
     return a < b ? a : b;
 }
 
-static void rings_fill(rings *r, const view *v) {
+static void rings_fill(rings *r, const psf_image *v) {
     const int to_x = smaller(v->x, v->nx - 1 - v->x);
     const int to_y = smaller(v->y, v->ny - 1 - v->y);
     *r = (rings){.n = smaller(smaller(to_x, to_y), MAX_RINGS - 1)};
@@ -188,7 +188,7 @@ enum { NOISE_SAMPLES = 1024, NOISE_MIN = 16 };
 
 /* The fourth difference around (x, y) along x, where all its samples are near the rim or beyond,
  * and none is masked; NaN elsewhere. */
-static double fourth_difference(const view *v, int x, int y, double near) {
+static double fourth_difference(const psf_image *v, int x, int y, double near) {
     double s[5];
     for (int i = 0; i < 5; i++) {
         s[i] = at(v, x - 2 + i, y);
@@ -200,7 +200,7 @@ static double fourth_difference(const view *v, int x, int y, double near) {
 }
 
 /* A sample's rms noise: the median absolute difference, as a Gaussian has it. NaN: too few. */
-static double noise_of(const view *v, double near) {
+static double noise_of(const psf_image *v, double near) {
     double found[NOISE_SAMPLES];
     int n = 0;
     const long total = (long)v->nx * v->ny;
@@ -251,7 +251,7 @@ static void look_beyond(shear_psf_quality *q, const rings *r, double peak, doubl
     q->cut = slope > pedestal_slope && isfinite(slope) ? beyond / (sum + beyond) : (double)NAN;
 }
 
-static double sum_of(const view *v, double *lowest) {
+static double sum_of(const psf_image *v, double *lowest) {
     double sum = 0.0;
     *lowest = 0.0;
     for (size_t i = 0; i < (size_t)v->nx * (size_t)v->ny; i++) {
@@ -269,7 +269,7 @@ int shear_psf_examine(shear_psf_quality *q, const double *psf, int nx, int ny, i
         shear_psf_radius(psf, nx, ny, oversample, &q->r_psf_px, err) != SHEAR_OK) {
         return SHEAR_E_PSF;
     }
-    const view v = view_of(psf, nx, ny);
+    const psf_image v = psf_image_of(psf, nx, ny);
     const double peak = at(&v, v.x, v.y);
     double lowest;
     const double sum = sum_of(&v, &lowest);

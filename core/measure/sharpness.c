@@ -11,23 +11,23 @@ enum { PLACES = 4 };
 /* Below this part of the peak an image of a PSF is noise, or cut off. */
 static const double faint = 0.02;
 
-typedef struct view {
+typedef struct sampled_psf {
     const double *psf;
     int nx, ny, q;
     int fine; /* places a sample, along each axis */
-} view;
+} sampled_psf;
 
 typedef struct cell {
     double at[PLACES * PLACES];
 } cell;
 
-static double sample(const view *v, int x, int y) {
+static double sample(const sampled_psf *v, int x, int y) {
     const int cx = x < 0 ? 0 : x >= v->nx ? v->nx - 1 : x;
     const int cy = y < 0 ? 0 : y >= v->ny ? v->ny - 1 : y;
     return v->psf[(long)cy * v->nx + cx];
 }
 
-static cell cell_of(const view *v, int x, int y) {
+static cell cell_of(const sampled_psf *v, int x, int y) {
     cell c = {{0}};
     if (v->fine == 1) {
         c.at[0] = sample(v, x, y);
@@ -48,7 +48,7 @@ static double ratio_of(double here, double left, double right, double below, dou
 }
 
 /* The places of one sample. */
-static void try_places(const view *v, int x, int y, double least, summit *best) {
+static void try_places(const sampled_psf *v, int x, int y, double least, summit *best) {
     const cell here = cell_of(v, x, y);
     const cell left = cell_of(v, x - v->q, y);
     const cell right = cell_of(v, x + v->q, y);
@@ -65,11 +65,11 @@ static void try_places(const view *v, int x, int y, double least, summit *best) 
     }
 }
 
-static double at(const view *v, double x, double y) {
+static double at(const sampled_psf *v, double x, double y) {
     return psf_at(v->psf, v->nx, v->ny, x, y);
 }
 
-static void try_at(const view *v, double x, double y, double least, summit *best) {
+static void try_at(const sampled_psf *v, double x, double y, double least, summit *best) {
     const double here = at(v, x, y);
     const double ratio = ratio_of(here, at(v, x - v->q, y), at(v, x + v->q, y), at(v, x, y - v->q),
                                   at(v, x, y + v->q));
@@ -79,7 +79,7 @@ static void try_at(const view *v, double x, double y, double least, summit *best
 }
 
 /* From the best place on, with halved steps: of a narrow PSF the ratio is a sharp peak, too. */
-static void climb(const view *v, double least, summit *best) {
+static void climb(const sampled_psf *v, double least, summit *best) {
     static const double smallest_px = 1.0 / 256.0;
     for (double step = 0.5 / v->fine; step > smallest_px * v->q && isfinite(best->ratio);) {
         const summit before = *best;
@@ -91,13 +91,13 @@ static void climb(const view *v, double least, summit *best) {
     }
 }
 
-static double excess_at(const view *v, int x, int y, double ratio) {
+static double excess_at(const sampled_psf *v, int x, int y, double ratio) {
     const double rows = sample(v, x - v->q, y) + sample(v, x + v->q, y);
     const double columns = sample(v, x, y - v->q) + sample(v, x, y + v->q);
     return sample(v, x, y) - ratio * 0.5 * fmax(0.0, fmin(rows, columns));
 }
 
-static double largest_ratio(const view *v, double least) {
+static double largest_ratio(const sampled_psf *v, double least) {
     summit best = {.ratio = 1.0};
     for (int y = -1; y < v->ny; y++) { /* places before the first sample, too */
         for (int x = -1; x < v->nx; x++) {
@@ -115,7 +115,7 @@ static double largest_ratio(const view *v, double least) {
 }
 
 sharpness sharpness_of(const double *psf, int nx, int ny, int q) {
-    const view v = {
+    const sampled_psf v = {
         .psf = psf, .nx = nx, .ny = ny, .q = q, .fine = q < PLACES ? (PLACES + q - 1) / q : 1};
     double peak = 0.0;
     double sum = 0.0;

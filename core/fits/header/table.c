@@ -57,7 +57,7 @@ static bool parse_form(const char *form, sf_column *c) {
            !__builtin_mul_overflow(c->repeat, width_of(c->type), &c->width);
 }
 
-static int take_form(sf_table *t, int i, const char *card, shear_error *err) {
+static int set_form(sf_table *t, int i, const char *card, shear_error *err) {
     char form[SF_CARD];
     sf_column *c = &t->columns[i];
     if (c->type != '\0') {
@@ -67,7 +67,7 @@ static int take_form(sf_table *t, int i, const char *card, shear_error *err) {
     return sound ? SHEAR_OK : bad(t, "TFORM", i, "is no format of a binary table's column", err);
 }
 
-static int take_name(sf_table *t, int i, const char *card, shear_error *err) {
+static int set_name(sf_table *t, int i, const char *card, shear_error *err) {
     sf_column *c = &t->columns[i];
     if (c->name[0] != '\0') {
         return bad(t, "TTYPE", i, "is given twice", err);
@@ -78,12 +78,12 @@ static int take_name(sf_table *t, int i, const char *card, shear_error *err) {
     return SHEAR_OK;
 }
 
-static void take_scaling(sf_column *c, const char **slot, const char *card) {
+static void note_scaling(sf_column *c, const char **slot, const char *card) {
     c->twice = c->twice || *slot != NULL;
     *slot = card;
 }
 
-static int take_card(sf_table *t, const char *card, shear_error *err) {
+static int set_card(sf_table *t, const char *card, shear_error *err) {
     static const char *const roots[] = {"TTYPE", "TFORM", "TSCAL", "TZERO", "TNULL"};
     char key[SF_KEY + 1];
     sf_card_key(card, key);
@@ -94,9 +94,9 @@ static int take_card(sf_table *t, const char *card, shear_error *err) {
         }
         sf_column *c = &t->columns[i];
         if (k < 2) {
-            return k == 0 ? take_name(t, i, card, err) : take_form(t, i, card, err);
+            return k == 0 ? set_name(t, i, card, err) : set_form(t, i, card, err);
         }
-        take_scaling(c, k == 2 ? &c->scale : k == 3 ? &c->zero : &c->null, card);
+        note_scaling(c, k == 2 ? &c->scale : k == 3 ? &c->zero : &c->null, card);
     }
     return SHEAR_OK;
 }
@@ -138,7 +138,7 @@ int sf_table_init(sf_table *t, const sf_file *file, const sf_hdu *hdu, const sf_
     }
     t->n = (int)n;
     for (int64_t i = 0; rc == SHEAR_OK && i < cards->count; i++) {
-        rc = take_card(t, cards->text + i * SF_CARD, err);
+        rc = set_card(t, cards->text + i * SF_CARD, err);
     }
     return rc == SHEAR_OK ? lay_out(t, err) : rc;
 }

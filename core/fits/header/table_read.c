@@ -25,29 +25,29 @@ int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes
 }
 
 /* A cell as it is stored: an integer or a floating number, or neither. */
-typedef struct cell {
+typedef struct stored_cell {
     bool floating, undefined;
     int64_t integer;
     double real;
-} cell;
+} stored_cell;
 
-static cell real_of(double v) {
-    return (cell){.floating = true, .real = v, .undefined = isnan(v)};
+static stored_cell real_of(double v) {
+    return (stored_cell){.floating = true, .real = v, .undefined = isnan(v)};
 }
 
-static cell cell_of(char type, const unsigned char *bytes) {
+static stored_cell stored_cell_of(char type, const unsigned char *bytes) {
     switch (type) {
     case 'L':
-        return (cell){.integer = bytes[0] == 'T' ? 1 : 0,
-                      .undefined = bytes[0] != 'T' && bytes[0] != 'F'};
+        return (stored_cell){.integer = bytes[0] == 'T' ? 1 : 0,
+                             .undefined = bytes[0] != 'T' && bytes[0] != 'F'};
     case 'B':
-        return (cell){.integer = bytes[0]};
+        return (stored_cell){.integer = bytes[0]};
     case 'I':
-        return (cell){.integer = (int16_t)sf_bits_big_endian(bytes, 2)};
+        return (stored_cell){.integer = (int16_t)sf_bits_big_endian(bytes, 2)};
     case 'J':
-        return (cell){.integer = (int32_t)sf_bits_big_endian(bytes, 4)};
+        return (stored_cell){.integer = (int32_t)sf_bits_big_endian(bytes, 4)};
     case 'K':
-        return (cell){.integer = (int64_t)sf_bits_big_endian(bytes, 8)};
+        return (stored_cell){.integer = (int64_t)sf_bits_big_endian(bytes, 8)};
     case 'E': {
         const uint32_t bits = (uint32_t)sf_bits_big_endian(bytes, 4);
         float v;
@@ -107,7 +107,7 @@ typedef struct sink {
     int64_t undefined;
 } sink;
 
-static double as_double(const sink *s, cell c) {
+static double as_double(const sink *s, stored_cell c) {
     if (c.undefined || (!c.floating && s->by.has_null && c.integer == s->by.null)) {
         return NAN;
     }
@@ -115,7 +115,7 @@ static double as_double(const sink *s, cell c) {
     return s->by.scale == 1.0 && s->by.zero == 0.0 ? v : v * s->by.scale + s->by.zero;
 }
 
-static int64_t as_integer(const sink *s, cell c) {
+static int64_t as_integer(const sink *s, stored_cell c) {
     int64_t sum = 0;
     if (!c.floating && !c.undefined && !(s->by.has_null && c.integer == s->by.null)) {
         if (s->is_unsigned) {
@@ -130,7 +130,7 @@ static int64_t as_integer(const sink *s, cell c) {
 }
 
 static void put(const sink *s, int64_t i, const unsigned char *bytes) {
-    const cell c = cell_of(s->column->type, bytes);
+    const stored_cell c = stored_cell_of(s->column->type, bytes);
     if (s->doubles != NULL) {
         s->doubles[i] = as_double(s, c);
     } else {

@@ -24,7 +24,7 @@ static int64_t half(int64_t n) {
 }
 
 /* A node's four bits. The shortest codes are for one bit set. */
-static bool take_node(sf_bits *b, unsigned char *node) {
+static bool read_node(sf_bits *b, unsigned char *node) {
     static const unsigned char four[] = {3, 5, 10, 12, 15};
     static const unsigned char five[] = {6, 7, 9, 11, 13};
     int code = 0;
@@ -73,7 +73,7 @@ static bool expand(walk *w, int64_t nx, int64_t ny) {
     unsigned char *next = w->nodes[1];
     for (int64_t i = nx * ny - 1; i >= 0; i--) {
         next[i] = 0;
-        if (bit_of(w->nodes[0], half(ny), i / ny, i % ny) != 0 && !take_node(&w->bits, &next[i])) {
+        if (bit_of(w->nodes[0], half(ny), i / ny, i % ny) != 0 && !read_node(&w->bits, &next[i])) {
             return false;
         }
     }
@@ -83,13 +83,13 @@ static bool expand(walk *w, int64_t nx, int64_t ny) {
 }
 
 /* One plane's quadtree down to its lowest nodes, one for 2 x 2 coefficients. */
-static bool take_tree(walk *w, int64_t nx, int64_t ny, int levels) {
+static bool read_tree(walk *w, int64_t nx, int64_t ny, int levels) {
     int64_t rest_x = nx;
     int64_t rest_y = ny;
     int64_t size = INT64_C(1) << levels;
     int64_t level_x = 1;
     int64_t level_y = 1;
-    if (!take_node(&w->bits, &w->nodes[0][0])) {
+    if (!read_node(&w->bits, &w->nodes[0][0])) {
         return false;
     }
     for (int k = 1; k < levels; k++) {
@@ -105,7 +105,7 @@ static bool take_tree(walk *w, int64_t nx, int64_t ny, int levels) {
     return true;
 }
 
-static bool take_plain(walk *w, int64_t nodes) {
+static bool read_plain(walk *w, int64_t nodes) {
     for (int64_t i = 0; i < nodes; i++) {
         int node = 0;
         if (!sf_bits_read(&w->bits, 4, &node)) {
@@ -116,13 +116,13 @@ static bool take_plain(walk *w, int64_t nodes) {
     return true;
 }
 
-static bool take_plane(walk *w, unsigned char *corner, int64_t nx, int64_t ny, int levels) {
+static bool read_plane(walk *w, unsigned char *corner, int64_t nx, int64_t ny, int levels) {
     int form = 0;
     if (!sf_bits_read(&w->bits, 4, &form)) {
         return false;
     }
-    const bool taken = form == 0    ? take_plain(w, half(nx) * half(ny))
-                       : form == 15 ? take_tree(w, nx, ny, levels)
+    const bool taken = form == 0    ? read_plain(w, half(nx) * half(ny))
+                       : form == 15 ? read_tree(w, nx, ny, levels)
                                     : false;
     for (int64_t i = 0; taken && i < nx * ny; i++) {
         if (bit_of(w->nodes[0], half(ny), i / ny, i % ny) != 0) {
@@ -132,20 +132,20 @@ static bool take_plane(walk *w, unsigned char *corner, int64_t nx, int64_t ny, i
     return taken;
 }
 
-static bool take_quadrant(walk *w, int64_t x, int64_t y, int64_t nx, int64_t ny, int planes) {
+static bool read_quadrant(walk *w, int64_t x, int64_t y, int64_t nx, int64_t ny, int planes) {
     int levels = 0;
     while ((INT64_C(1) << levels) < nx || (INT64_C(1) << levels) < ny) {
         levels++;
     }
     for (int plane = 0; plane < planes; plane++) {
-        if (!take_plane(w, w->nonzero + x * w->stride + y, nx, ny, levels)) {
+        if (!read_plane(w, w->nonzero + x * w->stride + y, nx, ny, levels)) {
             return false;
         }
     }
     return true;
 }
 
-static bool take_signs(walk *w, int64_t pixels) {
+static bool read_signs(walk *w, int64_t pixels) {
     int64_t signs = 0;
     for (int64_t i = 0; i < pixels; i++) {
         signs += w->nonzero[i];
@@ -180,9 +180,9 @@ bool sf_hcompress_sound(const unsigned char *bytes, int64_t count, const int64_t
               .nonzero = work,
               .nodes = {work + pixels, work + 2 * pixels}};
     int end = 1;
-    return take_quadrant(&w, 0, 0, half(nx), half(ny), planes[0]) &&
-           take_quadrant(&w, 0, half(ny), half(nx), ny / 2, planes[1]) &&
-           take_quadrant(&w, half(nx), 0, nx / 2, half(ny), planes[1]) &&
-           take_quadrant(&w, half(nx), half(ny), nx / 2, ny / 2, planes[2]) &&
-           sf_bits_read(&w.bits, 4, &end) && end == 0 && take_signs(&w, pixels);
+    return read_quadrant(&w, 0, 0, half(nx), half(ny), planes[0]) &&
+           read_quadrant(&w, 0, half(ny), half(nx), ny / 2, planes[1]) &&
+           read_quadrant(&w, half(nx), 0, nx / 2, half(ny), planes[1]) &&
+           read_quadrant(&w, half(nx), half(ny), nx / 2, ny / 2, planes[2]) &&
+           sf_bits_read(&w.bits, 4, &end) && end == 0 && read_signs(&w, pixels);
 }
