@@ -46,16 +46,20 @@ static void test_requests(void **state) {
     }
 }
 
+/* One of several parameters must be there: submit's source, what to subscribe to. */
+static bool needs_params(int method) {
+    const msg_table *table = rpc_methods[method].params;
+    for (size_t i = 0; i < table->n; i++) {
+        if ((table->members[i].flags & MSG_REQUIRED) != 0) {
+            return true;
+        }
+    }
+    return method == SHEARD_METHOD_SUBMIT || method == SHEARD_METHOD_SUBSCRIBE;
+}
+
 /* What is at its default is not said, and comes back. */
 static void test_defaults(void **state) {
     (void)state;
-    static const char *const lines[SHEARD_N_METHODS] = {
-        [SHEARD_METHOD_HELLO] = "{}",    [SHEARD_METHOD_JOBS] = "{}",
-        [SHEARD_METHOD_FIELDS] = "{}",   [SHEARD_METHOD_STATUS] = "{}",
-        [SHEARD_METHOD_PROBE] = "{}",    [SHEARD_METHOD_METRICS] = "{}",
-        [SHEARD_METHOD_RELOAD] = "{}",   [SHEARD_METHOD_DRAIN] = "{}",
-        [SHEARD_METHOD_SHUTDOWN] = "{}", [SHEARD_METHOD_UNSUBSCRIBE] = "{}",
-    };
     for (int method = 0; method < SHEARD_N_METHODS; method++) {
         sheard_params params;
         sheard_params_init(&params, method);
@@ -63,7 +67,7 @@ static void test_defaults(void **state) {
         size_t n = 0;
         sheard_rpc_error error;
         const int rc = sheard_request_line(&line, &n, &id_7, method, &params, &error);
-        assert_int_equal(rc == SHEARD_RPC_OK, lines[method] != NULL);
+        assert_int_equal(rc == SHEARD_RPC_OK, !needs_params(method));
         if (rc != SHEARD_RPC_OK) {
             assert_int_equal(rc, SHEARD_RPC_MISSING_PARAMETER);
             assert_null(line);
@@ -71,8 +75,8 @@ static void test_defaults(void **state) {
         }
         char expected[200];
         snprintf(expected, sizeof expected,
-                 "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"%s\",\"params\":%s}\n",
-                 sheard_method_name(method), lines[method]);
+                 "{\"jsonrpc\":\"2.0\",\"id\":7,\"method\":\"%s\",\"params\":{}}\n",
+                 sheard_method_name(method));
         assert_string_equal(line, expected);
         free(line);
     }
