@@ -17,7 +17,7 @@ typedef struct doctor {
     sheard_reply status;           /* that is its state */
     bool told;                     /* ... and it told its paths */
     char *program;                 /* the daemon's; NULL: not here. Owned, and: */
-    /* The service's paths, or else the configuration's; NULL where they are not known. */
+    /* The service's paths, or else the configuration's; NULL if they are not known. */
     char *state_dir, *socket, *spool, *roots;
     bool has_spool;
 } doctor;

@@ -19,7 +19,7 @@ void doctor_check_socket(doctor *d);
 void doctor_check_service(doctor *d);
 void doctor_use_paths(doctor *d); /* of the service that answers */
 void doctor_check_config(doctor *d);
-/* With the service's eyes: state, spool, data roots; and whether it can measure (false: it did not
+/* As the service sees them: state, spool, data roots; and whether it can measure (false: it did not
  * tell). */
 void doctor_check_view(doctor *d);
 bool doctor_check_probe(doctor *d);

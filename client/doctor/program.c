@@ -16,7 +16,7 @@ static int ask(const char *config, const char *program, const char *what, char *
     return run_program(argv, text);
 }
 
-/* The first line that has `word`, and not `other` (where that is not NULL), cut; NULL: none. */
+/* The first line that has `word`, and not `other` (unless that is NULL), cut; NULL: none. */
 static const char *line_with(const char *text, const char *word, const char *other, char *buf,
                              size_t size) {
     while (*text) {

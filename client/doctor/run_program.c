@@ -84,7 +84,7 @@ int run_program(const char *const argv[], char **text) {
     return good && WIFEXITED(state) ? WEXITSTATUS(state) : -1;
 }
 
-/* "DIRECTORY/name" where it is a program; `length` bytes of directory. */
+/* "DIRECTORY/name" if that is a program; `length` bytes of directory. */
 static char *find_in(const char *directory, size_t length, const char *name) {
     char *path = NULL;
     if (asprintf(&path, "%.*s/%s", (int)length, directory, name) < 0) {

@@ -15,7 +15,7 @@ enum {
 bool estimators_wanted(int64_t n_stamps, enum shear_estimator estimator);
 
 /* Fill in *out from a field's sums and terms: the mean and a symmetric estimator: that of *chosen,
- * or pdf-sym where that is the mean. out->n is 0 where `terms` is NULL, fewer than ESTIMATORS_MIN
+ * or pdf-sym if that is the mean. out->n is 0 if `terms` is NULL, fewer than ESTIMATORS_MIN
  * stamps are used, or one of the two has no shear. SHEAR_E_NOMEM. */
 int estimators_solve(const shear_field_sums *sums, const shear_symmetry *terms,
                      const shear_result *chosen, sheard_report_estimators *out, shear_error *err);

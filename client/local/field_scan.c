@@ -46,7 +46,7 @@ static pixel_statistics look_at(const double *pixel, size_t n, double bad) {
         if (isfinite(pixel[i]) && pixel[i] < p.lowest && pixel[i] != bad && pixel[i] != narrow) {
             p.lowest = pixel[i];
         }
-        double d = pixel[i] - pixel[0]; /* likewise */
+        double d = pixel[i] - pixel[0]; /* about the first: see noise_levels */
         sum += d;
         squares += d * d;
     }
@@ -82,7 +82,7 @@ static void levels_add(noise_levels *l, const pixel_statistics *noise) {
 static void levels_tell(const noise_levels *l, sheard_validation_report *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
-    v->noise_mean = l->first + mean; /* 0/0 where there are none */
+    v->noise_mean = l->first + mean; /* 0/0 if there are none */
     v->noise_mean_err = l->n > 1.0 ? sqrt(scatter2 / (l->n - 1.0)) : NAN;
     v->noise_rms = sqrt(l->var / l->n);
 }

@@ -8,7 +8,7 @@
 #include "terminal/progress.h"
 
 /* Fill in scanned, n_measurable, flags, negative, lowest_pixel, the noise's members, measured and
- * result of *v for the file that `plan` was made for. Nothing is measured where a log method meets
+ * result of *v for the file that `plan` was made for. Nothing is measured if a log method meets
  * negative pixels. Memory is bounded by a block of stamps. */
 int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
                sheard_validation_report *v, shear_error *err);

@@ -31,7 +31,7 @@ typedef struct measure_group {
 } measure_group;
 
 /* Group the wanted inputs by field, in the order of first appearance. *groups is malloc'd,
- * [*n_groups], for measure_groups_free. False where there is no memory. */
+ * [*n_groups], for measure_groups_free. False when memory is out. */
 bool measure_groups_new(measure_input *inputs, size_t n, measure_group **groups, size_t *n_groups);
 void measure_groups_free(measure_group *groups, size_t n_groups);
 
@@ -45,7 +45,7 @@ bool measure_group_run(measure_group *group, const measure_options *options);
 
 /* The first file that was measured, or NULL. */
 const measure_input *measure_group_first(const measure_group *group);
-/* The file of the stamp that counts most, or NULL where that is not known. */
+/* The file of the stamp that counts most, or NULL if that is not known. */
 const measure_input *measure_group_top(const measure_group *group);
 /* The files that were measured, as a report has them: into files[group->n]; how many they are. */
 size_t measure_group_files(const measure_group *group, sheard_report_file *files);

@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-/* "1.6 px", or "1.5 to 1.7 px" where the files differ. `member` is the offset of a double in
+/* "1.6 px", or "1.5 to 1.7 px" if the files differ. `member` is the offset of a double in
  * shear_plan_info. */
 static char *range(const measure_group *g, size_t member, char *buf, size_t size) {
     double low = INFINITY;

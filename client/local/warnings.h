@@ -11,7 +11,7 @@ typedef struct warning_list {
     size_t n;
 } warning_list;
 
-/* Add one line. Where there is no memory it is printed at once and not kept. */
+/* Add one line. When memory is out it is printed at once and not kept. */
 void warnings_add(warning_list *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Print all to standard error, after "field NAME: ". */
 void warnings_print(const warning_list *w, const char *field);

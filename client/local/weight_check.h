@@ -15,9 +15,9 @@ typedef struct weight_check {
 } weight_check;
 void weight_check_deinit(weight_check *c);
 
-/* Add pair i, where the file has weights: its flux is that of the galaxy stamp within a circle of a
- * quarter of its side about the centre, over its noise stamps' mean. Without memory it is passed
- * over. */
+/* Add stamp pair i, if the file has weights: its flux is that of the galaxy stamp within a circle
+ * of a quarter of its side about the centre, over its noise stamps' mean. Without memory it is
+ * passed over. */
 void weight_check_add(weight_check *c, const shear_stamps *t, int i);
 rank_relation weight_check_relation(const weight_check *c);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* plot_array.h: cuts through images and spectra. */
+/* array.h: cuts through images and spectra. */
 #ifndef CLIENT_PLOT_ARRAY_H
 #define CLIENT_PLOT_ARRAY_H
 
@@ -28,12 +28,12 @@ void plot_cut_deinit(plot_cut *cut);
 shear_range plot_cut_range(const plot_cut *cut);
 
 /* out[bins] = mean of the array's samples with radius in [b - 1/2, b + 1/2) * width from the
- * origin; NaN where there is none. */
+ * origin; NaN if there is none. */
 int plot_radial_mean(double *out, int bins, double width, const double *array,
                      const plot_lattice *lattice, shear_error *err);
 
 /* The middle of the samples above exp(-1/2) of the peak, in sample indices, of array[ny][nx]; the
- * array's middle where it has no positive sample. */
+ * array's middle if it has no positive sample. */
 void plot_core_centre(const double *array, int nx, int ny, double *x, double *y);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* plot_sheet.h: the parts of a field file's sheet. */
+/* sheet.h: the parts of a field file's sheet. */
 #ifndef CLIENT_PLOT_SHEET_H
 #define CLIENT_PLOT_SHEET_H
 

@@ -35,7 +35,7 @@ static int measure(stamp_reader *b, int64_t index, shear_row *row, shear_error *
 }
 
 /* A usable stamp of [first, end): the middle one, or the next after it, or from the beginning.
- * *found = -1 where there is none. */
+ * *found = -1 if there is none. */
 static int find_usable(stamp_reader *b, int64_t first, int64_t end, int64_t *found,
                        shear_error *err) {
     const int64_t length = end - first;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheet_stamps.h: the stamps of a sheet: which ones, and each with the steps of its measurement. */
+/* stamps.h: the stamps of a sheet: which ones, and each with the steps of its measurement. */
 #ifndef CLIENT_PLOT_STAMPS_H
 #define CLIENT_PLOT_STAMPS_H
 
@@ -13,7 +13,7 @@ typedef struct stamp_reader {
     shear_plan *plan;
     const shear_plan_info *chosen; /* what the plan decided */
     shear_workspace *ws;
-    shear_block *block; /* room for one pair: the one that was read last */
+    shear_block *block; /* of one stamp pair: the one that was read last */
 } stamp_reader;
 
 int stamp_reader_init(stamp_reader *b, shear_field *field, const shear_settings *settings,

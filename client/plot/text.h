@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* plot_text.h: numbers and tables as the pictures show them. */
+/* text.h: numbers and tables as the pictures show them. */
 #ifndef CLIENT_PLOT_TEXT_H
 #define CLIENT_PLOT_TEXT_H
 

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Seconds of one wait request: a service that is dead is noticed after so long; and, where there
+/* Seconds of one wait request: a service that is dead is noticed after so long; and, if there
  * are no notifications, how often the progress is looked at. */
 static const double slice_s = 60.0;
 static const double poll_s = 1.0;

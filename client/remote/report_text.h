@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 /* The lines "  stamps ...", "  method ...", "  g1 ...", as shearctl measure prints them, of a
- * report. NULL prints nothing. `reason`: why there is no shear, where more is known of that than
+ * report. NULL prints nothing. `reason`: why there is no shear, if more is known of that than
  * the report tells; or NULL. */
 void report_text_print(const char *report, const char *reason, FILE *out);
 

@@ -54,7 +54,7 @@ static enum connection_status wait_for(int fd, short events, double deadline,
     }
 }
 
-/* "group sheard", the group that may connect; "" where it is not known. */
+/* "group sheard", the group that may connect; "" if it is not known. */
 static void name_group(const char *path, char *buf, size_t size) {
     struct stat st;
     buf[0] = '\0';

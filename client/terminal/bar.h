@@ -13,7 +13,7 @@ char *bar_text(double part, int width, char *buf, size_t size);
  * left) is left out. `left_s` in seconds. Returns buf. */
 char *bar_figures(double part, double rate, double left_s, char *buf, size_t size);
 
-/* done / total; 1 where total is not more than done, 0 where it is not known (negative). */
+/* done / total; 1 where total is not more than done, 0 if it is not known (negative). */
 double bar_part(double done, double total);
 
 #endif

@@ -14,20 +14,20 @@
 
 typedef struct progress progress;
 
-/* Begin; `label` (copied) is shown before the bar. NULL where there is no memory: all calls accept
+/* Begin; `label` (copied) is shown before the bar. NULL when memory is out: all calls accept
  * it. */
 progress *progress_begin(const char *label);
 /* The same without a bar (--quiet). */
 progress *progress_begin_quiet(void);
 
 /* Show that `done` of `total` stamps are done. The signature is that of shear_run_options.progress,
- * with the struct progress as its context. Returns non-zero where the user wants to stop. */
+ * with the struct progress as its context. Returns non-zero when the user wants to stop. */
 int progress_callback(void *context, int64_t done, int64_t total);
 
 /* The same for work that somebody else does, at `rate` stamps per second. `total` is negative where
  * it is not known: then nothing but waiting is shown. */
 void progress_show(progress *progress, const char *label, int64_t done, int64_t total, double rate);
-/* False where nothing will be drawn. */
+/* False if nothing will be drawn. */
 bool progress_visible(const progress *progress);
 
 /* Take the bar off the screen, give the signals back, free. */

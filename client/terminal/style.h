@@ -22,11 +22,12 @@ bool style_on(FILE *out);
 /* The colour of a job's state (enum sheard_job_state). */
 const char *style_of_state(int state);
 
-/* Columns of the terminal behind `fd`, from 20 to 400; `otherwise` where it is none. */
+/* Columns of the terminal behind `fd`, from 20 to 400; `otherwise` if that is no terminal. */
 int style_columns(int fd, int otherwise);
 int style_rows(int fd, int otherwise);
 
-/* Columns that `text` takes, escape sequences not counted; bytes that are no character take 1. */
+/* Columns that `text` takes, escape sequences not counted; bytes that are not a character take 1.
+ */
 int style_width(const char *text);
 /* How many bytes of `text` fit into `columns`, escape sequences included. */
 size_t style_fit(const char *text, int columns);

@@ -17,7 +17,7 @@ typedef struct text_column {
     char align; /* 'l' or 'r' */
 } text_column;
 
-/* `columns` is kept, not copied. NULL where there is no memory: all calls accept it. */
+/* `columns` is kept, not copied. NULL when memory is out: all calls accept it. */
 text_table *text_table_new(const text_column *columns, size_t n_columns);
 void text_table_free(text_table *table);
 
