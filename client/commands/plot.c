@@ -2,7 +2,6 @@
 /* shearctl plot: a picture of a field file or of a result catalog. */
 #include "plot/plot.h"
 #include "base/cleanup.h"
-#include "base/text.h"
 #include "cmdline/options.h"
 #include "local/measure_input.h"
 #include "terminal/message.h"

@@ -11,7 +11,6 @@
 #include "terminal/progress.h"
 
 #include <getopt.h>
-#include <stdlib.h>
 
 typedef struct validate_options {
     option_settings settings;

@@ -2,7 +2,6 @@
 /* shearctl wait: until jobs are finished. */
 #include "base/cleanup.h"
 #include "remote/follow.h"
-#include "remote/job_text.h"
 #include "terminal/message.h"
 
 #include <getopt.h>

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "doctor/conf_text.h"
 
+#include "base/text.h"
+
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,8 +30,8 @@ static const char *value_of(const char *line, const char *key) {
 
 /* The rest of the line and of those that begin with a space, each without spaces around it. */
 static char *collect(const char *at) {
-    size_t used = 0;
-    char *value = calloc(1, strlen(at) + 2);
+    const size_t size = strlen(at) + 2;
+    char *value = calloc(1, size);
     while (value != NULL) {
         at += strspn(at, " ");
         size_t n = strcspn(at, "\n");
@@ -37,11 +39,7 @@ static char *collect(const char *at) {
         while (n > 0 && at[n - 1] == ' ') {
             n--;
         }
-        if (used > 0 && n > 0) {
-            value[used++] = ' ';
-        }
-        memcpy(value + used, at, n);
-        used += n;
+        text_append(value, size, "%s%.*s", value[0] != '\0' && n > 0 ? " " : "", (int)n, at);
         if (*next != ' ') {
             break;
         }

@@ -6,7 +6,6 @@
 #include "terminal/style.h"
 
 #include <stdarg.h>
-#include <stdlib.h>
 
 static void print_line(const sheard_check_result *r) {
     static const char *const names[] = {"OK", "WARN", "FAIL"};

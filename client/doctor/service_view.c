@@ -4,7 +4,6 @@
  * ProtectHome). */
 #include "doctor/internal.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

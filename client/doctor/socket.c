@@ -3,7 +3,6 @@
 #include "doctor/internal.h"
 #include "remote/status_text.h"
 #include "shear/version.h"
-#include "terminal/style.h"
 
 #include <errno.h>
 #include <grp.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/measure_group.h"
 
+#include "local/estimators.h"
 #include "local/weight_check.h"
 
 #include "base/array.h"
@@ -11,7 +12,6 @@
 #include "terminal/progress.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

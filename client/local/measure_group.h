@@ -4,10 +4,10 @@
 #define CLIENT_LOCAL_MEASURE_GROUP_H
 
 #include "cmdline/part_options.h"
-#include "local/estimators.h"
 #include "local/measure_input.h"
 #include "local/warnings.h"
 #include "shear/sums.h"
+#include "sheard/report.h"
 
 /* What the command line asks for. */
 typedef struct measure_options {

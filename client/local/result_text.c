@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/result_text.h"
 
+#include "local/estimators.h"
 #include "local/method_text.h"
 #include "local/quality_text.h"
 #include "local/value_text.h"
@@ -9,7 +10,6 @@
 #include "terminal/message.h"
 #include "terminal/text_line.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 

@@ -2,6 +2,7 @@
 #include "local/value_text.h"
 
 #include "base/text.h"
+#include "shear/stamp.h"
 #include "terminal/text_line.h"
 
 #include <inttypes.h>

@@ -4,8 +4,6 @@
 #ifndef CLIENT_LOCAL_VALUE_TEXT_H
 #define CLIENT_LOCAL_VALUE_TEXT_H
 
-#include "shear/sums.h"
-
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -2,7 +2,6 @@
 #include "local/weight_check.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 void weight_check_deinit(weight_check *c) {

@@ -2,7 +2,6 @@
 #include "plot/array.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #ifndef CLIENT_REMOTE_CONNECTION_STATUS_H
 #define CLIENT_REMOTE_CONNECTION_STATUS_H
 
-#include "sheard/rpc.h"
+#include "sheard/codes.h"
 
 enum connection_status {
     CONNECTION_OK = 0,

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/job_text.h"
 
-#include "local/value_text.h"
 #include "remote/report_text.h"
+
+#include "base/text.h"
+#include "local/value_text.h"
 #include "sheard/report_summary.h"
 #include "terminal/bar.h"
 #include "terminal/human.h"
@@ -78,13 +80,16 @@ bool job_is_before_measuring(const sheard_msg_job *job) {
            phase < SHEARD_PHASE_MEASURING;
 }
 
+static int percent(int64_t done, int64_t total) {
+    return (int)(100.0 * bar_part((double)done, (double)total));
+}
+
 const char *job_phase_text(const sheard_msg_progress *p, char *buf, size_t size) {
     const char *name = sheard_job_phase_name(p->phase);
     if (p->phase == SHEARD_PHASE_WAITING_MEMORY) {
         snprintf(buf, size, "waiting for memory");
     } else if (p->bytes_total > 0 && p->bytes_done >= 0) {
-        snprintf(buf, size, "%s, %d%% of %.1f MB", name,
-                 (int)(100.0 * bar_part((double)p->bytes_done, (double)p->bytes_total)),
+        snprintf(buf, size, "%s, %d%% of %.1f MB", name, percent(p->bytes_done, p->bytes_total),
                  1e-6 * (double)p->bytes_total);
     } else {
         snprintf(buf, size, "%s", name);
@@ -94,16 +99,15 @@ const char *job_phase_text(const sheard_msg_progress *p, char *buf, size_t size)
 
 /* "42%"; "duplicate" and the code of a failure say more than 100 % and 0 %. */
 static void add_part(text_table *t, const sheard_msg_job *job) {
+    const sheard_msg_progress *p = &job->progress;
     if (job->outcome == SHEARD_OUTCOME_DUPLICATE) {
         text_table_cell(t, STYLE_DIM, "duplicate");
     } else if (job->state == SHEARD_JOB_FAILED || job->state == SHEARD_JOB_WAITING) {
         text_table_cell(t, NULL, "%s", or_dash(job->code));
     } else if (job_is_before_measuring(job)) {
-        text_table_cell(t, STYLE_DIM, "%s", sheard_job_phase_name(job->progress.phase));
-    } else if (job->progress.total >= 0 && job->state != SHEARD_JOB_QUEUED) {
-        text_table_cell(
-            t, NULL, "%d%%",
-            (int)(100.0 * bar_part((double)job->progress.done, (double)job->progress.total)));
+        text_table_cell(t, STYLE_DIM, "%s", sheard_job_phase_name(p->phase));
+    } else if (p->total >= 0 && job->state != SHEARD_JOB_QUEUED) {
+        text_table_cell(t, NULL, "%d%%", percent(p->done, p->total));
     } else {
         text_table_cell(t, NULL, "%s", job->state == SHEARD_JOB_DONE ? "100%" : "-");
     }
@@ -156,6 +160,13 @@ void job_results_add(text_table *t, const sheard_msg_job *job) {
 
 /* ---- One job ---- */
 
+/* A line, unless there is nothing to say. */
+static void print_text(FILE *out, const char *name, const char *text) {
+    if (text != NULL && text[0] != '\0') {
+        text_line(out, name, "%s", text);
+    }
+}
+
 static void print_source(const sheard_msg_job *job, FILE *out) {
     const sheard_msg_source *s = &job->source;
     const struct {
@@ -168,9 +179,7 @@ static void print_source(const sheard_msg_job *job, FILE *out) {
         text_line(out, "now at", "%s",
                   job->file_now != NULL ? job->file_now : "- (it was taken away)");
     }
-    if (s->path != NULL && !is_dropped(job)) {
-        text_line(out, "file", "%s", s->path);
-    }
+    print_text(out, "file", is_dropped(job) ? NULL : s->path);
     for (size_t i = 0; i < sizeof images / sizeof *images; i++) {
         if (images[i].image->path != NULL) {
             char text[4200];
@@ -184,11 +193,9 @@ static void print_failure(const sheard_msg_job *job, bool utc, FILE *out) {
     char time[HUMAN_SIZE];
     if (job->code != NULL) {
         const char *class = sheard_job_class_name(job->job_class);
-        text_line(out, "failure", "%s%s%s%s: %s", job->code, *class ? " (" : "", class,
-                  *class ? ")" : "", or_dash(job->message));
-    }
-    if (job->code != NULL && job->advice != NULL && *job->advice) {
-        text_line(out, "advice", "%s", job->advice);
+        text_line(out, "failure", "%s%s%s%s: %s", job->code, *class != '\0' ? " (" : "", class,
+                  *class != '\0' ? ")" : "", or_dash(job->message));
+        print_text(out, "advice", job->advice);
     }
     if (job->not_before_ms != 0 && job->state == SHEARD_JOB_WAITING) {
         text_line(out, "retry", "not before %s", human_time(job->not_before_ms, utc, time));
@@ -209,16 +216,20 @@ static void print_times(const sheard_msg_job *job, bool utc, FILE *out) {
     }
 }
 
-static void print_progress(const sheard_msg_job *job, FILE *out) {
-    char bar[48];
+char *job_bar_text(const sheard_msg_progress *p, int width, char *buf, size_t size) {
+    const double part = bar_part((double)p->done, (double)p->total);
     char figures[96];
+    bar_text(part, width, buf, size);
+    text_append(buf, size, "%s", bar_figures(part, p->rate, p->eta_s, figures, sizeof figures));
+    return buf;
+}
+
+static void print_progress(const sheard_msg_job *job, FILE *out) {
+    char text[144];
     if (job_is_before_measuring(job)) {
-        text_line(out, "progress", "%s", job_phase_text(&job->progress, figures, sizeof figures));
+        text_line(out, "progress", "%s", job_phase_text(&job->progress, text, sizeof text));
     } else if (job->state == SHEARD_JOB_RUNNING && job->progress.total >= 0) {
-        const double part = bar_part((double)job->progress.done, (double)job->progress.total);
-        text_line(
-            out, "progress", "%s%s", bar_text(part, 32, bar, sizeof bar),
-            bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));
+        text_line(out, "progress", "%s", job_bar_text(&job->progress, 32, text, sizeof text));
     }
 }
 
@@ -226,26 +237,23 @@ static void print_progress(const sheard_msg_job *job, FILE *out) {
 static void print_settings(const char *settings, FILE *out) {
     char text[SHEARD_MSG_SETTINGS_SIZE] = "";
     size_t n = 0;
-    size_t used = 0;
     shear_settings theirs;
     shear_settings defaults;
     const shear_setting_def *table = shear_settings_table(&n);
     shear_settings_init(&theirs);
     shear_settings_init(&defaults);
-    if (settings == NULL || sheard_settings_apply(&theirs, settings, NULL) != 0) {
+    if (settings == NULL || sheard_settings_apply(&theirs, settings, NULL) != SHEAR_OK) {
         return;
     }
-    for (size_t i = 0; i < n && used < sizeof text; i++) {
+    for (size_t i = 0; i < n; i++) {
         char a[64];
         char b[64];
         shear_settings_format(&theirs, &table[i], a, sizeof a);
         if (strcmp(a, shear_settings_format(&defaults, &table[i], b, sizeof b)) != 0) {
-            const int more = snprintf(text + used, sizeof text - used, "%s%s=%s",
-                                      used != 0 ? " " : "", table[i].name, a);
-            used += more > 0 ? (size_t)more : 0;
+            text_append(text, sizeof text, "%s%s=%s", text[0] != '\0' ? " " : "", table[i].name, a);
         }
     }
-    text_line(out, "settings", "%s", used != 0 ? text : "all at their defaults");
+    text_line(out, "settings", "%s", text[0] != '\0' ? text : "all at their defaults");
 }
 
 static void print_outcome(const sheard_msg_job *job, FILE *out) {
@@ -258,9 +266,7 @@ static void print_outcome(const sheard_msg_job *job, FILE *out) {
     } else if (job->state == SHEARD_JOB_RETRACTED) {
         text_line(out, "outcome", "was counted, and is taken back");
     }
-    if (job->catalog != NULL) {
-        text_line(out, "catalog", "%s", job->catalog);
-    }
+    print_text(out, "catalog", job->catalog);
     report_text_print(job->result, NULL, out);
 }
 
@@ -268,15 +274,16 @@ static void print_history(const sheard_msg_shown *shown, bool utc, FILE *out) {
     for (size_t i = 0; i < shown->n_history; i++) {
         const sheard_msg_attempt *a = &shown->history[i];
         char time[HUMAN_SIZE];
+        char after[64] = "";
         char duration[HUMAN_SIZE];
-        const double s =
-            a->ended_ms != 0 ? (double)(a->ended_ms - a->started_ms) / 1000.0 : (double)NAN;
         const char *outcome = sheard_attempt_outcome_name(a->outcome);
-        text_line(out, "attempt", "%" PRId64 ": %s, %s%s%s%s%s", a->number,
+        if (a->ended_ms != 0) {
+            human_duration((double)(a->ended_ms - a->started_ms) / 1000.0, duration);
+            snprintf(after, sizeof after, " after %s", duration);
+        }
+        text_line(out, "attempt", "%" PRId64 ": %s, %s%s%s%s", a->number,
                   human_time(a->started_ms, utc, time), *outcome != '\0' ? outcome : "running",
-                  a->ended_ms != 0 ? " after " : "",
-                  a->ended_ms != 0 ? human_duration(s, duration) : "", a->code != NULL ? ", " : "",
-                  a->code != NULL ? a->code : "");
+                  after, a->code != NULL ? ", " : "", a->code != NULL ? a->code : "");
     }
 }
 
@@ -296,13 +303,9 @@ void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out) {
     if (job->priority != 0) {
         text_line(out, "priority", "%" PRId64, job->priority);
     }
-    if (job->key != NULL) {
-        text_line(out, "key", "%s", job->key);
-    }
+    print_text(out, "key", job->key);
     print_settings(job->settings, out);
-    if (job->checksum != NULL) {
-        text_line(out, "checksum", "%s", job->checksum);
-    }
+    print_text(out, "checksum", job->checksum);
     print_history(shown, utc, out);
 }
 

@@ -27,6 +27,9 @@ char *job_source_text(const sheard_msg_job *job, char *buf, size_t size);
 bool job_is_before_measuring(const sheard_msg_job *job);
 const char *job_phase_text(const sheard_msg_progress *progress, char *buf, size_t size);
 
+/* A bar of `width` columns, and the figures behind it. Returns buf. */
+char *job_bar_text(const sheard_msg_progress *progress, int width, char *buf, size_t size);
+
 /* Why a job is not done, with its advice, on standard error; nothing for one that is. */
 void job_complain(const sheard_msg_job *job);
 

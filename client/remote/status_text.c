@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/status_text.h"
 #include "base/clock.h"
+#include "base/text.h"
 
 #include "terminal/human.h"
 #include "terminal/message.h"
@@ -27,20 +28,17 @@ static void print_states(const sheard_msg_status *s, bool colours, FILE *out) {
 
 char *status_text_problem(const sheard_msg_status *s, size_t i, char *buf, size_t size) {
     char duration[HUMAN_SIZE];
-    size_t n = (size_t)snprintf(buf, size, "%s", s->problems[i]);
-    const sheard_msg_problem *p =
-        s->n_problem_details == s->n_problems ? &s->problem_details[i] : NULL;
-    if (p == NULL || p->next_attempt_ms == 0 || n >= size) {
+    text_set(buf, size, s->problems[i]);
+    if (s->n_problem_details != s->n_problems || s->problem_details[i].next_attempt_ms == 0) {
         return buf;
     }
+    const sheard_msg_problem *p = &s->problem_details[i];
     const int64_t left_ms = p->next_attempt_ms - clock_ms(CLOCK_REALTIME);
     if (p->attempts > 0) {
-        n += (size_t)snprintf(buf + n, size - n, "; %" PRId64 " attempts so far", p->attempts);
+        text_append(buf, size, "; %" PRId64 " attempts so far", p->attempts);
     }
-    if (n < size) {
-        snprintf(buf + n, size - n, "; next attempt %s%s", left_ms > 0 ? "in " : "now",
-                 left_ms > 0 ? human_duration(1e-3 * (double)left_ms, duration) : "");
-    }
+    text_append(buf, size, "; next attempt %s%s", left_ms > 0 ? "in " : "now",
+                left_ms > 0 ? human_duration(1e-3 * (double)left_ms, duration) : "");
     return buf;
 }
 

@@ -6,8 +6,6 @@
 #include "remote/status_text.h"
 
 #include "base/clock.h"
-#include "terminal/bar.h"
-#include "terminal/human.h"
 #include "terminal/style.h"
 
 #include <assert.h>
@@ -104,19 +102,15 @@ static enum exit_code print_active(const sheard_msg_job_page *page, FILE *out, b
     text_table *t = text_table_new(heads, sizeof heads / sizeof *heads);
     for (size_t i = 0; i < page->n_jobs; i++) {
         const sheard_msg_job *job = &page->jobs[i];
-        const double part = bar_part((double)job->progress.done, (double)job->progress.total);
-        char bar[BAR_WIDTH + 1];
-        char figures[96];
+        const sheard_msg_progress *p = &job->progress;
+        char text[128];
         text_table_cell(t, NULL, "%" PRId64, job->id);
         text_table_cell(t, NULL, "%s", job->field != NULL ? job->field : "-");
         if (job_is_before_measuring(job)) {
-            text_table_cell(t, STYLE_DIM, "%s",
-                            job_phase_text(&job->progress, figures, sizeof figures));
-            continue;
+            text_table_cell(t, STYLE_DIM, "%s", job_phase_text(p, text, sizeof text));
+        } else {
+            text_table_cell(t, NULL, "%s", job_bar_text(p, BAR_WIDTH, text, sizeof text));
         }
-        text_table_cell(
-            t, NULL, "%s%s", bar_text(part, BAR_WIDTH, bar, sizeof bar),
-            bar_figures(part, job->progress.rate, job->progress.eta_s, figures, sizeof figures));
     }
     const enum exit_code code = text_table_render(t, out, 2, colours, columns);
     text_table_free(t);

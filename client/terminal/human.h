@@ -5,7 +5,6 @@
 #define CLIENT_TERMINAL_HUMAN_H
 
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 enum { HUMAN_SIZE = 32 };

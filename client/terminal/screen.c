@@ -2,7 +2,6 @@
 #include "terminal/screen.h"
 #include "base/clock.h"
 
-#include "remote/socket_io.h"
 #include "terminal/progress.h"
 #include "terminal/style.h"
 

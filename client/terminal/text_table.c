@@ -12,7 +12,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { CELL_MAX = 4200, GAP = 2, MAX_COLUMNS = 16 }; /* bytes of a cell: a path fits */
 
