@@ -9,6 +9,8 @@
 
 #include "remote/connection_status.h"
 
+#include "sheard/rpc.h"
+
 #define CONNECTION_DEFAULT_SOCKET "/run/sheard/sheard.sock"
 
 typedef struct connection connection;
