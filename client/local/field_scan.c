@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/field_scan.h"
 
+#include "base/cleanup.h"
+
 #include "local/weight_check.h"
 
 #include "shear/symmetry.h"
@@ -79,7 +81,7 @@ static void levels_add(noise_levels *l, const pixel_statistics *noise) {
     l->var += noise->var;
 }
 
-static void levels_tell(const noise_levels *l, sheard_validation_report *v) {
+static void set_noise(const noise_levels *l, sheard_validation_report *v) {
     double mean = l->mean / l->n;
     double scatter2 = fmax(0.0, l->mean2 / l->n - mean * mean);
     v->noise_mean = l->first + mean; /* 0/0 if there are none */
@@ -182,14 +184,15 @@ static int block_capacity(const shear_field_info *info) {
 }
 
 static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_error *err) {
-    int64_t total = shear_field_get_info(field)->n_stamps;
+    const int64_t total = shear_field_get_info(field)->n_stamps;
     for (int64_t first = 0; first < total; first += s->block->capacity) {
-        int64_t left = total - first;
-        int count = left < s->block->capacity ? (int)left : s->block->capacity;
+        const int64_t left = total - first;
+        const int count = left < s->block->capacity ? (int)left : s->block->capacity;
         int code = shear_field_read(field, first, count, s->block, err);
-        if (code == SHEAR_OK) {
-            code = scan_block(s, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
+        code = scan_block(s, err);
         if (code != SHEAR_OK) {
             return code;
         }
@@ -203,15 +206,16 @@ static int scan_all(scan_state *s, shear_field *field, progress *bar, shear_erro
 static int scan_init(scan_state *s, const shear_field_info *info, shear_error *err) {
     shear_block_sums_init(&s->under_way);
     int code = shear_field_sums_new(&s->sums, err);
-    if (code == SHEAR_OK) {
-        code = shear_block_new(&s->block, info, block_capacity(info), err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        s->rows = calloc((size_t)s->block->capacity, sizeof *s->rows);
-        code = s->rows != NULL ? shear_workspace_new(&s->ws, s->plan, err)
-                               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
+    code = shear_block_new(&s->block, info, block_capacity(info), err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    s->rows = calloc((size_t)s->block->capacity, sizeof *s->rows);
+    return s->rows == NULL ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory")
+                           : shear_workspace_new(&s->ws, s->plan, err);
 }
 
 static void scan_deinit(scan_state *s) {
@@ -222,8 +226,8 @@ static void scan_deinit(scan_state *s) {
     shear_field_sums_free(s->sums);
 }
 
-/* The mean's result is told for the estimator that is asked for. */
-static void tell_for(shear_result *r, enum shear_estimator estimator) {
+/* The mean's result stands for the estimator that is asked for. */
+static void set_estimator(shear_result *r, enum shear_estimator estimator) {
     r->estimator = estimator;
     if (shear_estimator_is_symmetric(estimator) && r->valid && r->n_used < SHEAR_SYMMETRY_FEWEST) {
         r->valid = false;
@@ -234,27 +238,25 @@ static void tell_for(shear_result *r, enum shear_estimator estimator) {
 
 int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
                sheard_validation_report *v, shear_error *err) {
-    const shear_field_info *info = shear_field_get_info(field);
     const shear_plan_info *resolved = shear_plan_get_info(plan);
-    scan_state s = {.plan = plan, .v = v};
+    CLEANUP(scan_deinit) scan_state s = {.plan = plan, .v = v};
     s.is_log = shear_interpolation_is_log(resolved->interpolation);
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;
-    int code = scan_init(&s, info, err);
+    int code = scan_init(&s, shear_field_get_info(field), err);
     if (code == SHEAR_OK) {
         code = scan_all(&s, field, bar, err);
     }
     v->scanned = code == SHEAR_OK;
     v->measured = v->scanned && v->negative.count == 0;
-    levels_tell(&s.levels, v);
+    set_noise(&s.levels, v);
     const rank_relation relation = weight_check_relation(&s.weights);
     v->weight_follows_flux = relation.correlation;
     v->weight_is_suspect = rank_is_strong(&relation);
     if (v->measured) {
         shear_field_sums_add(s.sums, &s.under_way);
         shear_field_result(s.sums, &v->result);
-        tell_for(&v->result, shear_plan_get_settings(plan)->estimator);
+        set_estimator(&v->result, shear_plan_get_settings(plan)->estimator);
     }
-    scan_deinit(&s);
     return code;
 }

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/rank.h"
 
+#include "base/cleanup.h"
+
+#include <assert.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -46,15 +49,14 @@ static double correlate(const int64_t *x, const int64_t *y, size_t n) {
 
 rank_relation rank_relate(const double *x, const double *y, size_t n) {
     rank_relation r = {.correlation = NAN, .n = n};
-    ranked_item *items = malloc((n + 1) * sizeof *items);
-    int64_t *ranks = malloc((2 * n + 1) * sizeof *ranks);
+    CLEANUP(release_free) ranked_item *items = malloc((n + 1) * sizeof *items);
+    CLEANUP(release_free) int64_t *ranks = malloc((2 * n + 1) * sizeof *ranks);
+    assert(n <= RANK_MAX);
     if (items != NULL && ranks != NULL) {
         set_ranks(x, n, items, ranks);
         set_ranks(y, n, items, ranks + n);
         r.correlation = correlate(ranks, ranks + n, n);
     }
-    free(items);
-    free(ranks);
     return r;
 }
 

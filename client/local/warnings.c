@@ -1,31 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/warnings.h"
 
+#include "base/array.h"
+
 #include "terminal/message.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 void warnings_add(warning_list *w, const char *format, ...) {
     char line[640];
-    char *kept = NULL;
-    char **text = NULL;
     va_list args;
     va_start(args, format);
     vsnprintf(line, sizeof line, format, args);
     va_end(args);
-    if (asprintf(&kept, "%s", line) < 0) {
-        message_warning("%s", line);
-        return;
-    }
-    text = realloc(w->text, (w->n + 1) * sizeof *text);
-    if (text == NULL) {
+    char *kept = strdup(line);
+    if (kept == NULL || !ARRAY_RESERVE(w->text, w->capacity, w->n + 1)) {
         message_warning("%s", line);
         free(kept);
         return;
     }
-    w->text = text;
     w->text[w->n++] = kept;
 }
 
@@ -40,5 +36,5 @@ void warnings_deinit(warning_list *w) {
         free(w->text[i]);
     }
     free(w->text);
-    *w = (warning_list){NULL, 0};
+    *w = (warning_list){0};
 }

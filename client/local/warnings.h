@@ -8,7 +8,7 @@
 
 typedef struct warning_list {
     char **text; /* [n], owned */
-    size_t n;
+    size_t n, capacity;
 } warning_list;
 
 /* Add one line. When memory is out it is printed at once and not kept. */

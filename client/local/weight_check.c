@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "local/weight_check.h"
 
+#include "base/array.h"
+#include "base/cleanup.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,17 +13,10 @@ void weight_check_deinit(weight_check *c) {
     *c = (weight_check){0};
 }
 
-static bool make_room(weight_check *c) {
-    if (c->n < c->room) {
-        return true;
-    }
-    const size_t room = c->room > 0 ? 2 * c->room : 1024;
-    double *weight = realloc(c->weight, room * sizeof *weight);
-    c->weight = weight != NULL ? weight : c->weight;
-    double *flux = realloc(c->flux, room * sizeof *flux);
-    c->flux = flux != NULL ? flux : c->flux;
-    c->room = weight != NULL && flux != NULL ? room : c->room;
-    return weight != NULL && flux != NULL;
+static bool reserve(weight_check *c) {
+    size_t capacity = c->capacity;
+    return ARRAY_RESERVE(c->weight, capacity, c->n + 1) &&
+           ARRAY_RESERVE(c->flux, c->capacity, c->n + 1);
 }
 
 static double mean_of(const double *pixel, size_t n) {
@@ -47,7 +43,7 @@ static double central_flux(const double *galaxy, int nx, int ny, double level) {
 
 void weight_check_add(weight_check *c, const shear_stamps *t, int i) {
     const size_t n = (size_t)t->nx * (size_t)t->ny;
-    if (t->weight == NULL || !(t->weight[i] > 0.0) || c->n >= RANK_MAX || !make_room(c)) {
+    if (t->weight == NULL || !(t->weight[i] > 0.0) || c->n >= RANK_MAX || !reserve(c)) {
         return;
     }
     const size_t planes = t->noise_planes > 1 ? (size_t)t->noise_planes : 1;
@@ -74,12 +70,11 @@ static size_t keep_positive(double *weight, double *d, size_t n) {
 
 rank_relation weight_check_terms(const shear_symmetry *terms) {
     const size_t n = shear_symmetry_count(terms);
-    rank_relation r = {.correlation = NAN};
+    CLEANUP(release_free)
     double *values = n <= RANK_MAX ? malloc((2 * n + 1) * sizeof *values) : NULL;
-    if (values != NULL) {
-        shear_symmetry_powers(terms, values, values + n);
-        r = rank_relate(values, values + n, keep_positive(values, values + n, n));
+    if (values == NULL) {
+        return (rank_relation){.correlation = NAN};
     }
-    free(values);
-    return r;
+    shear_symmetry_powers(terms, values, values + n);
+    return rank_relate(values, values + n, keep_positive(values, values + n, n));
 }

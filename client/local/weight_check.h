@@ -10,8 +10,8 @@
 
 /* Weights and fluxes of the first RANK_MAX stamps that have a positive weight. */
 typedef struct weight_check {
-    double *weight, *flux; /* [room], n in use */
-    size_t n, room;
+    double *weight, *flux; /* [capacity], n in use */
+    size_t n, capacity;
 } weight_check;
 void weight_check_deinit(weight_check *c);
 

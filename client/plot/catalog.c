@@ -346,18 +346,17 @@ static int draw_panels(shear_figure *f, const shear_catalog_table *t, column_val
 int plot_catalog(shear_figure **figure, const shear_catalog_table *table, shear_error *err) {
     const size_t n = table->n > 0 ? (size_t)table->n : 1;
     CLEANUP(release_free) double *values = calloc(n, sizeof *values);
-    column_values column = {.values = values};
     CLEANUP(shear_figure_release) shear_figure *f = NULL;
+    column_values column = {.values = values};
     *figure = NULL;
+    if (values == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", table->n);
+    }
     int code = shear_figure_new(&f, WIDTH, HEIGHT, err);
-    if (code == SHEAR_OK && values == NULL) {
-        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory for %" PRId64 " rows", table->n);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = draw_panels(f, table, &column, err);
-    }
-    if (code == SHEAR_OK) {
-        *figure = CLEANUP_TAKE(f);
-    }
+    code = draw_panels(f, table, &column, err);
+    *figure = code == SHEAR_OK ? CLEANUP_TAKE(f) : NULL;
     return code;
 }

@@ -163,10 +163,11 @@ enum connection_status connection_call(connection *c, int method, const sheard_p
         return status;
     }
     status = receive_answer(c, c->last_id, deadline, &m, error);
-    if (status == CONNECTION_OK) {
-        status = read_answer(&m, method, reply, text, error);
-        sheard_message_deinit(&m);
+    if (status != CONNECTION_OK) {
+        return status;
     }
+    status = read_answer(&m, method, reply, text, error);
+    sheard_message_deinit(&m);
     return status;
 }
 
