@@ -75,7 +75,7 @@ static int serve(sheard_config *config, const command_line *line) {
     service *s = NULL;
     log_options options;
     log_options_init(&options);
-    options.level = config->daemon.log_level;
+    options.level = (enum log_level)config->daemon.log_level;
     log_open(&options);
     if (config->daemon.nice != 0) {
         setpriority(PRIO_PROCESS, 0, (int)config->daemon.nice);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "log/log.h"
 
+#include "base/clock.h"
 #include "log/outlet.h"
 #include "log/repeats.h"
 #include "shear/text.h"
@@ -36,21 +37,12 @@ void log_options_init(log_options *o) {
  * "device:inode". */
 static bool is_journal(int fd) {
     const char *text = getenv("JOURNAL_STREAM");
-    unsigned long long device;
-    unsigned long long inode;
-    char *end = NULL;
+    unsigned long long device = 0;
+    unsigned long long inode = 0;
+    char rest = '\0';
     struct stat st;
-    if (text == NULL) {
-        return false;
-    }
-    device = strtoull(text, &end, 10);
-    if (end == text || *end != ':') {
-        return false;
-    }
-    const char *second = end + 1;
-    inode = strtoull(second, &end, 10);
-    return end != second && *end == '\0' && fstat(fd, &st) == 0 && st.st_dev == device &&
-           st.st_ino == inode;
+    return text != NULL && sscanf(text, "%llu:%llu%c", &device, &inode, &rest) == 2 &&
+           fstat(fd, &st) == 0 && st.st_dev == device && st.st_ino == inode;
 }
 
 void log_open(const log_options *o) {
@@ -64,21 +56,16 @@ void log_open(const log_options *o) {
     log_set_level(o->level);
 }
 
-void log_set_level(int level) {
-    atomic_store(&level_on, level);
+void log_set_level(enum log_level level) {
+    atomic_store(&level_on, (int)level);
 }
 
-bool log_is_on(int level) {
-    return level <= atomic_load(&level_on);
+bool log_is_on(enum log_level level) {
+    return (int)level <= atomic_load(&level_on);
 }
 
 static int64_t now_ms(void) {
-    struct timespec now;
-    if (options.now_ms != NULL) {
-        return options.now_ms();
-    }
-    clock_gettime(CLOCK_REALTIME, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+    return options.now_ms != NULL ? options.now_ms() : clock_ms(CLOCK_REALTIME);
 }
 
 /* ---- a line ---- */
@@ -101,7 +88,7 @@ static size_t escape(char *out, const char *text) {
     return (size_t)(o - out);
 }
 
-static size_t begin_line(char *line, size_t size, int level, int64_t ms) {
+static size_t begin_line(char *line, size_t size, enum log_level level, int64_t ms) {
     static const int priorities[] = {3, 4, 5, 6, 7};
     static const char *const names[] = {"error", "warning", "notice", "info", "debug"};
     if (journal) {
@@ -115,7 +102,7 @@ static size_t begin_line(char *line, size_t size, int level, int64_t ms) {
     return (size_t)snprintf(line, size, "%s.%03dZ %s: ", date, (int)(ms % 1000), names[level]);
 }
 
-static bool hand_over(int level, const char *text, int64_t ms) {
+static bool hand_over(enum log_level level, const char *text, int64_t ms) {
     char line[LINE_SIZE];
     size_t n = begin_line(line, 64, level, ms);
     n += escape(line + n, text);
@@ -137,7 +124,7 @@ static void tell_losses(int64_t ms) {
     }
 }
 
-static void write_message(int level, const char *text, int64_t ms) {
+static void write_message(enum log_level level, const char *text, int64_t ms) {
     tell_losses(ms);
     if (losses.untold > 0 || !hand_over(level, text, ms)) {
         losses.since_ms = losses.untold == 0 ? ms : losses.since_ms;
@@ -155,7 +142,7 @@ static void write_counts(int64_t interval_ms, int64_t ms) {
     }
 }
 
-static void log_text(int level, const char *text) {
+static void log_text(enum log_level level, const char *text) {
     pthread_mutex_lock(&lock);
     const int64_t ms = now_ms();
     write_counts(options.interval_ms, ms);

@@ -30,9 +30,9 @@ enum log_level {
 enum log_style { LOG_AUTO, LOG_JOURNAL, LOG_TIMED };
 
 typedef struct log_options {
-    int level; /* the least important that is written */
-    int fd;    /* stays the caller's */
-    int style; /* enum log_style */
+    enum log_level level; /* the least important that is written */
+    int fd;               /* stays the caller's */
+    enum log_style style;
     int burst; /* so many equal messages in interval_ms; 0: no limit */
     int64_t interval_ms;
     int64_t (*now_ms)(void); /* milliseconds since 1970; NULL: the clock */
@@ -42,8 +42,8 @@ void log_options_init(log_options *options);
 
 /* Without it the log is as of log_options_init. Not while other threads log. */
 void log_open(const log_options *options);
-void log_set_level(int level);
-bool log_is_on(int level);
+void log_set_level(enum log_level level);
+bool log_is_on(enum log_level level);
 /* Write the counts of messages that were left out. Now and then, and at the end. */
 void log_flush(void);
 /* Wait until everything is written. False: it was not in this time; at the end of the process it is

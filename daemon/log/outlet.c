@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "log/outlet.h"
 
-#include <errno.h>
-#include <poll.h>
+#include "base/io.h"
+
+#include <assert.h>
 #include <pthread.h>
 #include <signal.h>
 #include <string.h>
@@ -20,21 +21,6 @@ static size_t first, count; /* the bytes that wait: ring[(first + i) % OUTLET_BY
 static int target = STDERR_FILENO;
 static bool through_thread, has_thread;
 
-/* Errors are not reported, there is nowhere to; the bytes are gone. A descriptor that somebody else
- * has made non-blocking is waited for. */
-static void write_all(int fd, const char *bytes, size_t n) {
-    while (n > 0) {
-        const ssize_t written = write(fd, bytes, n);
-        if (written < 0 && errno == EAGAIN) {
-            poll(&(struct pollfd){.fd = fd, .events = POLLOUT}, 1, -1);
-        } else if (written < 0 && errno != EINTR) {
-            return;
-        }
-        bytes += written > 0 ? written : 0;
-        n -= written > 0 ? (size_t)written : 0;
-    }
-}
-
 static void *serve(void *nothing) {
     char chunk[CHUNK];
     pthread_mutex_lock(&lock);
@@ -48,7 +34,7 @@ static void *serve(void *nothing) {
         const int fd = target;
         memcpy(chunk, ring + first, n);
         pthread_mutex_unlock(&lock);
-        write_all(fd, chunk, n);
+        io_write(fd, chunk, n); /* errors are not reported: there is nowhere to */
         pthread_mutex_lock(&lock);
         first = (first + n) % OUTLET_BYTES;
         count -= n;
@@ -84,6 +70,7 @@ void outlet_open(int fd) {
 }
 
 static void append(const char *bytes, size_t n) {
+    assert(n <= OUTLET_BYTES - count);
     const size_t at = (first + count) % OUTLET_BYTES;
     const size_t to_end = OUTLET_BYTES - at;
     const size_t head = n < to_end ? n : to_end;
@@ -96,7 +83,7 @@ bool outlet_put(const char *bytes, size_t n) {
     bool taken = true;
     pthread_mutex_lock(&lock);
     if (!through_thread) {
-        write_all(target, bytes, n);
+        io_write(target, bytes, n);
     } else if (n <= OUTLET_BYTES - count) {
         append(bytes, n);
         pthread_cond_signal(&filled);

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 /* FNV-1a. */
-static uint64_t hash_of(int level, const char *text) {
+static uint64_t hash_of(enum log_level level, const char *text) {
     uint64_t h = UINT64_C(14695981039346656037) ^ (uint64_t)level;
     for (const unsigned char *p = (const unsigned char *)text; *p != '\0'; p++) {
         h = (h ^ *p) * UINT64_C(1099511628211);
@@ -34,8 +34,8 @@ static repeated *place_of(repeats *r, uint64_t hash) {
     return best;
 }
 
-bool repeats_admit(repeats *r, int level, const char *text, unsigned burst, int64_t interval_ms,
-                   int64_t now_ms) {
+bool repeats_admit(repeats *r, enum log_level level, const char *text, unsigned burst,
+                   int64_t interval_ms, int64_t now_ms) {
     const uint64_t hash = hash_of(level, text);
     repeated *m = place_of(r, hash);
     if (m == NULL) {

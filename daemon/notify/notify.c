@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "notify/notify.h"
 
+#include "base/clock.h"
+#include "base/text.h"
 #include "shear/text.h"
 
 #include <errno.h>
@@ -10,20 +12,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { MESSAGE_SIZE = 1024 };
 
-/* The whole text a decimal number from 1 on; 0: no. */
+/* The whole text as a decimal number without a sign; 0 where it is not one. */
 static int64_t read_number(const char *text) {
-    char *end = NULL;
-    if (text == NULL || *text < '0' || *text > '9') {
-        return 0;
-    }
-    errno = 0;
-    const long long value = strtoll(text, &end, 10);
-    return errno == 0 && *end == '\0' ? value : 0;
+    int64_t value = 0;
+    const bool is_digit = text != NULL && *text >= '0' && *text <= '9';
+    return is_digit && text_to_int64(text, &value) ? value : 0;
 }
 
 static int set_address(notify *n, const char *name, shear_error *err) {
@@ -62,7 +59,7 @@ static int open_socket(notify *n, const char *name, shear_error *err) {
 int notify_init(notify *n, shear_error *err) {
     const char *name = getenv("NOTIFY_SOCKET");
     *n = (notify){.fd = -1};
-    const int code = name != NULL && *name ? open_socket(n, name, err) : SHEAR_OK;
+    const int code = name != NULL && name[0] != '\0' ? open_socket(n, name, err) : SHEAR_OK;
     if (n->fd >= 0) {
         n->watchdog_ms = read_watchdog();
     }
@@ -112,11 +109,8 @@ int notify_ready(const notify *n, const char *status, shear_error *err) {
 
 /* Type=notify-reload wants to know since when. */
 int notify_reloading(const notify *n, shear_error *err) {
-    struct timespec now;
     char text[MESSAGE_SIZE];
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    snprintf(text, sizeof text, "RELOADING=1\nMONOTONIC_USEC=%" PRId64,
-             (int64_t)now.tv_sec * 1000000 + now.tv_nsec / 1000);
+    snprintf(text, sizeof text, "RELOADING=1\nMONOTONIC_USEC=%" PRId64, clock_us(CLOCK_MONOTONIC));
     return send_text(n, text, err);
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sockets that systemd has opened for us: descriptors from 3 on, as sd_listen_fds(3) says. */
+#include "base/text.h"
 #include "server/server.h"
 
 #include <errno.h>
@@ -13,15 +14,11 @@ enum { FIRST_FD = 3 };
 
 static const char advice[] = "ListenStream= in sheard.socket must name one path, with Accept=no";
 
-/* The whole text a decimal number from 0 to max; -1: no. */
-static long read_number(const char *text, long max) {
-    char *end = NULL;
-    if (text == NULL || *text < '0' || *text > '9') {
-        return -1;
-    }
-    errno = 0;
-    const long value = strtol(text, &end, 10);
-    return errno == 0 && *end == '\0' && value <= max ? value : -1;
+/* The whole text as a decimal number from 0 to max; -1 where it is not one. */
+static int64_t read_number(const char *text, int64_t max) {
+    int64_t value = -1;
+    const bool is_digit = text != NULL && *text >= '0' && *text <= '9';
+    return is_digit && text_to_int64(text, &value) && value <= max ? value : -1;
 }
 
 static int get_int_option(int fd, int option) {
@@ -45,10 +42,10 @@ static int check_socket(int fd, shear_error *err) {
 
 static int acquire(int *fds, size_t capacity, size_t *n, shear_error *err) {
     const char *count_text = getenv("LISTEN_FDS");
-    if (count_text == NULL || read_number(getenv("LISTEN_PID"), INT32_MAX) != (long)getpid()) {
+    if (count_text == NULL || read_number(getenv("LISTEN_PID"), INT32_MAX) != getpid()) {
         return SHEAR_OK; /* not for us: the variables were inherited */
     }
-    const long count = read_number(count_text, 4096);
+    const int64_t count = read_number(count_text, 4096);
     if (count < 0 || (size_t)count > capacity) {
         return shear_fail(err, SHEAR_E_SETTING, advice,
                           "LISTEN_FDS is '%.20s'; expected a number up to %zu", count_text,

@@ -114,7 +114,7 @@ static void go_on(connection *c, open_request *r) {
         return;
     }
     s->in_step = r;
-    const int next = r->work.step(r->work.context);
+    const enum server_step next = r->work.step(r->work.context);
     if (s->in_step != NULL) {
         s->in_step = NULL;
         if (next == SERVER_MORE) {

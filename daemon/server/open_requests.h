@@ -9,7 +9,7 @@
 
 typedef struct open_request {
     uint64_t number;
-    int method;
+    enum sheard_method method;
     bool is_long; /* may take as long as the client likes */
     bool answered;
     bool awake; /* its work wants to go on: in the list of these */

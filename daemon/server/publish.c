@@ -51,7 +51,7 @@ int server_unsubscribe(server *s, uint64_t connection_id, const sheard_msg_subsc
     return SHEARD_RPC_OK;
 }
 
-bool server_is_watched(const server *s, int notice, int64_t job, const char *field) {
+bool server_is_watched(const server *s, enum sheard_notice notice, int64_t job, const char *field) {
     const connection *c;
     TAILQ_FOREACH(c, &s->subscribers, subscriber_link) {
         if (subscriptions_match(&c->subscriptions, notice, job, field)) {
@@ -61,7 +61,8 @@ bool server_is_watched(const server *s, int notice, int64_t job, const char *fie
     return false;
 }
 
-static out_line *make_notice(server *s, int notice, const sheard_notice_params *params) {
+static out_line *make_notice(server *s, enum sheard_notice notice,
+                             const sheard_notice_params *params) {
     sheard_rpc_error error;
     char *text = NULL;
     size_t n = 0;
@@ -73,7 +74,7 @@ static out_line *make_notice(server *s, int notice, const sheard_notice_params *
     return line;
 }
 
-void server_publish(server *s, int notice, int64_t job, const char *field,
+void server_publish(server *s, enum sheard_notice notice, int64_t job, const char *field,
                     const sheard_notice_params *params) {
     if (!server_is_watched(s, notice, job, field)) {
         return;

@@ -148,7 +148,7 @@ typedef struct server_work {
     /* A step: a millisecond or so, at most a few. The request is answered in one of them: what is
      * returned then does not matter. Else SERVER_MORE: soon again. SERVER_PAUSE: not before
      * server_wake, and the connection's next request may be begun. */
-    int (*step)(void *context);
+    enum server_step (*step)(void *context);
     /* The request has been answered, or nobody waits for it any more. Never called in a step. */
     void (*drop)(void *context);
     void *context;
@@ -169,10 +169,10 @@ int server_subscribe(server *s, uint64_t connection, const sheard_msg_subscribe 
 int server_unsubscribe(server *s, uint64_t connection, const sheard_msg_subscribe *what,
                        sheard_msg_subscribed *now, sheard_rpc_error *error);
 /* Does anybody watch it? To save the work of making a notification. */
-bool server_is_watched(const server *s, int notice, int64_t job, const char *field);
+bool server_is_watched(const server *s, enum sheard_notice notice, int64_t job, const char *field);
 /* Send to all that watch `job` (0: none), `field` (NULL: none) or everything. job_progress goes
  * only to those who asked for progress, server_state to everybody with a subscription. */
-void server_publish(server *s, int notice, int64_t job, const char *field,
+void server_publish(server *s, enum sheard_notice notice, int64_t job, const char *field,
                     const sheard_notice_params *params);
 
 /* The job is final: subscriptions to it by its number end. */

@@ -170,7 +170,8 @@ bool subscriptions_any(const subscriptions *w) {
     return w->all || w->n_jobs > 0 || w->n_fields > 0;
 }
 
-bool subscriptions_match(const subscriptions *w, int notice, int64_t job, const char *field) {
+bool subscriptions_match(const subscriptions *w, enum sheard_notice notice, int64_t job,
+                         const char *field) {
     bool found = false;
     if (notice == SHEARD_NOTICE_JOB_PROGRESS && !w->progress) {
         return false;

@@ -21,6 +21,7 @@ void subscriptions_remove(subscriptions *w, const sheard_msg_subscribe *what);
 /* End the subscription to a job by its number. False: there was none. */
 bool subscriptions_end_job(subscriptions *w, int64_t job);
 bool subscriptions_any(const subscriptions *w);
-bool subscriptions_match(const subscriptions *w, int notice, int64_t job, const char *field);
+bool subscriptions_match(const subscriptions *w, enum sheard_notice notice, int64_t job,
+                         const char *field);
 
 #endif

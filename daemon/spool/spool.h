@@ -67,7 +67,7 @@ typedef struct spool_callbacks {
     /* It is in active/, and on disk. Texts live during the call. The owner takes it (and calls
      * spool_dispose one day), or refuses it for the time being with spool_refuse. */
     void (*found)(void *context, const spool_file *file);
-    void (*log)(void *context, int level, const char *text); /* one line */
+    void (*log)(void *context, enum spool_level level, const char *text); /* one line */
     void *context;
     /* Milliseconds since 1970, for the ages of what is kept; NULL: the clock's. */
     int64_t (*now_ms)(void *context);

@@ -35,8 +35,8 @@ static enum sql statement_for(const store_job_filter *f) {
 }
 
 /* The `limit` newest ids of one state. */
-static int add_ids(store *s, const store_job_filter *f, int state, size_t limit, id_list *list,
-                   shear_error *err) {
+static int add_ids(store *s, const store_job_filter *f, enum store_state state, size_t limit,
+                   id_list *list, shear_error *err) {
     bool row = false;
     CLEANUP(query_end) query q = query_on(s, statement_for(f));
     query_int(&q, state);
@@ -66,7 +66,8 @@ static int find_ids(store *s, const store_job_filter *f, size_t limit, id_list *
                     shear_error *err) {
     int code = SHEAR_OK;
     list->n = 0;
-    for (int state = 0; state < STORE_N_STATES && code == SHEAR_OK; state++) {
+    for (enum store_state state = STORE_QUEUED; state < STORE_N_STATES && code == SHEAR_OK;
+         state++) {
         if (f->states == 0 || (f->states & 1u << state) != 0) {
             code = add_ids(s, f, state, limit, list, err);
         }

@@ -77,7 +77,7 @@ static int retire(store *s, const store_retention *rule, int64_t *gone, shear_er
     if (code != SHEAR_OK) {
         return code;
     }
-    for (int state = STORE_DONE; state < STORE_N_STATES; state++) {
+    for (enum store_state state = STORE_DONE; state < STORE_N_STATES; state++) {
         finished += counts.jobs[state];
     }
     const int64_t excess = finished - rule->keep;

@@ -31,7 +31,7 @@ static void on_found(void *context, const spool_file *file) {
     f->room--;
 }
 
-static void on_log(void *context, int level, const char *text) {
+static void on_log(void *context, enum spool_level level, const char *text) {
     spool_fixture *f = context;
     const size_t n = strlen(f->log);
     f->n_logs[level]++;

@@ -116,7 +116,7 @@ static void toil(void) {
     }
 }
 
-static int job_step(void *context) {
+static enum server_step job_step(void *context) {
     job *j = context;
     toil();
     if (j->steps++ == 0 && n_order < 64) {

@@ -100,7 +100,7 @@ static int64_t room(void *context) {
     return 2;
 }
 
-static void log_nothing(void *context, int level, const char *text) {
+static void log_nothing(void *context, enum spool_level level, const char *text) {
     (void)context;
     (void)level;
     (void)text;

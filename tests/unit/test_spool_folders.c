@@ -17,7 +17,7 @@ static void no_file(void *context, const spool_file *file) {
     (void)file;
 }
 
-static void no_log(void *context, int level, const char *text) {
+static void no_log(void *context, enum spool_level level, const char *text) {
     (void)context;
     (void)level;
     (void)text;

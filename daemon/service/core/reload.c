@@ -62,7 +62,7 @@ static void apply(service *s) {
     engine_limit_readers(s->engine, &readers);
     engine_limit_memory(s->engine, tuning_memory(c));
     engine_limit_plans(s->engine, c->plans.max_count, c->plans.max_bytes);
-    log_set_level(c->daemon.log_level);
+    log_set_level((enum log_level)c->daemon.log_level);
     if (s->spool != NULL) {
         const spool_tuning tuning = tuning_spool(c);
         spool_tune(s->spool, &tuning);

@@ -185,7 +185,7 @@ static int64_t on_capacity(void *context) {
     return left > 0 ? left : 0;
 }
 
-static void on_log(void *context, int level, const char *text) {
+static void on_log(void *context, enum spool_level level, const char *text) {
     (void)context;
     if (level == SPOOL_ERROR) {
         log_error("%s", text);

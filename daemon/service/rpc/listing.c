@@ -4,8 +4,8 @@
 #include "base/cleanup.h"
 #include "service/core/parts.h"
 
-void listing_begin(listing *l, service *s, const server_request *r, int (*step)(void *),
-                   void (*drop)(void *)) {
+void listing_begin(listing *l, service *s, const server_request *r,
+                   enum server_step (*step)(void *), void (*drop)(void *)) {
     const server_work work = {.step = step, .drop = drop, .context = l};
     *l = (listing){.s = s, .to = r->handle, .request = *r->request};
     *r->request = (sheard_request){0}; /* taken over */

@@ -18,8 +18,8 @@ typedef struct listing {
 
 /* Take the request over, and have it done by `step`, which gets `l`: the first member of what it
  * works on; `drop` frees that. Where it cannot be, the request has been answered. */
-void listing_begin(listing *l, service *s, const server_request *r, int (*step)(void *),
-                   void (*drop)(void *));
+void listing_begin(listing *l, service *s, const server_request *r,
+                   enum server_step (*step)(void *), void (*drop)(void *));
 void listing_deinit(listing *l);
 /* The next item, of the request's method. False: the request has been answered with an error. */
 bool listing_add(listing *l, const void *item);

@@ -125,7 +125,7 @@ static void row_step(field_rows *w, const store_field *f) {
     }
 }
 
-static int rows_step(void *context) {
+static enum server_step rows_step(void *context) {
     field_rows *w = context;
     const sheard_msg_field *p = &w->list.request.params.field;
     if (!w->ready) {
@@ -229,7 +229,7 @@ static void reply_with_fields(field_list *w, bool more) {
     listing_reply(&w->list, &rest);
 }
 
-static int fields_step(void *context) {
+static enum server_step fields_step(void *context) {
     field_list *w = context;
     const size_t most = w->left < FIELDS_A_STEP ? w->left : FIELDS_A_STEP;
     const store_field_filter filter = {.prefix = w->list.request.params.fields.prefix,

@@ -75,7 +75,7 @@ static bool add_jobs(job_list *w, const store_job_page *page) {
     return good;
 }
 
-static int jobs_step(void *context) {
+static enum server_step jobs_step(void *context) {
     job_list *w = context;
     CLEANUP(store_job_page_deinit) store_job_page page = {0};
     shear_error err = {0};

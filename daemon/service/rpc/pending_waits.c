@@ -165,7 +165,7 @@ static bool add_job(pending_wait *w, int64_t id) {
     return true;
 }
 
-static int wait_step(void *context) {
+static enum server_step wait_step(void *context) {
     pending_wait *w = context;
     if (w->phase == WAIT_LOOKING) {
         return look(w);
