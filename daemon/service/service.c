@@ -52,8 +52,7 @@ static void tick(service *s) {
     enum { SPOOL_WAKE_S = 5 };
     shear_error ignored;
     clock_watch_look(&s->clock);
-    rates_tick(&s->rates, engine_get_load(s->engine).stamps_total, s->jobs->ended);
-    loop_pace_tick(&s->pace);
+    statistics_tick(&s->statistics, engine_get_load(s->engine).stamps_total, s->jobs->ended);
     job_message_publish_progress(s);
     problem_notes_tick(&s->notes);
     pending_waits_tick(s);
@@ -70,7 +69,7 @@ static void tick(service *s) {
         group_begin(&s->group, &ignored);
     }
     retire_jobs(s);
-    if (s->spool != NULL && s->rates.ticks % SPOOL_WAKE_S == 0) {
+    if (s->spool != NULL && s->statistics.ticks % SPOOL_WAKE_S == 0) {
         spool_wake(s->spool);
     }
 }
@@ -130,6 +129,7 @@ typedef struct service_parts {
     change_notifier notifier;
     field_purge purge;
     pending_waits waits;
+    probe probe;
 } service_parts;
 
 static service *service_new(void) {
@@ -143,6 +143,7 @@ static service *service_new(void) {
     s->notifier = &all->notifier;
     s->purge = &all->purge;
     s->waits = &all->waits;
+    s->probe = &all->probe;
     s->hooks = &core_calls;
     s->jobs->hooks = &job_calls;
     s->notify.fd = -1;
@@ -151,7 +152,7 @@ static service *service_new(void) {
     uv_loop_init(&s->loop);
     loop_start(s);
     lifecycle_start(s);
-    loop_pace_start(&s->pace, &s->loop);
+    statistics_start(&s->statistics, &s->loop);
     estimates_init(s->estimates);
     change_notifier_init(s->notifier, s, field_message_publish);
     field_purge_init(s->purge);
@@ -292,7 +293,6 @@ void service_close(service *s) {
     estimates_deinit(s->estimates);
     field_purge_deinit(s->purge);
     active_jobs_deinit(s->jobs);
-    probe_free(s->probe);
     store_close(s->store);
     permissions_deinit(&s->permissions);
     data_roots_free(s->roots);

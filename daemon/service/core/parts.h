@@ -12,16 +12,25 @@
 #include "service/core/clock_watch.h"
 #include "service/core/data_roots.h"
 #include "service/core/group.h"
-#include "service/core/hooks.h"
 #include "service/core/lifecycle.h"
 #include "service/core/loop.h"
-#include "service/core/loop_pace.h"
 #include "service/core/permissions.h"
 #include "service/core/problem_notes.h"
-#include "service/core/rates.h"
+#include "service/core/statistics.h"
 #include "service/core/user_names.h"
 #include "spool/spool.h"
 #include "store/store.h"
+
+/* What core asks of the rooms above it; set once, before the loop runs. */
+typedef struct core_hooks {
+    void (*tick)(service *s);          /* once a second */
+    void (*engine_events)(service *s); /* the engine has some */
+    size_t (*running_jobs)(const service *s);
+    void (*stop_jobs)(service *s); /* give them back: they go on at the next start */
+    void (*close)(service *s);     /* nothing comes any more: tell what is still to be told */
+    /* May these settings replace the present ones? */
+    int (*check_reload)(service *s, const sheard_config *fresh, shear_error *err);
+} core_hooks;
 
 struct service {
     uv_loop_t loop;
@@ -47,15 +56,14 @@ struct service {
     data_roots *roots;
     problem_notes notes;
     user_names users;
-    rates rates;
-    loop_pace pace;
+    statistics statistics;
 
     struct active_jobs *jobs;         /* jobs/active_jobs.h */
     struct estimates *estimates;      /* fields/estimates.h */
     struct change_notifier *notifier; /* fields/change_notifier.h */
     struct field_purge *purge;        /* fields/field_purge.h */
     struct pending_waits *waits;      /* rpc/pending_waits.h */
-    struct probe *probe;              /* rpc/probe.h; NULL: nobody has asked for one */
+    struct probe *probe;              /* rpc/probe.h */
 };
 
 #endif

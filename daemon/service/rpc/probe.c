@@ -11,50 +11,33 @@
 #include "service/rpc/refuse.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <stdio.h>
 #include <unistd.h>
 
 /* The engine's name for it: no job of the store has it. */
 enum { PROBE_JOB = -1 };
-enum { ASKING_MAX = 16 };
-
-typedef struct asking {
-    server_handle to[ASKING_MAX];
-    size_t n; /* > 0: a probe is under way */
-} asking;
-
-struct probe {
-    asking asking;
-    uv_work_t work;
-    int fd, code; /* of the field's file */
-    shear_error err;
-    double begun_s;
-    unsigned guards; /* enum sandbox_guard */
-};
-
-static void answer(service *s, const sheard_msg_probed *what) {
+static void answer(service *s, sheard_msg_probed what) {
     probe *p = s->probe;
-    const asking all = p->asking;
-    p->asking.n = 0;
-    for (size_t i = 0; i < all.n; i++) {
-        const sheard_reply reply = {.probe = *what};
-        server_reply(s->server, all.to[i], &reply);
+    const size_t n = p->n_asking;
+    what.true_g1 = PROBE_G1;
+    what.true_g2 = PROBE_G2;
+    what.seconds = clock_s(CLOCK_MONOTONIC) - p->begun_s;
+    p->n_asking = 0;
+    for (size_t i = 0; i < n; i++) {
+        const sheard_reply reply = {.probe = what};
+        server_reply(s->server, p->asking[i], &reply);
     }
 }
 
 static void answer_failed(service *s, const char *code, const shear_error *err) {
-    const sheard_msg_probed what = {.code = code,
-                                    .message = err->message,
-                                    .advice = err->advice[0] != '\0' ? err->advice : NULL,
-                                    .g1 = NAN,
-                                    .g1_err = NAN,
-                                    .g2 = NAN,
-                                    .g2_err = NAN,
-                                    .true_g1 = PROBE_G1,
-                                    .true_g2 = PROBE_G2,
-                                    .seconds = clock_s(CLOCK_MONOTONIC) - s->probe->begun_s};
     log_warning("probe: %s", err->message);
-    answer(s, &what);
+    answer(s, (sheard_msg_probed){.code = code,
+                                  .message = err->message,
+                                  .advice = err->advice[0] != '\0' ? err->advice : NULL,
+                                  .g1 = NAN,
+                                  .g1_err = NAN,
+                                  .g2 = NAN,
+                                  .g2_err = NAN});
 }
 
 static void answer_measured(service *s, const shear_result *r) {
@@ -65,10 +48,7 @@ static void answer_measured(service *s, const shear_result *r) {
                               .g1_err = r->g1_err,
                               .g2 = r->g2,
                               .g2_err = r->g2_err,
-                              .true_g1 = PROBE_G1,
-                              .true_g2 = PROBE_G2,
                               .stamps = r->n_used,
-                              .seconds = clock_s(CLOCK_MONOTONIC) - s->probe->begun_s,
                               .landlock = (s->probe->guards & SANDBOX_LANDLOCK) != 0,
                               .namespaces = (s->probe->guards & SANDBOX_NAMESPACES) != 0};
     if (!what.ok) {
@@ -78,7 +58,7 @@ static void answer_measured(service *s, const shear_result *r) {
         what.message = text;
         log_error("%s", text);
     }
-    answer(s, &what);
+    answer(s, what);
 }
 
 static void make_field(uv_work_t *work) {
@@ -141,25 +121,18 @@ void probe_event(service *s, const engine_event *e) {
 }
 
 void method_probe(service *s, const server_request *r) {
+    probe *p = s->probe;
     if (s->life.state == SHEARD_SERVER_STOPPING) {
         refuse_with(s, r->handle, SHEARD_RPC_STOPPING, "the service is about to exit");
         return;
     }
-    if (s->probe == NULL) {
-        s->probe = calloc(1, sizeof *s->probe);
-    }
-    probe *p = s->probe;
-    if (p == NULL) {
-        refuse_with(s, r->handle, SHEARD_RPC_OUT_OF_MEMORY, "out of memory for a probe");
-        return;
-    }
-    if (p->asking.n == ASKING_MAX) {
+    if (p->n_asking == PROBE_ASKING) {
         refuse_with(s, r->handle, SHEARD_RPC_TOO_MANY_REQUESTS,
                     "as many wait for the probe under way as may");
         return;
     }
-    p->asking.to[p->asking.n++] = r->handle;
-    if (p->asking.n > 1) {
+    p->asking[p->n_asking++] = r->handle;
+    if (p->n_asking > 1) {
         return;
     }
     p->begun_s = clock_s(CLOCK_MONOTONIC);
@@ -169,8 +142,4 @@ void method_probe(service *s, const server_request *r) {
         answer_failed(s, sheard_rpc_code_get(SHEARD_RPC_INTERNAL)->name,
                       &(shear_error){.message = "the probe's field cannot be made now"});
     }
-}
-
-void probe_free(probe *p) {
-    free(p);
 }

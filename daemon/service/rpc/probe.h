@@ -6,12 +6,23 @@
 #define SHEARD_SERVICE_PROBE_H
 
 #include "engine/engine.h"
+#include "server/server.h"
 
 typedef struct service service;
-typedef struct probe probe;
+
+enum { PROBE_ASKING = 16 };
+
+typedef struct probe {
+    server_handle asking[PROBE_ASKING];
+    size_t n_asking; /* > 0: a probe is under way */
+    uv_work_t work;
+    int fd, code; /* of the field's file */
+    shear_error err;
+    double begun_s;
+    unsigned guards; /* enum sandbox_guard */
+} probe;
 
 /* The engine has an event about none of the store's jobs. */
 void probe_event(service *s, const engine_event *e);
-void probe_free(probe *p);
 
 #endif

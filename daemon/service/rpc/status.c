@@ -68,8 +68,9 @@ static void fill_problems(status *st) {
 }
 
 static sheard_msg_loop get_loop(const service *s, const server_statistics *net) {
-    return (sheard_msg_loop){.longest_ms = 1e-6 * (double)s->pace.longest_ns,
-                             .longest_minute_ms = 1e-6 * (double)loop_pace_last_minute_ns(&s->pace),
+    return (sheard_msg_loop){.longest_ms = 1e-6 * (double)s->statistics.longest_turn_ns,
+                             .longest_minute_ms =
+                                 1e-6 * (double)statistics_longest_turn_ns(&s->statistics),
                              .unsent_bytes = (int64_t)net->unsent_bytes,
                              .dropped = (int64_t)net->dropped};
 }
@@ -122,7 +123,7 @@ static int fill(service *s, sheard_msg_status *out, const char *store_path, shea
                    .stamps = totals.n_stamps,
                    .fields = totals.fields,
                    .retracted = totals.retracted},
-        .rates = rates_get(&s->rates),
+        .rates = statistics_rates(&s->statistics),
         .loop = get_loop(s, &net),
         .store = {.path = store_path,
                   .schema = store_opened(s->store)->version,

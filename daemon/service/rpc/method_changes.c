@@ -1,14 +1,78 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* retry: a failed or cancelled job is queued again; answered when that is on disk. */
+/* cancel, retract, retry: changes of a job, answered when they are on disk. */
 #include "base/cleanup.h"
+#include "service/core/clock.h"
 #include "service/core/parts.h"
+#include "service/fields/change_notifier.h"
+#include "service/fields/estimates.h"
 #include "service/intake/file_disposal.h"
+#include "service/jobs/catalogs.h"
 #include "service/jobs/job_file.h"
 #include "service/jobs/job_source.h"
 #include "service/jobs/rpc_errors.h"
 #include "service/rpc/job_reply.h"
 #include "service/rpc/methods.h"
 #include "service/rpc/refuse.h"
+
+/* ---- cancel ---- */
+
+void method_cancel(service *s, const server_request *r) {
+    const int64_t id = r->request->params.id.id;
+    shear_error err = {0};
+    enum store_state state = STORE_QUEUED;
+    if (!job_reply_may_change(s, r, id)) {
+        return;
+    }
+    int code = group_begin(&s->group, &err);
+    if (code == SHEAR_OK) {
+        code = store_cancel(s->store, id, clock_wall_ms(), &state, &err);
+    }
+    if (code != SHEAR_OK) {
+        refuse_store(s, r->handle, code, &err);
+        return;
+    }
+    if (state == STORE_RUNNING) {
+        engine_stop_job(s->engine, id);
+    }
+    job_reply_later(s, job_reply_run, sizeof(job_reply), r->handle, id);
+}
+
+/* ---- retract: what was counted is taken back ---- */
+
+/* Then catalogs go, and the field has changed. */
+static void reply_retracted(post_commit *post, int code, const shear_error *err) {
+    service *s = post->context;
+    CLEANUP(store_job_deinit) store_job job = {0};
+    shear_error ignored;
+    job_reply_run(post, code, err);
+    if (code != SHEAR_OK) {
+        return;
+    }
+    catalogs_remove_retracted(s);
+    if (store_job_get(s->store, post->job, &job, &ignored) == SHEAR_OK) {
+        change_notifier_note(s, job.field, job.settings_digest);
+    }
+}
+
+void method_retract(service *s, const server_request *r) {
+    const int64_t id = r->request->params.id.id;
+    shear_error err = {0};
+    if (!job_reply_may_change(s, r, id)) {
+        return;
+    }
+    int code = group_begin(&s->group, &err);
+    if (code == SHEAR_OK) {
+        code = store_retract(s->store, id, &err);
+    }
+    if (code != SHEAR_OK) {
+        refuse_store(s, r->handle, code, &err);
+        return;
+    }
+    estimates_note_retraction(s);
+    job_reply_later(s, reply_retracted, sizeof(job_reply), r->handle, id);
+}
+
+/* ---- retry: a failed or cancelled job is queued again ---- */
 
 /* The dropped file of a job that is to be tried again goes back into active/. */
 static int take_back(service *s, const store_job *job, sheard_rpc_error *error) {
