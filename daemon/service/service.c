@@ -57,7 +57,7 @@ static void tick(service *s) {
     problem_notes_tick(&s->notes);
     pending_waits_tick(s);
     change_notifier_tick(s);
-    data_roots_tick(s->roots);
+    data_roots_tick(&s->roots);
     field_purge_continue(s);
     log_flush();
     if (s->notify.watchdog_ms > 0) {
@@ -166,8 +166,8 @@ static int open_access(service *s, shear_error *err) {
         return code;
     }
     reload_warn_names(s);
-    code = data_roots_new(&s->roots, &s->loop, &s->group, &s->life, err);
-    return code == SHEAR_OK ? data_roots_set(s->roots, &s->config.access.data_roots, err) : code;
+    data_roots_init(&s->roots, &s->loop, &s->group, &s->life);
+    return data_roots_set(&s->roots, &s->config.access.data_roots, err);
 }
 
 /* The store, and what belongs to it. */
@@ -295,7 +295,7 @@ void service_close(service *s) {
     active_jobs_deinit(s->jobs);
     store_close(s->store);
     permissions_deinit(&s->permissions);
-    data_roots_free(s->roots);
+    data_roots_deinit(&s->roots);
     notify_deinit(&s->notify);
     uv_loop_close(&s->loop);
     sheard_list_deinit(&s->assignments);

@@ -13,30 +13,13 @@
 
 enum { EVERY_S = 5, REASON_SIZE = 160 };
 
-typedef struct data_root {
+struct data_root {
     char *path;
     bool missing;
     char reason[REASON_SIZE];
-} data_root;
-
-/* A list of roots, and what was found; the pool's thread works on a copy. */
-typedef struct root_list {
-    data_root *roots; /* [n] */
-    size_t n;
-} root_list;
-
-struct data_roots {
-    uv_loop_t *loop;
-    group *group;
-    const lifecycle *life;
-    int64_t ticks;
-    root_list known;
-    sheard_msg_root *told; /* [known.n] */
-    uv_work_t work;
-    root_list looking; /* n > 0: a look is under way */
-    bool stale;        /* ... at the roots of another configuration */
 };
 
+/* A list of roots, and what was found; the pool's thread works on a copy. */
 static void look(data_root *r) {
     shear_error err = {0};
     r->missing = access_root_check(r->path, &err) != SHEAR_OK;
@@ -69,27 +52,14 @@ static void warn(const data_root *r) {
     log_warning("%s; jobs beneath it wait", r->reason);
 }
 
-int data_roots_new(data_roots **out, uv_loop_t *loop, group *g, const lifecycle *life,
-                   shear_error *err) {
-    data_roots *d = calloc(1, sizeof *d);
-    *out = d;
-    if (d == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the data roots");
-    }
-    d->loop = loop;
-    d->group = g;
-    d->life = life;
-    return SHEAR_OK;
+void data_roots_init(data_roots *d, uv_loop_t *loop, group *g, const lifecycle *life) {
+    *d = (data_roots){.loop = loop, .group = g, .life = life};
 }
 
-void data_roots_free(data_roots *d) {
-    if (d == NULL) {
-        return;
-    }
+void data_roots_deinit(data_roots *d) {
     list_deinit(&d->known);
     list_deinit(&d->looking);
     free(d->told);
-    free(d);
 }
 
 int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err) {

@@ -10,11 +10,28 @@
 #include "sheard/config.h"
 #include "sheard/messages.h"
 
-typedef struct data_roots data_roots;
+typedef struct data_root data_root;
 
-int data_roots_new(data_roots **d, uv_loop_t *loop, group *g, const lifecycle *life,
-                   shear_error *err);
-void data_roots_free(data_roots *d);
+/* A list of roots, and what was found. */
+typedef struct root_list {
+    data_root *roots; /* [n] */
+    size_t n;
+} root_list;
+
+typedef struct data_roots {
+    uv_loop_t *loop;
+    group *group;
+    const lifecycle *life;
+    int64_t ticks;
+    root_list known;
+    sheard_msg_root *told; /* [known.n] */
+    uv_work_t work;
+    root_list looking; /* the copy that the pool's thread works on; n > 0: a look is under way */
+    bool stale;        /* ... at the roots of another configuration */
+} data_roots;
+
+void data_roots_init(data_roots *d, uv_loop_t *loop, group *g, const lifecycle *life);
+void data_roots_deinit(data_roots *d);
 /* Those of the configuration, looked at; missing ones are warned of. On an error: as before. */
 int data_roots_set(data_roots *d, const sheard_list *paths, shear_error *err);
 void data_roots_tick(data_roots *d);                             /* once a second */

@@ -53,7 +53,7 @@ struct service {
     group group;
     clock_watch clock;
     permissions permissions;
-    data_roots *roots;
+    data_roots roots;
     problem_notes notes;
     user_names users;
     statistics statistics;

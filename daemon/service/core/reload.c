@@ -30,7 +30,7 @@ static const char **warnings_of(const service *s, size_t *n) {
     const char **list = calloc(capacity + 1, sizeof *list);
     *n = 0;
     if (list != NULL) {
-        *n = data_roots_missing(s->roots, list, capacity);
+        *n = data_roots_missing(&s->roots, list, capacity);
         *n += permissions_unknown(&s->permissions, list + *n, capacity - *n);
     }
     return list;
@@ -138,7 +138,7 @@ int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *erro
         return sheard_rpc_fail(error, SHEARD_RPC_BAD_CONFIG,
                                err.advice[0] != '\0' ? err.advice : NULL, "%s", err.message);
     }
-    if (data_roots_set(s->roots, &s->config.access.data_roots, &err) != SHEAR_OK) {
+    if (data_roots_set(&s->roots, &s->config.access.data_roots, &err) != SHEAR_OK) {
         log_warning("%s", err.message);
     }
     reload_warn_names(s);

@@ -1,39 +1,59 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/rpc/field_message.h"
 
+#include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/fields/field_report.h"
 #include "service/fields/field_result.h"
 
 #include <math.h>
-#include <stdlib.h>
+
+/* [page->n]; NULL: out of memory. */
+static sheard_msg_contribution *contributions_of(const store_contribution_page *page) {
+    sheard_msg_contribution *list = calloc(page->n + 1, sizeof *list);
+    for (size_t i = 0; list != NULL && i < page->n; i++) {
+        const store_contribution *c = &page->items[i];
+        list[i] = (sheard_msg_contribution){.id = c->id,
+                                            .job = c->job,
+                                            .checksum = c->content,
+                                            .n_stamps = c->n_stamps,
+                                            .n_used = c->n_used,
+                                            .counted_ms = c->counted_ms};
+    }
+    return list;
+}
 
 int field_to_message(service *s, const store_field *f, int64_t since,
                      const store_contribution_page *counted, sheard_msg_field_row *out,
                      no_result *why, shear_error *err) {
-    field_result now;
+    CLEANUP(field_result_deinit) field_result now = {.jobs = 0};
+    CLEANUP(release_free) char *report = NULL;
     shear_settings settings;
-    char *report = NULL;
     int code = sheard_settings_read(&settings, f->settings, err);
     if (code == SHEAR_OK) {
         code = field_result_now(s, f, &settings, since, &now, err);
     }
+    if (code == SHEAR_OK) {
+        code = field_report(s, f, &settings, &now.result, counted, &report, err);
+    }
     if (code != SHEAR_OK) {
         return code;
     }
-    code = field_report(s, f, &settings, &now.result, counted, &report, err);
-    if (code != SHEAR_OK) {
-        field_result_deinit(&now);
-        return code;
+    sheard_msg_contribution *contributions = contributions_of(counted);
+    if (contributions == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page");
     }
     no_result_begin(why, f, &now.result);
-    *out = (sheard_msg_field_row){.report = report,
+    *out = (sheard_msg_field_row){.report = CLEANUP_TAKE(report),
                                   .digest = f->settings_digest,
                                   .jobs = now.jobs,
                                   .unfinished = f->unfinished,
                                   .partial = f->unfinished > 0,
-                                  .running = now.running,
+                                  .running = CLEANUP_TAKE(now.running),
                                   .n_running = now.n_running,
+                                  .contributions = contributions,
+                                  .n_contributions = counted->n,
+                                  .more = counted->more,
                                   .files_left_out = f->jobs - (int64_t)counted->n,
                                   .updated_ms = f->updated_ms};
     return SHEAR_OK;
@@ -42,6 +62,7 @@ int field_to_message(service *s, const store_field *f, int64_t since,
 void field_message_deinit(sheard_msg_field_row *out) {
     free((char *)out->report);
     free((int64_t *)out->running);
+    free((sheard_msg_contribution *)out->contributions);
     *out = (sheard_msg_field_row){0};
 }
 

@@ -10,8 +10,9 @@
 
 typedef struct service service;
 
-/* A row of a field, with `counted`, the contributions whose files are to be listed. *why is begun,
- * for the row's reason and culprit, which are left out. Texts of f are borrowed; deinit it. */
+/* A row of a field, with `counted`, the contributions that are to be listed. *why is begun, for the
+ * row's reason and culprit, which are left out. Texts of f and `counted` are borrowed; deinit it.
+ */
 int field_to_message(service *s, const store_field *f, int64_t since,
                      const store_contribution_page *counted, sheard_msg_field_row *out,
                      no_result *why, shear_error *err);

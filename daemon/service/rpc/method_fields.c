@@ -12,34 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int find_contributions(service *s, const sheard_msg_field *p, const store_field *f,
-                              store_contribution_page *page, shear_error *err) {
-    *page = (store_contribution_page){0};
-    return p->limit == 0 || f->jobs == 0
-               ? SHEAR_OK
-               : store_contributions(s->store, f->name, f->settings_digest, p->after,
-                                     (size_t)p->limit, page, err);
-}
-
-static int list_contributions(const store_contribution_page *page, sheard_msg_field_row *row,
-                              shear_error *err) {
-    sheard_msg_contribution *list = calloc(page->n + 1, sizeof *list);
-    for (size_t i = 0; list != NULL && i < page->n; i++) {
-        const store_contribution *c = &page->items[i];
-        list[i] = (sheard_msg_contribution){.id = c->id,
-                                            .job = c->job,
-                                            .checksum = c->content,
-                                            .n_stamps = c->n_stamps,
-                                            .n_used = c->n_used,
-                                            .counted_ms = c->counted_ms};
-    }
-    row->contributions = list;
-    row->n_contributions = list != NULL ? page->n : 0;
-    row->more = page->more;
-    return list != NULL ? SHEAR_OK
-                        : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a page");
-}
-
 /* False: they are not, and the request was told where they cannot be. */
 static bool have_estimates(const listing *l, const store_field_page *page, const char *digest,
                            int64_t since) {
@@ -90,19 +62,21 @@ static int find_rows(field_rows *w) {
 }
 
 static int make_row(field_rows *w, const store_field *f, shear_error *err) {
+    const sheard_msg_field *p = &w->list.request.params.field;
     w->made = true;
-    int code =
-        find_contributions(w->list.s, &w->list.request.params.field, f, &w->contributions, err);
-    if (code == SHEAR_OK) {
-        code = field_to_message(w->list.s, f, w->since, &w->contributions, &w->row, &w->why, err);
+    if (p->limit > 0 && f->jobs > 0) {
+        const int code = store_contributions(w->list.s->store, f->name, f->settings_digest,
+                                             p->after, (size_t)p->limit, &w->contributions, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    return code == SHEAR_OK ? list_contributions(&w->contributions, &w->row, err) : code;
+    return field_to_message(w->list.s, f, w->since, &w->contributions, &w->row, &w->why, err);
 }
 
 static void clear_row(field_rows *w) {
-    free((sheard_msg_contribution *)w->row.contributions);
-    store_contribution_page_deinit(&w->contributions);
     field_message_deinit(&w->row);
+    store_contribution_page_deinit(&w->contributions);
     no_result_deinit(&w->why);
     w->made = false;
 }

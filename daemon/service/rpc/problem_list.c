@@ -111,7 +111,7 @@ static void add_log(problem_list *list, const log_losses *log) {
 
 static void add_roots(const service *s, problem_list *list) {
     const char *reasons[PROBLEMS_TOLD];
-    const size_t n = data_roots_missing(s->roots, reasons, PROBLEMS_TOLD);
+    const size_t n = data_roots_missing(&s->roots, reasons, PROBLEMS_TOLD);
     for (size_t i = 0; i < n && add(list, "root", "root_missing") != NULL; i++) {
         snprintf(text_of(list), PROBLEM_TEXT, "%s", reasons[i]);
     }

@@ -67,19 +67,35 @@ static void fill_problems(status *st) {
     out->n_disks = list->n_disks;
 }
 
-static sheard_msg_loop get_loop(const service *s, const server_statistics *net) {
-    return (sheard_msg_loop){.longest_ms = 1e-6 * (double)s->statistics.longest_turn_ns,
-                             .longest_minute_ms =
-                                 1e-6 * (double)statistics_longest_turn_ns(&s->statistics),
-                             .unsent_bytes = (int64_t)net->unsent_bytes,
-                             .dropped = (int64_t)net->dropped};
+static void fill_server(const service *s, sheard_msg_status *out) {
+    server_statistics net;
+    server_get_statistics(s->server, &net);
+    out->connections = (int64_t)net.connections;
+    out->subscribers = (int64_t)net.subscribers;
+    out->loop = (sheard_msg_loop){.longest_ms = 1e-6 * (double)s->statistics.longest_turn_ns,
+                                  .longest_minute_ms =
+                                      1e-6 * (double)statistics_longest_turn_ns(&s->statistics),
+                                  .unsent_bytes = (int64_t)net.unsent_bytes,
+                                  .dropped = (int64_t)net.dropped};
 }
 
-static int fill(service *s, sheard_msg_status *out, const char *store_path, shear_error *err) {
+static void fill_engine(const service *s, sheard_msg_status *out) {
+    const engine_load load = engine_get_load(s->engine);
+    out->workers =
+        (sheard_msg_workers){.total = load.workers, .busy = load.busy, .readers = load.jobs};
+    out->queue.blocks = load.blocks_left;
+    out->plans = (sheard_msg_plans){.kept = load.plans.count,
+                                    .bytes = load.plans.bytes,
+                                    .hits = load.plans.hits,
+                                    .misses = load.plans.misses};
+    out->memory = (sheard_msg_memory){
+        .budget = load.memory_total, .used = load.memory_used, .waiting = load.memory_waiting};
+}
+
+static int fill_store(const service *s, sheard_msg_status *out, const char *path,
+                      shear_error *err) {
     store_counts counts;
     store_totals totals;
-    server_statistics net;
-    const engine_load load = engine_get_load(s->engine);
     int code = store_count(s->store, &counts, err);
     if (code == SHEAR_OK) {
         code = store_total(s->store, &totals, err);
@@ -87,7 +103,33 @@ static int fill(service *s, sheard_msg_status *out, const char *store_path, shea
     if (code != SHEAR_OK) {
         return code;
     }
-    server_get_statistics(s->server, &net);
+    out->queue.length = counts.unfinished;
+    out->states = (sheard_msg_states){.queued = counts.jobs[STORE_QUEUED],
+                                      .running = counts.jobs[STORE_RUNNING],
+                                      .waiting = counts.jobs[STORE_WAITING],
+                                      .done = counts.jobs[STORE_DONE],
+                                      .failed = counts.jobs[STORE_FAILED],
+                                      .cancelled = counts.jobs[STORE_CANCELLED],
+                                      .retracted = counts.jobs[STORE_RETRACTED]};
+    out->totals = (sheard_msg_totals){.submitted = totals.submitted,
+                                      .counted = totals.counted,
+                                      .duplicates = totals.duplicates,
+                                      .failed = totals.failed,
+                                      .cancelled = totals.cancelled,
+                                      .stamps = totals.n_stamps,
+                                      .fields = totals.fields,
+                                      .retracted = totals.retracted};
+    out->store = (sheard_msg_store){.path = path,
+                                    .schema = store_opened(s->store)->version,
+                                    .bytes = file_size(path),
+                                    .free_bytes = free_bytes(s->config.daemon.state_dir),
+                                    .commits = s->group.commits};
+    return SHEAR_OK;
+}
+
+static void fill_service(const service *s, sheard_msg_status *out) {
+    const sheard_config *c = &s->config;
+    const log_losses losses = log_get_losses();
     *out = (sheard_msg_status){
         .version = SHEAR_VERSION_STRING,
         .protocol = SHEARD_PROTOCOL_VERSION,
@@ -95,65 +137,31 @@ static int fill(service *s, sheard_msg_status *out, const char *store_path, shea
         .state = s->life.state,
         .started_ms = s->started_wall_ms,
         .uptime_s = 1e-3 * (double)(clock_steady_ms() - s->started_steady_ms),
-        .connections = (int64_t)net.connections,
-        .subscribers = (int64_t)net.subscribers,
-        .workers = {.total = load.workers, .busy = load.busy, .readers = load.jobs},
-        .queue = {.length = counts.unfinished,
-                  .capacity = s->config.limits.queue,
-                  .blocks = load.blocks_left},
-        .plans = {.kept = load.plans.count,
-                  .bytes = load.plans.bytes,
-                  .hits = load.plans.hits,
-                  .misses = load.plans.misses},
-        .memory = {.budget = load.memory_total,
-                   .used = load.memory_used,
-                   .waiting = load.memory_waiting},
-        .states = {.queued = counts.jobs[STORE_QUEUED],
-                   .running = counts.jobs[STORE_RUNNING],
-                   .waiting = counts.jobs[STORE_WAITING],
-                   .done = counts.jobs[STORE_DONE],
-                   .failed = counts.jobs[STORE_FAILED],
-                   .cancelled = counts.jobs[STORE_CANCELLED],
-                   .retracted = counts.jobs[STORE_RETRACTED]},
-        .totals = {.submitted = totals.submitted,
-                   .counted = totals.counted,
-                   .duplicates = totals.duplicates,
-                   .failed = totals.failed,
-                   .cancelled = totals.cancelled,
-                   .stamps = totals.n_stamps,
-                   .fields = totals.fields,
-                   .retracted = totals.retracted},
+        .queue = {.capacity = c->limits.queue},
         .rates = statistics_rates(&s->statistics),
-        .loop = get_loop(s, &net),
-        .store = {.path = store_path,
-                  .schema = store_opened(s->store)->version,
-                  .bytes = file_size(store_path),
-                  .free_bytes = free_bytes(s->config.daemon.state_dir),
-                  .commits = s->group.commits},
         .config = s->config_path != NULL ? s->config_path : sheard_config_default_path(),
-        .state_dir = s->config.daemon.state_dir,
-        .catalogs = s->config.catalogs.enabled ? s->config.catalogs.directory : NULL,
+        .state_dir = c->daemon.state_dir,
+        .catalogs = c->catalogs.enabled ? c->catalogs.directory : NULL,
         .user = s->user,
         .activated = s->activated,
-        .limits = status_limits(s)};
-    out->roots = data_roots_get(s->roots, &out->n_roots);
-    const log_losses losses = log_get_losses();
-    out->log = (sheard_msg_log){losses.lines, losses.waiting_bytes};
-    return SHEAR_OK;
+        .limits = status_limits(s),
+        .log = {losses.lines, losses.waiting_bytes}};
 }
 
 int status_init(status *st, service *s, shear_error *err) {
+    sheard_msg_status *out = &st->message;
     *st = (status){.problems = problem_list_new(s)};
     if (st->problems == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for what is to be told");
     }
     snprintf(st->store_path, sizeof st->store_path, "%s/sheard.db", s->config.daemon.state_dir);
-    const int code = fill(s, &st->message, st->store_path, err);
-    if (code == SHEAR_OK) {
-        fill_problems(st);
-        fill_spool(s, st);
-    }
-    return code;
+    fill_service(s, out);
+    out->roots = data_roots_get(&s->roots, &out->n_roots);
+    fill_server(s, out);
+    fill_engine(s, out);
+    fill_problems(st);
+    fill_spool(s, st);
+    return fill_store(s, out, st->store_path, err);
 }
 
 void status_deinit(status *st) {
