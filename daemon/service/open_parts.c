@@ -38,11 +38,14 @@ int open_store(service *s, shear_error *err) {
     }
     snprintf(path, sizeof path, "%s/sheard.db", s->config.daemon.state_dir);
     code = store_open(&s->store, path, &options, clock_wall_ms(), err);
-    if (code == SHEAR_OK && store_opened(s->store)->requeued > 0) {
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (store_opened(s->store)->requeued > 0) {
         log_notice("%lld jobs were interrupted and go on",
                    (long long)store_opened(s->store)->requeued);
     }
-    return code;
+    return SHEAR_OK;
 }
 
 /* ---- the engine ---- */
@@ -58,10 +61,9 @@ int open_engine(service *s, shear_error *err) {
     char copies[4200];
     const bool chosen = strcmp(c->reader.scratch, "auto") != 0;
     int code = reader_find_program(program, sizeof program, err);
-    if (code == SHEAR_OK) {
-        code = scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
-                            c->daemon.state_dir, err);
-    }
+    code = code == SHEAR_OK ? scratch_find(copies, sizeof copies, chosen ? c->reader.scratch : "",
+                                           c->daemon.state_dir, err)
+                            : code;
     if (code != SHEAR_OK) {
         return code;
     }

@@ -96,10 +96,10 @@ static const core_hooks core_calls = {.tick = tick,
 
 static void on_turn_ended(void *context, int code) {
     service *s = context;
-    if (code == SHEAR_OK) {
-        job_queue_fill(s);
-    } else {
+    if (code != SHEAR_OK) {
         s->jobs->may_have_orphans = true;
+    } else {
+        job_queue_fill(s);
     }
     lifecycle_check(s);
 }
@@ -179,13 +179,12 @@ static int open_state(service *s, shear_error *err) {
     }
     group_start(&s->group, &s->loop, s->store, &s->notes, &turn);
     code = clock_watch_start(&s->clock, &s->group, &s->config, err);
-    if (code == SHEAR_OK) {
-        code = catalogs_open(s, err);
+    code = code == SHEAR_OK ? catalogs_open(s, err) : code;
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        catalogs_remove_retracted(s);
-    }
-    return code;
+    catalogs_remove_retracted(s);
+    return SHEAR_OK;
 }
 
 typedef int opener(service *s, shear_error *err);
@@ -259,9 +258,7 @@ int service_open(service **out, sheard_config *config, const char *config_path,
     s->config = *config;
     name_user(s->user, sizeof s->user);
     int code = copy_arguments(s, config_path, assignments, err);
-    if (code == SHEAR_OK) {
-        code = open_all(s, err);
-    }
+    code = code == SHEAR_OK ? open_all(s, err) : code;
     if (code != SHEAR_OK) {
         service_close(s);
         return code;

@@ -113,10 +113,10 @@ size_t data_roots_missing(const data_roots *d, const char **list, size_t capacit
 static void retry_jobs(group *g) {
     shear_error err = {0};
     int code = group_begin(g, &err);
-    if (code == SHEAR_OK) {
-        code = store_retry_waiting(g->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name,
-                                   clock_wall_ms(), &err);
-    }
+    code = code == SHEAR_OK
+               ? store_retry_waiting(g->store, sheard_rpc_code_get(SHEARD_RPC_ROOT_MISSING)->name,
+                                     clock_wall_ms(), &err)
+               : code;
     if (code != SHEAR_OK) {
         log_warning("jobs that wait for a data root are tried later: %s", err.message);
     }

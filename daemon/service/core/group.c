@@ -15,11 +15,12 @@ int group_begin(group *g, shear_error *err) {
         return SHEAR_OK;
     }
     const int code = store_begin(g->store, err);
-    if (code == SHEAR_OK) {
-        g->open = true;
-        uv_idle_start(&g->commit_now, nothing);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    g->open = true;
+    uv_idle_start(&g->commit_now, nothing);
+    return SHEAR_OK;
 }
 
 void *group_then(group *g, post_commit_run *run, int64_t job, size_t size) {
@@ -64,10 +65,10 @@ static int commit(group *g, shear_error *err) {
     const int code = store_commit(g->store, err);
     g->open = false;
     uv_idle_stop(&g->commit_now);
-    if (code == SHEAR_OK) {
-        note_success(g);
-    } else {
+    if (code != SHEAR_OK) {
         note_failure(g, code, err);
+    } else {
+        note_success(g);
     }
     return code;
 }

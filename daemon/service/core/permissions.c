@@ -19,9 +19,9 @@ static int lists_init(permissions *p, const sheard_config *c, shear_error *err) 
 int permissions_init(permissions *p, const sheard_config *c, shear_error *err) {
     *p = (permissions){.anyone_submits = c->access.submit_groups.n == 0};
     int code = lists_init(p, c, err);
-    if (code == SHEAR_OK) {
-        code = access_roots_new(&p->roots, c->access.data_roots.items, c->access.data_roots.n, err);
-    }
+    code = code == SHEAR_OK ? access_roots_new(&p->roots, c->access.data_roots.items,
+                                               c->access.data_roots.n, err)
+                            : code;
     if (code != SHEAR_OK) {
         permissions_deinit(p);
     }

@@ -102,9 +102,7 @@ static int replace_all(service *s, sheard_config *fresh, setting_names *names, s
         return code;
     }
     code = s->hooks->check_reload(s, fresh, err);
-    if (code == SHEAR_OK) {
-        code = replace_config(s, fresh, names, err);
-    }
+    code = code == SHEAR_OK ? replace_config(s, fresh, names, err) : code;
     if (code != SHEAR_OK) {
         permissions_deinit(&found);
         return code;

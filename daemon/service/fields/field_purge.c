@@ -60,12 +60,13 @@ static void tell(service *s, const purge_slice *slice) {
 static void have_left(post_commit *post, int code, const shear_error *err) {
     service *s = post->context;
     const purge_slice *slice = (const purge_slice *)post;
+    const bool left = code == SHEAR_OK;
     (void)err;
     s->purge->under_way = false;
-    if (code == SHEAR_OK) {
+    if (left) {
         tell(s, slice);
     }
-    if (code == SHEAR_OK && !slice->failed) {
+    if (left && !slice->failed) {
         field_purge_continue(s);
     }
     free(slice->field);
@@ -74,7 +75,10 @@ static void have_left(post_commit *post, int code, const shear_error *err) {
 static int remove_one(service *s, purge_slice *slice, shear_error *err) {
     CLEANUP(store_removal_deinit) store_removal next = {0};
     int code = store_next_removal(s->store, &next, err);
-    if (code == SHEAR_OK && next.forgotten != 0) {
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (next.forgotten != 0) {
         const bool gone = next.contribution != 0 && catalog_remove_leaving(s, &next);
         code = store_remove(s->store, &next, gone, err);
     }

@@ -45,11 +45,12 @@ static int first_plan(const service *s, const store_field *f, sheard_account *fi
         return SHEAR_OK;
     }
     const int code = store_contributions(s->store, f->name, f->settings_digest, 0, 1, &page, err);
-    if (code == SHEAR_OK && page.n > 0) {
-        read_account(&page.items[0], first);
-        first->file.checksum = NULL; /* it may be the page's */
+    if (code != SHEAR_OK || page.n == 0) {
+        return code;
     }
-    return code;
+    read_account(&page.items[0], first);
+    first->file.checksum = NULL; /* it may be the page's */
+    return SHEAR_OK;
 }
 
 /* The truth that all files share, those that are being measured included. */
@@ -170,12 +171,8 @@ int field_report(const service *s, const store_field *f, const shear_settings *s
     CLEANUP(listed_deinit) listed files = {0};
     store_truth truth;
     int code = listed_init(&files, counted, err);
-    if (code == SHEAR_OK) {
-        code = shared_truth(s, f, &truth, err);
-    }
-    if (code == SHEAR_OK) {
-        code = first_plan(s, f, &first, err);
-    }
+    code = code == SHEAR_OK ? shared_truth(s, f, &truth, err) : code;
+    code = code == SHEAR_OK ? first_plan(s, f, &first, err) : code;
     if (code != SHEAR_OK) {
         return code;
     }

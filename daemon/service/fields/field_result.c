@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/fields/field_result.h"
 
+#include "base/cleanup.h"
 #include "service/core/parts.h"
 #include "service/fields/estimates.h"
 #include "service/jobs/active_jobs.h"
 
-#include <stdlib.h>
-#include <string.h>
+CLEANUP_DEFINE(shear_field_sums, shear_field_sums_free)
 
 static int result_of(service *s, const store_field *f, const shear_settings *settings,
                      const shear_field_sums *sums, int64_t since, shear_result *out, int64_t *jobs,
@@ -37,23 +37,19 @@ static void add_running(service *s, const store_field *f, shear_field_sums *sums
 
 int field_result_now(service *s, const store_field *f, const shear_settings *settings,
                      int64_t since, field_result *out, shear_error *err) {
-    shear_field_sums *sums = NULL;
+    CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     *out = (field_result){.running = calloc(SHEARD_MSG_LIST_MAX, sizeof *out->running)};
     if (out->running == NULL) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
-    int code = f->sums != NULL && f->sums[0] != '\0' ? shear_field_sums_parse(&sums, f->sums, err)
-                                                     : shear_field_sums_new(&sums, err);
-    if (code == SHEAR_OK) {
-        const bool partial = !shear_estimator_is_symmetric(settings->estimator);
-        add_running(s, f, sums, partial, out);
-        code = result_of(s, f, settings, sums, since, &out->result, &out->jobs, err);
-    }
-    shear_field_sums_free(sums);
+    const int code = f->sums != NULL && f->sums[0] != '\0'
+                         ? shear_field_sums_parse(&sums, f->sums, err)
+                         : shear_field_sums_new(&sums, err);
     if (code != SHEAR_OK) {
-        field_result_deinit(out);
+        return code;
     }
-    return code;
+    add_running(s, f, sums, !shear_estimator_is_symmetric(settings->estimator), out);
+    return result_of(s, f, settings, sums, since, &out->result, &out->jobs, err);
 }
 
 void field_result_deinit(field_result *r) {
@@ -63,17 +59,11 @@ void field_result_deinit(field_result *r) {
 
 int field_result_counted(service *s, const store_field *f, int64_t since, shear_result *out,
                          int64_t *jobs, shear_error *err) {
-    shear_field_sums *sums = NULL;
+    CLEANUP(shear_field_sums_release) shear_field_sums *sums = NULL;
     shear_settings settings;
     int code = sheard_settings_read(&settings, f->settings, err);
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_parse(&sums, f->sums, err);
-    }
-    if (code == SHEAR_OK) {
-        code = result_of(s, f, &settings, sums, since, out, jobs, err);
-    }
-    shear_field_sums_free(sums);
-    return code;
+    code = code == SHEAR_OK ? shear_field_sums_parse(&sums, f->sums, err) : code;
+    return code == SHEAR_OK ? result_of(s, f, &settings, sums, since, out, jobs, err) : code;
 }
 
 /* ---- rows of running jobs ---- */

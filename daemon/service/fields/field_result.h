@@ -20,6 +20,7 @@ typedef struct field_result {
     size_t n_running;
 } field_result;
 
+/* Deinit it either way. */
 int field_result_now(service *s, const store_field *f, const shear_settings *settings,
                      int64_t since, field_result *out, shear_error *err);
 void field_result_deinit(field_result *r);

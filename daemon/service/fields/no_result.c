@@ -31,9 +31,7 @@ static int look_at(no_result *r, store *s, const store_contribution *c, shear_er
     shear_field_sums *sums = NULL;
     shear_result own;
     int code = store_contribution_sums(s, c->id, &text, err);
-    if (code == SHEAR_OK) {
-        code = shear_field_sums_parse(&sums, text, err);
-    }
+    code = code == SHEAR_OK ? shear_field_sums_parse(&sums, text, err) : code;
     if (code != SHEAR_OK) {
         return code;
     }

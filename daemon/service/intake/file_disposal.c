@@ -31,9 +31,7 @@ static void move(service *s, const char *active_name, bool good, const sheard_ms
     sheard_rpc_error error;
     shear_error err = {0};
     int code = sheard_side_text(&text, side, &error) == SHEARD_RPC_OK ? SHEAR_OK : SHEAR_E_NOMEM;
-    if (code == SHEAR_OK) {
-        code = spool_dispose(s->spool, active_name, good, text, place, &err);
-    }
+    code = code == SHEAR_OK ? spool_dispose(s->spool, active_name, good, text, place, &err) : code;
     /* Twice: the file may be there, and only an fsync missing; then it is not told again. */
     if (code == SHEAR_E_IO) {
         spool_place again;
@@ -56,9 +54,9 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
     job->place = strdup(place->name);
     job->place_fingerprint = strdup(place->fingerprint);
     int code = group_begin(&s->group, &err);
-    if (code == SHEAR_OK) {
-        code = store_set_disposal(s->store, job->id, place->name, place->fingerprint, &err);
-    }
+    code = code == SHEAR_OK
+               ? store_set_disposal(s->store, job->id, place->name, place->fingerprint, &err)
+               : code;
     if (code != SHEAR_OK) {
         log_warning("job %" PRId64 ": where its file lies is not kept: %s", job->id, err.message);
     }

@@ -20,13 +20,12 @@ static int check_files(service *s, const submission *sub, source_files *files,
     shear_error err = {0};
     int part = -1;
     const int code = source_files_open(s, &sub->peer, &sub->submit->source, files, &part, &err);
-    if (code == SHEAR_OK) {
-        return SHEARD_RPC_OK;
+    if (code != SHEAR_OK) {
+        rpc_error_from_access(error, code, &err);
+        snprintf(error->parameter, sizeof error->parameter, "%s%spath",
+                 part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
     }
-    rpc_error_from_access(error, code, &err);
-    snprintf(error->parameter, sizeof error->parameter, "%s%spath",
-             part >= 0 ? shear_part_name(part) : "", part >= 0 ? "." : "");
-    return error->code;
+    return code == SHEAR_OK ? SHEARD_RPC_OK : error->code;
 }
 
 /* `groups`: of the peer, as text; NULL for the service's own files. */
@@ -58,9 +57,8 @@ static int put(service *s, const submission *sub, const sheard_msg_source *named
                              .groups = groups,
                              .created_ms = clock_wall_ms()};
     int code = group_begin(&s->group, &err);
-    if (code == SHEAR_OK) {
-        code = store_submit(s->store, &spec, s->config.limits.queue, id, known, &err);
-    }
+    code = code == SHEAR_OK ? store_submit(s->store, &spec, s->config.limits.queue, id, known, &err)
+                            : code;
     return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_store(error, code, &err);
 }
 

@@ -187,9 +187,7 @@ static int claim_unmarked(service *s, const char *directory, const char *mark, s
     char why[160];
     directory_content c = {.directory = directory};
     int code = store_last_job(s->store, &c.last_job, err);
-    if (code == SHEAR_OK) {
-        code = catalog_directory_visit(s, directory, count, &c, err);
-    }
+    code = code == SHEAR_OK ? catalog_directory_visit(s, directory, count, &c, err) : code;
     if (code != SHEAR_OK) {
         return code;
     }

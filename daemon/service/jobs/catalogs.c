@@ -119,11 +119,10 @@ int catalogs_open(service *s, shear_error *err) {
         return SHEAR_OK;
     }
     int code = catalog_directory_claim(s, directory, err);
-    if (code == SHEAR_OK) {
-        code = catalog_directory_visit(s, directory, clean_up, NULL, err);
+    code = code == SHEAR_OK ? catalog_directory_visit(s, directory, clean_up, NULL, err) : code;
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        catalog_directory_renew_mark(directory);
-    }
-    return code;
+    catalog_directory_renew_mark(directory);
+    return SHEAR_OK;
 }

@@ -22,10 +22,11 @@ static void tell_name(post_commit *post, int code, const shear_error *err) {
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error ignored;
     (void)err;
-    if (code == SHEAR_OK && store_job_get(s->store, post->job, &job, &ignored) == SHEAR_OK &&
-        job.state == STORE_RUNNING) {
-        job_message_publish(s, &job);
+    if (code != SHEAR_OK || store_job_get(s->store, post->job, &job, &ignored) != SHEAR_OK ||
+        job.state != STORE_RUNNING) {
+        return;
     }
+    job_message_publish(s, &job);
 }
 
 /* Where the job was given no field's name, it is the file's. */
@@ -47,11 +48,9 @@ static shear_symmetry *checkpoint_terms(service *s, const active_job *j) {
         return NULL;
     }
     int code = shear_symmetry_new(&terms, &err);
-    if (code == SHEAR_OK) {
-        code = store_checkpoint_load_terms(s->store, j->id, terms, &err);
-    }
+    code = code == SHEAR_OK ? store_checkpoint_load_terms(s->store, j->id, terms, &err) : code;
     if (code != SHEAR_OK) {
-        log_warning("job %" PRId64 " begins anew: %s", j->id, err.message);
+        log_warning("job %" PRId64 " begins again: %s", j->id, err.message);
         shear_symmetry_free(terms);
         return NULL;
     }
@@ -107,9 +106,7 @@ static void opened(service *s, active_job *j, const engine_event *e) {
         return;
     }
     int code = group_begin(&s->group, &err);
-    if (code == SHEAR_OK) {
-        code = set_input(s, j, &duplicate_of, &err);
-    }
+    code = code == SHEAR_OK ? set_input(s, j, &duplicate_of, &err) : code;
     if (code != SHEAR_OK) {
         log_error("job %" PRId64 ": %s", j->id, err.message);
         engine_stop_job(s->engine, j->id);
@@ -145,9 +142,12 @@ static int finish(service *s, const active_job *j, const store_work *work, shear
     store_finished end;
     int64_t ignored = 0;
     int code = group_begin(&s->group, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     /* A commit failed since the job was opened, and with it, it may be, what the store was told of
      * its input then. */
-    if (code == SHEAR_OK && j->failed_commits != s->group.failed_commits) {
+    if (j->failed_commits != s->group.failed_commits) {
         code = set_input(s, j, &ignored, err);
     }
     return code == SHEAR_OK ? store_finish(s->store, j->id, work, &end, err) : code;

@@ -150,9 +150,7 @@ void job_outcome_fail(service *s, int64_t id, int64_t failures, failure_reason r
                              .retry_at_ms = retry_at(s, &reason, failures, now),
                              .now_ms = now};
     int code = group_begin(&s->group, &err);
-    if (code == SHEAR_OK) {
-        code = store_fail(s->store, id, &f, &state, &err);
-    }
+    code = code == SHEAR_OK ? store_fail(s->store, id, &f, &state, &err) : code;
     if (code != SHEAR_OK) {
         log_error("job %" PRId64 ": its failure cannot be stored: %s", id, err.message);
         s->jobs->may_have_orphans = true;

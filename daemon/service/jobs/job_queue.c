@@ -90,14 +90,13 @@ static void start_marked(post_commit *post, int code, const shear_error *err) {
 static int release(service *s, int64_t id, shear_error *err) {
     enum store_state state = STORE_QUEUED;
     int code = group_begin(&s->group, err);
-    if (code == SHEAR_OK) {
-        code = store_release(s->store, id, clock_wall_ms(), &state, err);
+    code = code == SHEAR_OK ? store_release(s->store, id, clock_wall_ms(), &state, err) : code;
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        log_notice("job %" PRId64 " is queued again", id);
-        job_outcome_settle(s, id);
-    }
-    return code;
+    log_notice("job %" PRId64 " is queued again", id);
+    job_outcome_settle(s, id);
+    return SHEAR_OK;
 }
 
 /* After the store failed: jobs that are running on disk while nobody works on them, because their

@@ -81,19 +81,9 @@ static int peer_of(const store_job *job, access_peer *peer, shear_error *err) {
                                : access_peer_from_user(job->owner, (gid_t)-1, peer, err);
 }
 
-static int open_clients(const service *s, const store_job *job, job_source *o, shear_error *err) {
-    CLEANUP(access_peer_deinit) access_peer peer = {0};
+static int fail_clients(const service *s, job_source *o, int code, shear_error *err) {
     shear_error missing = {0};
     sheard_rpc_error error;
-    int part = -1;
-    int code = peer_of(job, &peer, err);
-    if (code == SHEAR_OK) {
-        code = source_files_open(s, &peer, &o->source, &o->files, &part, err);
-        o->input = sheard_source_input(&o->files.named);
-    }
-    if (code == SHEAR_OK) {
-        return code;
-    }
     /* It was beneath a root when it was accepted, maybe by another name of one that is away. */
     if (code == ACCESS_E_OUTSIDE &&
         access_roots_check(s->permissions.roots, &missing) != SHEAR_OK) {
@@ -105,6 +95,15 @@ static int open_clients(const service *s, const store_job *job, job_source *o, s
                           code == SHEAR_E_IO || code == SHEAR_E_NOMEM;
     return fail_as(o, code, may_pass ? STORE_TRANSIENT : STORE_DATA,
                    rpc == SHEARD_RPC_NO_SUCH_FILE ? SHEARD_RPC_FILE_VANISHED : rpc);
+}
+
+static int open_clients(const service *s, const store_job *job, job_source *o, shear_error *err) {
+    CLEANUP(access_peer_deinit) access_peer peer = {0};
+    int part = -1;
+    int code = peer_of(job, &peer, err);
+    code = code == SHEAR_OK ? source_files_open(s, &peer, &o->source, &o->files, &part, err) : code;
+    o->input = sheard_source_input(&o->files.named);
+    return code == SHEAR_OK ? code : fail_clients(s, o, code, err);
 }
 
 /* By the name that its owner gave it: in messages, and where the field is named after it. */
@@ -120,9 +119,8 @@ static int open_spooled(const service *s, const store_job *job, const char *acti
         return fail_as(o, job_file_no_spool(job, err), STORE_TRANSIENT, SHEARD_RPC_IO);
     }
     int code = spool_open_file(s->spool, active_name, &o->files.fds[0], err);
-    if (code == SHEAR_OK) {
-        code = source_files_check_size(s, o->files.fds[0], o->files.paths[0], err);
-    }
+    code = code == SHEAR_OK ? source_files_check_size(s, o->files.fds[0], o->files.paths[0], err)
+                            : code;
     switch (code) {
     case SHEAR_OK:
         return code;

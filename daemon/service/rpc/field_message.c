@@ -30,12 +30,9 @@ int field_to_message(service *s, const store_field *f, int64_t since,
     CLEANUP(release_free) char *report = NULL;
     shear_settings settings;
     int code = sheard_settings_read(&settings, f->settings, err);
-    if (code == SHEAR_OK) {
-        code = field_result_now(s, f, &settings, since, &now, err);
-    }
-    if (code == SHEAR_OK) {
-        code = field_report(s, f, &settings, &now.result, counted, &report, err);
-    }
+    code = code == SHEAR_OK ? field_result_now(s, f, &settings, since, &now, err) : code;
+    code =
+        code == SHEAR_OK ? field_report(s, f, &settings, &now.result, counted, &report, err) : code;
     if (code != SHEAR_OK) {
         return code;
     }

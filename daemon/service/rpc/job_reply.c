@@ -34,12 +34,13 @@ void job_reply_run(post_commit *post, int code, const shear_error *err) {
     const job_reply *later = (const job_reply *)post;
     CLEANUP(store_job_deinit) store_job job = {0};
     shear_error own = {0};
-    if (code == SHEAR_OK) {
-        code = store_job_get(s->store, post->job, &job, &own);
-        err = &own;
-    }
     if (code != SHEAR_OK) {
         refuse_store(s, later->to, code, err);
+        return;
+    }
+    code = store_job_get(s->store, post->job, &job, &own);
+    if (code != SHEAR_OK) {
+        refuse_store(s, later->to, code, &own);
         return;
     }
     file_disposal_end(s, &job);

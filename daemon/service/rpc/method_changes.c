@@ -24,9 +24,7 @@ void method_cancel(service *s, const server_request *r) {
         return;
     }
     int code = group_begin(&s->group, &err);
-    if (code == SHEAR_OK) {
-        code = store_cancel(s->store, id, clock_wall_ms(), &state, &err);
-    }
+    code = code == SHEAR_OK ? store_cancel(s->store, id, clock_wall_ms(), &state, &err) : code;
     if (code != SHEAR_OK) {
         refuse_store(s, r->handle, code, &err);
         return;
@@ -61,9 +59,7 @@ void method_retract(service *s, const server_request *r) {
         return;
     }
     int code = group_begin(&s->group, &err);
-    if (code == SHEAR_OK) {
-        code = store_retract(s->store, id, &err);
-    }
+    code = code == SHEAR_OK ? store_retract(s->store, id, &err) : code;
     if (code != SHEAR_OK) {
         refuse_store(s, r->handle, code, &err);
         return;
@@ -97,19 +93,16 @@ static int try_to_open(const service *s, const store_job *job, sheard_rpc_error 
     CLEANUP(job_source_deinit) job_source o = {.files = SOURCE_FILES_NONE};
     shear_error err = {0};
     const int code = job_source_open(s, job, &o, &err);
-    if (code == SHEAR_OK) {
-        return SHEARD_RPC_OK;
+    if (code != SHEAR_OK && job_file_is_field(job)) {
+        return rpc_error_as(error, sheard_rpc_code_find(o.fail_name), &err);
     }
-    return job_file_is_field(job) ? rpc_error_as(error, sheard_rpc_code_find(o.fail_name), &err)
-                                  : rpc_error_from_access(error, code, &err);
+    return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_access(error, code, &err);
 }
 
 static int queue_again(service *s, const store_job *job, sheard_rpc_error *error) {
     shear_error err = {0};
     int code = group_begin(&s->group, &err);
-    if (code == SHEAR_OK) {
-        code = store_retry(s->store, job->id, s->config.limits.queue, &err);
-    }
+    code = code == SHEAR_OK ? store_retry(s->store, job->id, s->config.limits.queue, &err) : code;
     return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_store(error, code, &err);
 }
 
@@ -124,9 +117,7 @@ static int retry(service *s, store_job *job, sheard_rpc_error *error) {
         return code;
     }
     code = try_to_open(s, job, error);
-    if (code == SHEARD_RPC_OK) {
-        code = queue_again(s, job, error);
-    }
+    code = code == SHEARD_RPC_OK ? queue_again(s, job, error) : code;
     if (code != SHEARD_RPC_OK) {
         file_disposal_end(s, job);
     }

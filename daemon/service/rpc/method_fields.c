@@ -46,9 +46,7 @@ static int find_rows(field_rows *w) {
         refuse_with(s, w->list.to, SHEARD_RPC_NO_SUCH_FIELD, err.message);
         return SERVER_PAUSE;
     }
-    if (code == SHEAR_OK) {
-        code = field_result_add_rows(s, p->field, &w->page, &err);
-    }
+    code = code == SHEAR_OK ? field_result_add_rows(s, p->field, &w->page, &err) : code;
     if (code != SHEAR_OK) {
         refuse_store(w->list.s, w->list.to, code, &err);
         return SERVER_PAUSE;
@@ -239,7 +237,7 @@ void method_fields(service *s, const server_request *r) {
     char digest[STORE_DIGEST_MAX + 1];
     const char *name = NULL;
     if (p->cursor != NULL && !read_cursor(p->cursor, digest, &name)) {
-        refuse_with(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
+        refuse_with(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is not from this service");
         return;
     }
     field_list *w = calloc(1, sizeof *w);

@@ -58,16 +58,16 @@ static void forgotten(post_commit *post, int code, const shear_error *err) {
 static int list_rows(service *s, const sheard_msg_forget *p, buffer *digests, shear_error *err) {
     CLEANUP(store_field_page_deinit) store_field_page page = {0};
     const int code = store_field_get(s->store, p->field, &page, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     for (size_t i = 0; i < page.n; i++) {
         const char *digest = page.fields[i].settings_digest;
         if (p->digest == NULL || strcmp(p->digest, digest) == 0) {
             buffer_add(digests, digest, strlen(digest) + 1);
         }
     }
-    if (code == SHEAR_OK && digests->failed) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-    }
-    return code;
+    return digests->failed ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory") : SHEAR_OK;
 }
 
 static int forget(service *s, const server_request *r, shear_error *err) {
@@ -81,12 +81,10 @@ static int forget(service *s, const server_request *r, shear_error *err) {
     reply->waiter.done = reply_purged;
     snprintf(reply->field, sizeof reply->field, "%s", p->field);
     int code = list_rows(s, p, &digests, err);
-    if (code == SHEAR_OK) {
-        code = group_begin(&s->group, err);
-    }
-    if (code == SHEAR_OK) {
-        code = store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err);
-    }
+    code = code == SHEAR_OK ? group_begin(&s->group, err) : code;
+    code = code == SHEAR_OK
+               ? store_forget(s->store, p->field, p->digest, &reply->waiter.numbers, err)
+               : code;
     if (code != SHEAR_OK) {
         return code;
     }

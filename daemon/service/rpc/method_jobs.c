@@ -33,9 +33,7 @@ void method_job(service *s, const server_request *r) {
     shear_error err = {0};
     const int64_t id = r->request->params.id.id;
     int code = store_job_get(s->store, id, &job, &err);
-    if (code == SHEAR_OK) {
-        code = store_attempts_get(s->store, id, &attempts, &err);
-    }
+    code = code == SHEAR_OK ? store_attempts_get(s->store, id, &attempts, &err) : code;
     if (code != SHEAR_OK) {
         refuse_store(s, r->handle, code, &err);
         return;
@@ -103,7 +101,7 @@ void method_jobs(service *s, const server_request *r) {
     char *end = NULL;
     const int64_t before = p->cursor != NULL ? strtoll(p->cursor, &end, 10) : 0;
     if (p->cursor != NULL && (*end != '\0' || before <= 0)) {
-        refuse_with(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is none of this service");
+        refuse_with(s, r->handle, SHEARD_RPC_BAD_CURSOR, "the cursor is not from this service");
         return;
     }
     job_list *w = calloc(1, sizeof *w);

@@ -127,7 +127,8 @@ static int look(pending_wait *w) {
             refuse_store(w->list.s, w->list.to, code, &err);
             return SERVER_PAUSE;
         }
-        if (code == SHEAR_OK && !store_state_is_final(state)) {
+        const bool unfinished = code == SHEAR_OK && !store_state_is_final(state);
+        if (unfinished) {
             w->pending[w->n_pending++] = w->ids[w->next];
         }
     }

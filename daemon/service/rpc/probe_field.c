@@ -72,6 +72,13 @@ static int write_all(shear_field_writer *w, shear_error *err) {
     return code == SHEAR_OK ? shear_field_write_psf(w, 0, galaxy, err) : code;
 }
 
+static int open_path(const char *path, int *fd, shear_error *err) {
+    *fd = open(path, O_RDONLY | O_CLOEXEC);
+    return *fd >= 0 ? SHEAR_OK
+                    : shear_fail(err, SHEAR_E_IO, NULL, "%.300s: cannot be opened: %s", path,
+                                 strerror(errno));
+}
+
 int probe_field_make(const char *directory, int *fd, shear_error *err) {
     char path[4300];
     shear_field_writer *w = NULL;
@@ -89,20 +96,13 @@ int probe_field_make(const char *directory, int *fd, shear_error *err) {
     *fd = -1;
     snprintf(path, sizeof path, "%s/probe.fits", directory);
     int code = shear_field_create(&w, path, &spec, err);
-    if (code == SHEAR_OK) {
-        code = write_all(w, err);
-    }
+    code = code == SHEAR_OK ? write_all(w, err) : code;
     if (code != SHEAR_OK) {
         shear_field_abort(w);
         return code;
     }
     code = shear_field_finish(w, err);
-    if (code == SHEAR_OK) {
-        *fd = open(path, O_RDONLY | O_CLOEXEC);
-        code = *fd >= 0 ? SHEAR_OK
-                        : shear_fail(err, SHEAR_E_IO, NULL, "%.300s: cannot be opened: %s", path,
-                                     strerror(errno));
-    }
+    code = code == SHEAR_OK ? open_path(path, fd, err) : code;
     unlink(path);
     return code;
 }

@@ -97,9 +97,7 @@ static int fill_store(const service *s, sheard_msg_status *out, const char *path
     store_counts counts;
     store_totals totals;
     int code = store_count(s->store, &counts, err);
-    if (code == SHEAR_OK) {
-        code = store_total(s->store, &totals, err);
-    }
+    code = code == SHEAR_OK ? store_total(s->store, &totals, err) : code;
     if (code != SHEAR_OK) {
         return code;
     }
