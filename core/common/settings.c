@@ -104,10 +104,11 @@ static int set_preset(shear_settings *s, const shear_setting_def *def, const cha
                       shear_error *err) {
     int preset = SHEAR_PRESET_DEFAULT;
     const int code = set_choice(&preset, def, text, err);
-    if (code == SHEAR_OK) {
-        apply_preset(s, (enum shear_preset)preset);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    apply_preset(s, (enum shear_preset)preset);
+    return SHEAR_OK;
 }
 
 static bool is_preset(const shear_setting_def *def) {

@@ -27,7 +27,7 @@ static axis_weights spline_weights(double t) {
     return (axis_weights){.a = h, .b = t, .c = (h * h * h - h) / 6.0, .d = (t * t * t - t) / 6.0};
 }
 
-static axis_weights weights(int kind, double t) {
+static axis_weights weights(enum axis_kind kind, double t) {
     switch (kind) {
     case AXIS_CUBIC:
         return hermite_weights(t);
@@ -49,7 +49,7 @@ static void fill_pivots(double *pivot, int n) {
     }
 }
 
-static axis_point point(int kind, int n, int s, int fine) {
+static axis_point point(enum axis_kind kind, int n, int s, int fine) {
     const int left = fine / s;
     const bool closing = left == n - 1;
     const double t = (double)(fine % s) / s;
@@ -59,7 +59,7 @@ static axis_point point(int kind, int n, int s, int fine) {
                         .on_grid = fine % s == 0};
 }
 
-bool axis_init(axis *ax, int kind, int n, int s) {
+bool axis_init(axis *ax, enum axis_kind kind, int n, int s) {
     const size_t fine = (size_t)n * (size_t)s;
     *ax = (axis){.kind = kind, .n = n, .s = s};
     ax->points = calloc(fine + FFT_LANES, sizeof *ax->points);

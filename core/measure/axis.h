@@ -31,7 +31,7 @@ typedef struct axis_point {
 } axis_point;
 
 typedef struct axis {
-    int kind;           /* enum axis_kind */
+    enum axis_kind kind;
     int n;              /* grid points, >= 2 */
     int s;              /* fine points per grid point */
     axis_point *points; /* [n s], then FFT_LANES whose weights are 0 */
@@ -39,7 +39,7 @@ typedef struct axis {
 } axis;
 
 /* false when memory is out; deinit is safe then too. */
-bool axis_init(axis *ax, int kind, int n, int s);
+bool axis_init(axis *ax, enum axis_kind kind, int n, int s);
 void axis_deinit(axis *ax);
 
 /* e of `lanes` lines at once: point i of lane l is f[i * stride + l]. No point may be -INFINITY.

@@ -11,7 +11,7 @@
  * result scales with the flux. */
 static const double floor_of_peak = 1e-12;
 
-static int axis_kind_of(enum shear_interpolation interpolation) {
+static enum axis_kind axis_kind_of(enum shear_interpolation interpolation) {
     switch (interpolation) {
     case SHEAR_INTERP_BILINEAR:
     case SHEAR_INTERP_LOG_BILINEAR:
@@ -29,7 +29,7 @@ static int axis_kind_of(enum shear_interpolation interpolation) {
 
 bool surface_grid_init(surface_grid *g, int nx, int ny, enum shear_interpolation interpolation,
                        int s, enum shear_zeros zeros, double pedestal) {
-    const int kind = axis_kind_of(interpolation);
+    const enum axis_kind kind = axis_kind_of(interpolation);
     *g = (surface_grid){.log = shear_interpolation_is_log(interpolation),
                         .zeros = zeros,
                         .pedestal = pedestal,

@@ -140,9 +140,10 @@ int symmetry_solve(const shear_symmetry *s, int bins, const noise_shape *shape, 
     }
     CLEANUP(symmetry_solver_deinit) symmetry_solver v;
     int code = symmetry_solver_init(&v, s, (int)(wanted < most ? wanted : most), shape, err);
-    if (code == SHEAR_OK) {
-        code = solve(&v, out, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = solve(&v, out, err);
     out->why = out->valid ? SHEAR_HAS_SHEAR : SHEAR_NO_SYMMETRY;
     return code;
 }
@@ -162,9 +163,10 @@ int shear_estimate(enum shear_estimator estimator, const shear_field_sums *sums,
     symmetric = *out;
     const noise_shape shape = noise_shape_of(sums);
     const int code = symmetry_solve(terms, 0, &shape, &symmetric, err);
-    if (code == SHEAR_OK) {
-        *out = symmetric;
-        out->estimator = estimator;
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    *out = symmetric;
+    out->estimator = estimator;
+    return SHEAR_OK;
 }

@@ -2,6 +2,7 @@
 /* Arrays in the caller's memory as a field: the same plan, work and sums as of a field file. */
 #include "shear/arrays.h"
 
+#include "common/release.h"
 #include "run/images.h"
 #include "run/team.h"
 #include "shear/run.h"
@@ -97,10 +98,10 @@ static shear_field_info info_of(const shear_arrays *in) {
 static int init_images(array_source *s, shear_error *err) {
     const shear_geometry *g = &s->info.geometry;
     int code = images_init(&s->galaxy, &s->in->galaxy, 1, g->nx, g->ny, "galaxy", err);
-    if (code == SHEAR_OK) {
-        code =
-            images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = images_init(&s->noise, &s->in->noise, s->info.noise_planes, g->nx, g->ny, "noise", err);
     return code != SHEAR_OK
                ? code
                : images_init(&s->psf, &s->in->psf, 1, g->psf_nx, g->psf_ny, "PSF", err);
@@ -129,9 +130,10 @@ static int init_slots(array_source *s, int threads, int capacity, shear_error *e
 static int array_source_init(array_source *s, const shear_arrays *in, shear_error *err) {
     *s = (array_source){.in = in, .info = info_of(in)};
     int code = check_geometry(&in->geometry, err);
-    if (code == SHEAR_OK) {
-        code = check_counts(&s->info, in, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = check_counts(&s->info, in, err);
     return code != SHEAR_OK ? code : init_images(s, err);
 }
 
@@ -219,18 +221,14 @@ static int make_plan(shear_plan **plan, array_source *s, const shear_settings *s
                      int capacity, shear_error *err) {
     const shear_psf_source psfs = {.self = s, .read = read_psf};
     const shear_source stamps = {.self = s, .read = read_arrays};
-    shear_plan_request request;
+    CLEANUP(shear_plan_request_deinit) shear_plan_request request = {0};
     int code = shear_plan_request_read(&request, settings, &s->info, psfs, err);
     if (code != SHEAR_OK) {
         return code;
     }
     code = shear_plan_request_sample(&request, &s->info, stamps,
                                      capacity < SHEAR_BLOCK ? capacity : SHEAR_BLOCK, err);
-    if (code == SHEAR_OK) {
-        code = shear_plan_new(plan, &request, err);
-    }
-    shear_plan_request_deinit(&request);
-    return code;
+    return code != SHEAR_OK ? code : shear_plan_new(plan, &request, err);
 }
 
 static int keep_rows(void *self, int64_t first, int count, const shear_row *rows,
@@ -242,6 +240,18 @@ static int keep_rows(void *self, int64_t first, int count, const shear_row *rows
         all[first + i] = rows[i];
     }
     return SHEAR_OK;
+}
+
+/* The errors of *result by a jackknife of so many groups. */
+static int jackknife_errors(int groups, const shear_jackknife *blocks, shear_result *result,
+                            shear_error *err) {
+    CLEANUP(shear_jackknife_release) shear_jackknife *jackknife = NULL;
+    int code = shear_jackknife_new(&jackknife, groups, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = shear_jackknife_join(jackknife, blocks, err);
+    return code != SHEAR_OK ? code : shear_jackknife_finish(jackknife, result, err);
 }
 
 static int measure_planned(shear_result *result, array_source *s, const shear_plan *plan,
@@ -258,30 +268,22 @@ static int measure_planned(shear_result *result, array_source *s, const shear_pl
         .progress = options->progress,
         .context = options->context};
     shear_result found;
-    team_sums sums;
-    shear_jackknife *jackknife = NULL;
+    CLEANUP(team_sums_deinit) team_sums sums = {0};
     int code = team_measure(&job, &sums, &found, err);
     if (code != SHEAR_OK) {
         return code;
     }
     if (options->jackknife != 0) {
-        code = shear_jackknife_new(&jackknife, options->jackknife, err);
-        if (code == SHEAR_OK) {
-            code = shear_jackknife_join(jackknife, sums.jackknife, err);
+        code = jackknife_errors(options->jackknife, sums.jackknife, &found, err);
+        if (code != SHEAR_OK) {
+            return code;
         }
-        if (code == SHEAR_OK) {
-            code = shear_jackknife_finish(jackknife, &found, err);
-        }
-        shear_jackknife_free(jackknife);
     }
-    if (code == SHEAR_OK && options->sums != NULL) {
+    if (options->sums != NULL) {
         shear_field_sums_join(options->sums, sums.sums);
     }
-    if (code == SHEAR_OK) {
-        *result = found;
-    }
-    team_sums_deinit(&sums);
-    return code;
+    *result = found;
+    return SHEAR_OK;
 }
 
 int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
@@ -289,8 +291,8 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
                          shear_error *err) {
     static const shear_arrays_options defaults = {0};
     const shear_arrays_options *o = options != NULL ? options : &defaults;
-    shear_plan *plan = NULL;
-    array_source source;
+    CLEANUP(shear_plan_release) shear_plan *plan = NULL;
+    CLEANUP(array_source_deinit) array_source source;
     int code = array_source_init(&source, arrays, err);
     if (code != SHEAR_OK) {
         return code;
@@ -298,16 +300,19 @@ int shear_measure_arrays(shear_result *result, const shear_arrays *arrays,
     const int threads = team_threads(o->threads);
     const shear_unit_size size = shear_unit_size_for(&source.info, threads);
     code = init_slots(&source, threads, size.stamps, err);
-    if (code == SHEAR_OK) {
-        code = make_plan(&plan, &source, settings, size.stamps, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = measure_planned(result, &source, plan, size, o, err);
+    code = make_plan(&plan, &source, settings, size.stamps, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK && o->plan != NULL) {
+    code = measure_planned(result, &source, plan, size, o, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (o->plan != NULL) {
         *o->plan = *shear_plan_get_info(plan);
     }
-    shear_plan_free(plan);
-    array_source_deinit(&source);
-    return code;
+    return SHEAR_OK;
 }

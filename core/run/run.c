@@ -102,12 +102,14 @@ static int join_caller(const team_sums *own, shear_field_sums *sums, shear_symme
         return code;
     }
     code = jack != NULL ? shear_jackknife_join(jack, own->jackknife, err) : SHEAR_OK;
-    if (code == SHEAR_OK) {
-        shear_field_sums_join(sums, own->sums);
-    } else if (terms != NULL) {
-        shear_symmetry_truncate(terms, before);
+    if (code != SHEAR_OK) {
+        if (terms != NULL) {
+            shear_symmetry_truncate(terms, before);
+        }
+        return code;
     }
-    return code;
+    shear_field_sums_join(sums, own->sums);
+    return SHEAR_OK;
 }
 
 /* What an error is about, if its message does not say. */
@@ -129,9 +131,7 @@ int shear_run_input(const shear_input *input, const shear_settings *settings,
     }
     report->field = *shear_field_get_info(field);
     code = run_field(&r, input, field, settings, o, jack != NULL, report, err);
-    if (code == SHEAR_OK) {
-        code = join_caller(&r.sums, sums, o->terms, jack, err);
-    }
+    code = code != SHEAR_OK ? code : join_caller(&r.sums, sums, o->terms, jack, err);
     report->seconds = clock_s(CLOCK_MONOTONIC) - start;
     if (code != SHEAR_OK && err != NULL && strstr(err->message, name_of(input)) == NULL) {
         shear_prefix(err, code, "file '%s'", name_of(input));

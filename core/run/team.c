@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run/team.h"
 
+#include "common/release.h"
+
 #include <omp.h>
 
 int team_threads(int asked) {
@@ -61,13 +63,16 @@ static int sums_init(team_sums *out, const team_job *job, shear_error *err) {
         shear_estimator_is_symmetric(shear_plan_get_settings(job->plan)->estimator);
     *out = (team_sums){0};
     int code = shear_field_sums_new(&out->sums, err);
-    if (code == SHEAR_OK && (job->terms || symmetric)) {
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    if (job->terms || symmetric) {
         code = shear_symmetry_new(&out->terms, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    if (code == SHEAR_OK && job->jackknife) {
-        code = shear_jackknife_new(&out->jackknife, 2, err);
-    }
-    return code;
+    return job->jackknife ? shear_jackknife_new(&out->jackknife, 2, err) : SHEAR_OK;
 }
 
 void team_sums_deinit(team_sums *sums) {
@@ -85,31 +90,23 @@ static int measure(const team_job *job, team_sums *out, shear_result *result, sh
                                   .sink = job->sink,
                                   .jackknife = out->jackknife,
                                   .terms = out->terms != NULL};
-    shear_work *work = NULL;
+    CLEANUP(shear_work_release) shear_work *work = NULL;
     int64_t blocks = 0;
     int code = shear_work_new(&work, &spec, err);
     if (code != SHEAR_OK) {
         return code;
     }
     code = run_team(job, work, err);
-    if (code == SHEAR_OK) {
-        code = shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err);
-    }
-    shear_work_free(work);
     if (code != SHEAR_OK) {
         return code;
     }
-    return shear_estimate(shear_plan_get_settings(job->plan)->estimator, out->sums, out->terms,
-                          result, err);
+    code = shear_work_join_terms(work, out->sums, 0, out->terms, &blocks, err);
+    return code != SHEAR_OK ? code
+                            : shear_estimate(shear_plan_get_settings(job->plan)->estimator,
+                                             out->sums, out->terms, result, err);
 }
 
 int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err) {
-    int code = sums_init(out, job, err);
-    if (code == SHEAR_OK) {
-        code = measure(job, out, result, err);
-    }
-    if (code != SHEAR_OK) {
-        team_sums_deinit(out);
-    }
-    return code;
+    const int code = sums_init(out, job, err);
+    return code != SHEAR_OK ? code : measure(job, out, result, err);
 }

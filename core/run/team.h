@@ -29,7 +29,8 @@ typedef struct team_sums {
 /* The number of threads that is asked for; all cores for 0. */
 int team_threads(int asked);
 
-/* Measure all stamps; *result is by the plan's estimator. On error there is nothing to free. */
+/* Measure all stamps; *result is by the plan's estimator. Deinit the sums, also after an
+ * error. */
 int team_measure(const team_job *job, team_sums *out, shear_result *result, shear_error *err);
 void team_sums_deinit(team_sums *sums);
 

@@ -329,16 +329,23 @@ int64_t shear_work_join_into(shear_work *work, shear_field_sums *sums) {
     return next;
 }
 
+/* With the lock held. */
+static int join_terms(const reorder_buffer *summed, shear_field_sums *sums, size_t from,
+                      shear_symmetry *terms, int64_t *next_block, shear_error *err) {
+    const int code =
+        summed->terms != NULL ? shear_symmetry_join(terms, summed->terms, from, err) : SHEAR_OK;
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    shear_field_sums_join(sums, summed->sums);
+    *next_block = summed->next_block;
+    return SHEAR_OK;
+}
+
 int shear_work_join_terms(shear_work *work, shear_field_sums *sums, size_t from,
                           shear_symmetry *terms, int64_t *next_block, shear_error *err) {
     pthread_mutex_lock(&work->results);
-    const int code = work->summed.terms != NULL
-                         ? shear_symmetry_join(terms, work->summed.terms, from, err)
-                         : SHEAR_OK;
-    if (code == SHEAR_OK) {
-        shear_field_sums_join(sums, work->summed.sums);
-        *next_block = work->summed.next_block;
-    }
+    const int code = join_terms(&work->summed, sums, from, terms, next_block, err);
     pthread_mutex_unlock(&work->results);
     return code;
 }

@@ -19,7 +19,7 @@ struct shear_field {
 
 /* FIELD, PIXSCALE, SIM_G1, SIM_G2 of the galaxies' file into f->info (keys.c). */
 int sf_field_read_keys(shear_field *f, const sf_cards *primary, shear_error *err);
-/* The PSF's HDU: shape, number and OVERSAMP into f->info; the catalog must be open (field_psf.c).
+/* The PSF's HDU: shape, number and OVERSAMP into f->info; the catalog must be open (psf.c).
  */
 int sf_field_open_psf(shear_field *f, shear_error *err);
 

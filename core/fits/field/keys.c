@@ -44,7 +44,10 @@ static int read_pixscale(shear_field *f, const sf_cards *primary, shear_error *e
     bool found = false;
     f->info.pixscale = NAN;
     const int rc = sf_key_double(primary, "PIXSCALE", &f->info.pixscale, &found, err);
-    if (rc == SHEAR_OK && found && f->info.pixscale <= 0.0) {
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (found && f->info.pixscale <= 0.0) {
         return sf_fail(err, SHEAR_E_FORMAT, primary->at, "give arcseconds per pixel",
                        "keyword PIXSCALE is %g, but must be positive", f->info.pixscale);
     }
@@ -55,7 +58,10 @@ static int read_shear(const sf_cards *primary, const char *key, double *g, bool 
                       shear_error *err) {
     *g = NAN;
     const int rc = sf_key_double(primary, key, g, found, err);
-    if (rc == SHEAR_OK && *found && fabs(*g) >= 1.0) {
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (*found && fabs(*g) >= 1.0) {
         return sf_fail(err, SHEAR_E_FORMAT, primary->at, NULL,
                        "keyword %s is %g, but a shear lies between -1 and 1", key, *g);
     }

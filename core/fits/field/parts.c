@@ -81,20 +81,21 @@ static void label(sf_part *part) {
     }
 }
 
-static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_error *err) {
-    const sf_hdu_index *s = &p->of[i].file->index;
-    int rc;
+static int find_wanted(const sf_hdu_index *s, int i, const shear_input_part *wanted,
+                       const sf_hdu **hdu, shear_error *err) {
     if (wanted->extname != NULL) {
-        rc = sf_hdu_index_find(s, wanted->extname, true, &p->of[i].hdu, err);
-    } else if (wanted->hdu >= 0) {
-        rc = find_number(s, wanted->hdu, &p->of[i].hdu, err);
-    } else {
-        rc = find_default(s, i, &p->of[i].hdu, err);
+        return sf_hdu_index_find(s, wanted->extname, true, hdu, err);
     }
-    if (rc == SHEAR_OK) {
-        label(&p->of[i]);
+    return wanted->hdu >= 0 ? find_number(s, wanted->hdu, hdu, err) : find_default(s, i, hdu, err);
+}
+
+static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_error *err) {
+    const int rc = find_wanted(&p->of[i].file->index, i, wanted, &p->of[i].hdu, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    return rc;
+    label(&p->of[i]);
+    return SHEAR_OK;
 }
 
 /* As a field file has it. What is missing is told when its turn comes (sf_part_require). */

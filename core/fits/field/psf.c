@@ -31,7 +31,10 @@ static int read_oversampling(shear_field *f, shear_error *err) {
     int64_t oversample = 1;
     bool found = false;
     int rc = sf_key_int(&f->psf.cards, "OVERSAMP", 1, SF_MAX_OVERSAMPLE, &oversample, &found, err);
-    if (rc == SHEAR_OK && !found) {
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (!found) {
         rc = read_primary(f->parts.of[SHEAR_PART_PSF].file, &oversample, err);
     }
     f->info.geometry.psf_oversample = (int)oversample;

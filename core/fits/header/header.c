@@ -123,11 +123,14 @@ static int parse_axis(sf_header *h, const char *card, const char *key, int index
     }
     int64_t value = SF_ABSENT;
     const int rc = parse_integer(h, card, key, &value, file, err);
-    if (rc == SHEAR_OK && h->further_axes >= 0 &&
+    if (rc != SHEAR_OK) {
+        return rc;
+    }
+    if (h->further_axes >= 0 &&
         (value < 0 || __builtin_mul_overflow(h->further_axes, value, &h->further_axes))) {
         h->further_axes = -1;
     }
-    return rc;
+    return SHEAR_OK;
 }
 
 static enum sf_kind kind_of(const sf_header *h) {

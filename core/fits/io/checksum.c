@@ -229,10 +229,11 @@ int shear_input_checksum(const shear_input *input, const int *fds, const shear_f
         return code;
     }
     code = shear_hashing_step(h, INT64_MAX, &done, err);
-    if (code == SHEAR_OK) {
-        shear_hashing_text(h, out);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    shear_hashing_text(h, out);
+    return SHEAR_OK;
 }
 
 int shear_fd_checksum(int fd, const char *name, char out[SHEAR_CHECKSUM_SIZE], shear_error *err) {

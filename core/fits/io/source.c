@@ -119,13 +119,13 @@ int sf_source_open_fd(sf_source *s, int fd, const char *name, shear_error *err) 
     if ((mode & O_ACCMODE) == O_WRONLY || (mode & O_PATH) != 0) {
         return sf_fail(err, SHEAR_E_IO, at, NULL, "its descriptor is not open for reading");
     }
-    int rc = sf_check_regular(fd, at, &s->file_bytes, err);
-    s->size = s->file_bytes;
-    if (rc == SHEAR_OK) {
-        s->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0); /* its offset is the caller's: only pread is used */
-        rc = s->fd >= 0 ? SHEAR_OK : sf_fail_errno(err, at, errno, "cannot be duplicated");
+    const int rc = sf_check_regular(fd, at, &s->file_bytes, err);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    return rc != SHEAR_OK ? rc : look_inside(s, err);
+    s->size = s->file_bytes;
+    s->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0); /* its offset is the caller's: only pread is used */
+    return s->fd >= 0 ? look_inside(s, err) : sf_fail_errno(err, at, errno, "cannot be duplicated");
 }
 
 void sf_source_close(sf_source *s) {

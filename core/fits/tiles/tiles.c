@@ -165,10 +165,11 @@ static int check_tile(sf_tiles *t, int64_t tile, const int64_t sides[SF_AXES], s
         return SHEAR_OK;
     }
     const int rc = check_data(t, tile, sides, err);
-    if (rc == SHEAR_OK) {
-        sf_bitset_add(&t->sound, tile, 1);
+    if (rc != SHEAR_OK) {
+        return rc;
     }
-    return rc;
+    sf_bitset_add(&t->sound, tile, 1);
+    return SHEAR_OK;
 }
 
 /* Sides of the tile at grid position c: those at the far borders are smaller. */

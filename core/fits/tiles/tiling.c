@@ -17,7 +17,7 @@ static const int64_t max_tiles = INT32_MAX - 10000;
 
 static int bad(const sf_table *t, const char *what, shear_error *err) {
     return sf_fail(err, SHEAR_E_FORMAT, t->cards->at,
-                   "unpack the file with funpack, or pack it anew with fpack",
+                   "unpack the file with funpack, or pack it again with fpack",
                    "tile compression: %s", what);
 }
 
