@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shearctl mock: a field file of mock galaxies whose shear is known. */
 #include "shear_mocks/mock.h"
+#include "base/cleanup.h"
 #include "cmdline/options.h"
 #include "terminal/message.h"
 #include "terminal/progress.h"
@@ -17,6 +18,8 @@ typedef struct mock_options {
     bool force, quiet;
     const char *path;
 } mock_options;
+
+CLEANUP_DEFINE(shear_mock, shear_mock_free)
 
 static enum exit_code set_mock(const option_entry *e, const char *value) {
     shear_error err = {0};
@@ -75,34 +78,35 @@ static void print_report(const mock_options *o, const shear_mock_info *info) {
            rotations(s->rotate));
 }
 
-static int write_field(const mock_options *o, const shear_mock *m, shear_error *err) {
+static int write_field(const mock_options *o, shear_error *err) {
+    CLEANUP(shear_mock_release) shear_mock *m = NULL;
+    int code = shear_mock_new(&m, &o->spec, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin("mock");
     const shear_mock_write_options how = {.threads = (int)o->threads,
                                           .overwrite = o->force,
                                           .progress = progress_callback,
                                           .context = bar};
-    const int code = shear_mock_write(m, o->path, &how, err);
+    code = shear_mock_write(m, o->path, &how, err);
     progress_end(bar);
-    if (code == SHEAR_OK) {
-        print_report(o, shear_mock_get_info(m));
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    print_report(o, shear_mock_get_info(m));
+    return SHEAR_OK;
 }
 
 static enum exit_code run(const command *self, int argc, char **argv) {
     mock_options o = {.quiet = false};
     shear_error err = {0};
-    shear_mock *m = NULL;
     shear_mock_spec_init(&o.spec);
     const enum exit_code parsed = parse(self, argc, argv, &o);
     if (parsed != EXIT_CODE_DONE) {
         return parsed;
     }
-    int code = shear_mock_new(&m, &o.spec, &err);
-    if (code == SHEAR_OK) {
-        code = write_field(&o, m, &err);
-        shear_mock_free(m);
-    }
+    const int code = write_field(&o, &err);
     if (code != SHEAR_OK) {
         message_error(&err);
         return code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER;

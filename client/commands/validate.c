@@ -51,7 +51,15 @@ static int look_into(const validate_options *o, shear_field **field, shear_plan 
     progress *bar = o->quiet ? progress_begin_quiet() : progress_begin(v->path);
     code = field_scan(*field, *plan, bar, v, words);
     progress_end(bar);
-    return code != SHEAR_OK ? code : shear_field_need_name(v->field, v->path, words);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = shear_field_need_name(v->field, v->path, words);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    validation_conclude(v, words);
+    return SHEAR_OK;
 }
 
 /* One file; *good says how it fared. Returns an exit code for what is not the file's fault. */
@@ -65,9 +73,6 @@ static enum exit_code validate(const char *path, const validate_options *o, bool
     if (code == SHEAR_E_CANCELLED || code == SHEAR_E_NOMEM || code == SHEAR_E_INTERNAL) {
         message_error(&words);
         return EXIT_CODE_OTHER;
-    }
-    if (code == SHEAR_OK) {
-        validation_conclude(&v, &words);
     }
     if (v.measured) {
         sheard_advice_all(&doubts, &v.result, v.plan, NULL);

@@ -218,6 +218,11 @@ static int scan_init(scan_state *s, const shear_field_info *info, shear_error *e
                            : shear_workspace_new(&s->ws, s->plan, err);
 }
 
+static int scan(scan_state *s, shear_field *field, progress *bar, shear_error *err) {
+    const int code = scan_init(s, shear_field_get_info(field), err);
+    return code != SHEAR_OK ? code : scan_all(s, field, bar, err);
+}
+
 static void scan_deinit(scan_state *s) {
     weight_check_deinit(&s->weights);
     free(s->rows);
@@ -243,10 +248,7 @@ int field_scan(shear_field *field, const shear_plan *plan, progress *bar,
     s.is_log = shear_interpolation_is_log(resolved->interpolation);
     s.pedestal = shear_plan_get_settings(plan)->pedestal;
     v->lowest_pixel = INFINITY;
-    int code = scan_init(&s, shear_field_get_info(field), err);
-    if (code == SHEAR_OK) {
-        code = scan_all(&s, field, bar, err);
-    }
+    const int code = scan(&s, field, bar, err);
     v->scanned = code == SHEAR_OK;
     v->measured = v->scanned && v->negative.count == 0;
     set_noise(&s.levels, v);

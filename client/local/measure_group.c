@@ -138,10 +138,12 @@ static int64_t count_stamps(const measure_group *g) {
 
 static int gathering_init(gathering *to, const measure_group *g, const measure_options *o,
                           shear_error *err) {
+    const bool wanted = estimators_wanted(count_stamps(g), o->settings.values.estimator);
     int code = shear_field_sums_new(&to->sums, err);
-    if (code == SHEAR_OK && estimators_wanted(count_stamps(g), o->settings.values.estimator)) {
-        code = shear_symmetry_new(&to->terms, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = wanted ? shear_symmetry_new(&to->terms, err) : SHEAR_OK;
     return code != SHEAR_OK || o->jackknife == 0
                ? code
                : shear_jackknife_new(&to->jack, (int)o->jackknife, err);

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int look_into(measure_input *input, shear_error *err) {
+/* `name`: of its field, or NULL: the file must name it. */
+static int look_into(measure_input *input, const char *name, shear_error *err) {
     shear_field *field = NULL;
     int code = shear_field_open_input(&field, input->source, NULL, err);
     if (code != SHEAR_OK) {
@@ -14,7 +15,10 @@ static int look_into(measure_input *input, shear_error *err) {
     }
     input->info = *shear_field_get_info(field);
     shear_field_close(field);
-    return shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
+    code = shear_input_checksum(input->source, NULL, &input->info, input->checksum, err);
+    return code != SHEAR_OK || name != NULL
+               ? code
+               : shear_field_need_name(&input->info, measure_input_path(input), err);
 }
 
 /* Does an earlier file hold the same bytes and count to the same field? Its counting twice would
@@ -37,10 +41,7 @@ const char *measure_input_path(const measure_input *input) {
 void measure_inputs_open(measure_input *inputs, size_t n, const char *field) {
     for (size_t i = 0; i < n; i++) {
         shear_error err = {0};
-        int code = look_into(&inputs[i], &err);
-        if (code == SHEAR_OK && field == NULL) {
-            code = shear_field_need_name(&inputs[i].info, measure_input_path(&inputs[i]), &err);
-        }
+        const int code = look_into(&inputs[i], field, &err);
         if (code != SHEAR_OK) {
             message_error(&err);
             inputs[i].failure = measure_failure_of(code, false);

@@ -254,10 +254,11 @@ static int draw_snr(shear_figure *f, shear_rect cell, const shear_catalog_table 
         draw_nothing(f, cell, axes.title, "no noise: it has no S/N");
         return SHEAR_OK;
     }
-    int code = robust_range(&r, c, err);
-    if (code == SHEAR_OK) {
-        code = shear_range_percentile(&median, c->values, c->n, 50.0, 50.0, err);
+    int code = shear_range_percentile(&median, c->values, c->n, 50.0, 50.0, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = robust_range(&r, c, err);
     if (code != SHEAR_OK) {
         return code;
     }

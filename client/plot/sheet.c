@@ -18,6 +18,20 @@ static void draw_title(shear_figure *f, const stamp_reader *b) {
     shear_figure_text(f, PAD + width + 16.0, 24.0, text, &(shear_text_style){.size = 13.0});
 }
 
+/* Row i; under the first one, which is drawn last, the plan with its spectra. */
+static int draw_row(shear_figure *f, stamp_reader *b, const shear_grid *grid, int i, int64_t index,
+                    shear_error *err) {
+    const shear_rect below = {PAD, grid->area.y + grid->area.h + 22.0, WIDTH - 2.0 * PAD,
+                              PLAN_ROW - 22.0 - PAD};
+    CLEANUP(sheet_stamp_deinit) sheet_stamp stamp = {0};
+    int code = stamp_reader_read(b, index, &stamp, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = sheet_draw_stamp(f, grid, i, b, &stamp, err);
+    return code != SHEAR_OK || i > 0 ? code : sheet_draw_plan(f, below, b, &stamp, err);
+}
+
 static int draw_stamps(shear_figure *f, stamp_reader *b, const int64_t *index, int n,
                        shear_error *err) {
     const shear_grid grid = {
@@ -26,19 +40,10 @@ static int draw_stamps(shear_figure *f, stamp_reader *b, const int64_t *index, i
         .columns = SHEET_COLUMNS,
         .gap_x = 4.0,
         .gap_y = ROW_GAP};
-    const shear_rect below = {PAD, grid.area.y + grid.area.h + 22.0, WIDTH - 2.0 * PAD,
-                              PLAN_ROW - 22.0 - PAD};
     draw_title(f, b);
     sheet_draw_headings(f, &grid, TOP - 38.0, b);
-    for (int i = n - 1; i >= 0; i--) { /* the first last: the plan's row shows its spectra */
-        CLEANUP(sheet_stamp_deinit) sheet_stamp stamp = {0};
-        int code = stamp_reader_read(b, index[i], &stamp, err);
-        if (code == SHEAR_OK) {
-            code = sheet_draw_stamp(f, &grid, i, b, &stamp, err);
-        }
-        if (code == SHEAR_OK && i == 0) {
-            code = sheet_draw_plan(f, below, b, &stamp, err);
-        }
+    for (int i = n - 1; i >= 0; i--) {
+        const int code = draw_row(f, b, &grid, i, index[i], err);
         if (code != SHEAR_OK) {
             return code;
         }
@@ -52,18 +57,20 @@ int plot_sheet(shear_figure **figure, shear_field *field, const plot_options *op
     CLEANUP(shear_figure_release) shear_figure *f = NULL;
     int64_t index[PLOT_MAX_STAMPS];
     int n = 0;
+    *figure = NULL;
     int code = stamp_reader_init(&b, field, options->settings, err);
-    if (code == SHEAR_OK) {
-        code = stamp_reader_choose(&b, options, index, &n, err);
-    }
     if (code != SHEAR_OK) {
         return code;
     }
-    const int height = TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW;
-    code = shear_figure_new(&f, WIDTH, height, err);
-    if (code == SHEAR_OK) {
-        code = draw_stamps(f, &b, index, n, err);
+    code = stamp_reader_choose(&b, options, index, &n, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
+    code = shear_figure_new(&f, WIDTH, TOP + n * STAMP_ROW + (n - 1) * ROW_GAP + PLAN_ROW, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = draw_stamps(f, &b, index, n, err);
     *figure = code == SHEAR_OK ? CLEANUP_TAKE(f) : NULL;
     return code;
 }

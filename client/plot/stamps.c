@@ -92,14 +92,13 @@ int stamp_reader_choose(stamp_reader *b, const plot_options *options,
 }
 
 int stamp_reader_read(stamp_reader *b, int64_t index, sheet_stamp *stamp, shear_error *err) {
-    *stamp = (sheet_stamp){.index = index};
+    *stamp = (sheet_stamp){.index = index, .galaxy = b->block->galaxy, .noise = b->block->noise};
     int code = measure(b, index, &stamp->row, err);
-    if (code == SHEAR_OK && stamp->row.flags == 0) {
-        code = shear_inspect(b->plan, b->ws, &b->block->stamps, 0, &stamp->steps, err);
-        stamp->measured = code == SHEAR_OK;
+    if (code != SHEAR_OK || stamp->row.flags != 0) {
+        return code;
     }
-    stamp->galaxy = b->block->galaxy;
-    stamp->noise = b->block->noise;
+    code = shear_inspect(b->plan, b->ws, &b->block->stamps, 0, &stamp->steps, err);
+    stamp->measured = code == SHEAR_OK;
     return code;
 }
 

@@ -65,6 +65,23 @@ char *job_source_text(const sheard_msg_job *job, char *buf, size_t size) {
     return buf;
 }
 
+const char *job_state_style(enum sheard_job_state state) {
+    switch (state) {
+    case SHEARD_JOB_RUNNING:
+        return STYLE_ACTIVE;
+    case SHEARD_JOB_DONE:
+        return STYLE_GOOD;
+    case SHEARD_JOB_FAILED:
+        return STYLE_BAD;
+    case SHEARD_JOB_WAITING:
+    case SHEARD_JOB_CANCELLED:
+    case SHEARD_JOB_RETRACTED:
+        return STYLE_DOUBT;
+    default:
+        return NULL;
+    }
+}
+
 /* ---- Tables ---- */
 
 text_table *job_table_new(void) {
@@ -122,7 +139,7 @@ void job_table_add(text_table *t, const sheard_msg_job *job, int64_t now_ms) {
     char text[4200];
     char duration[HUMAN_SIZE];
     text_table_cell(t, NULL, "%" PRId64, job->id);
-    text_table_cell(t, style_of_state(job->state), "%s", sheard_job_state_name(job->state));
+    text_table_cell(t, job_state_style(job->state), "%s", sheard_job_state_name(job->state));
     text_table_cell(t, NULL, "%s", or_dash(job->field));
     add_part(t, job);
     text_table_cell(t, NULL, "%" PRId64, job->priority);
@@ -145,7 +162,7 @@ void job_results_add(text_table *t, const sheard_msg_job *job) {
     shear_error err = {0};
     const bool has = job->result != NULL && sheard_report_summary_parse(&s, job->result, &err) == 0;
     text_table_cell(t, NULL, "%" PRId64, job->id);
-    text_table_cell(t, style_of_state(job->state), "%s%s", sheard_job_state_name(job->state),
+    text_table_cell(t, job_state_style(job->state), "%s%s", sheard_job_state_name(job->state),
                     job->outcome == SHEARD_OUTCOME_DUPLICATE ? " (duplicate)" : "");
     text_table_cell(t, NULL, "%s", or_dash(job->field));
     text_table_cell(t, NULL, "%s", has ? value_text(s.g1, s.g1_err, text, sizeof text) : "-");
@@ -289,7 +306,7 @@ static void print_history(const sheard_msg_shown *shown, bool utc, FILE *out) {
 
 void job_text_print(const sheard_msg_shown *shown, bool utc, FILE *out) {
     const sheard_msg_job *job = &shown->job;
-    const char *style = style_on(out) ? style_of_state(job->state) : NULL;
+    const char *style = style_on(out) ? job_state_style(job->state) : NULL;
     fprintf(out, "job %" PRId64 "  %s%s%s%s\n", job->id, style != NULL ? style : "",
             sheard_job_state_name(job->state), style != NULL ? STYLE_END : "",
             job->cancel_asked && !sheard_job_state_is_final(job->state) ? " (being cancelled)"

@@ -8,6 +8,9 @@
 
 #include <stdbool.h>
 
+/* The colour of a job's state on a terminal (style.h), or NULL. */
+const char *job_state_style(enum sheard_job_state state);
+
 /* The table of `shearctl jobs`. */
 text_table *job_table_new(void);
 void job_table_add(text_table *table, const sheard_msg_job *job, int64_t now_ms);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "remote/status_text.h"
+
+#include "remote/job_text.h"
+
 #include "base/clock.h"
 #include "base/text.h"
-
 #include "terminal/human.h"
 #include "terminal/message.h"
 #include "terminal/style.h"
@@ -19,7 +21,8 @@ static void print_states(const sheard_msg_status *s, bool colours, FILE *out) {
         if (i == SHEARD_JOB_RETRACTED && counts[i] == 0) {
             continue; /* rare */
         }
-        const char *style = colours && counts[i] > 0 ? style_of_state(i) : NULL;
+        const char *style =
+            colours && counts[i] > 0 ? job_state_style((enum sheard_job_state)i) : NULL;
         fprintf(out, "%s %s%s %" PRId64 "%s", i != 0 ? " " : "", style != NULL ? style : "",
                 sheard_job_state_name(i), counts[i], style != NULL ? STYLE_END : "");
     }

@@ -4,6 +4,7 @@
 
 #include "terminal/bar.h"
 #include "terminal/message.h"
+#include "terminal/style.h"
 
 #include <inttypes.h>
 #include <signal.h>
@@ -67,8 +68,7 @@ progress *progress_begin_quiet(void) {
 progress *progress_begin(const char *label) {
     progress *p = progress_begin_quiet();
     if (p != NULL) {
-        const char *term = getenv("TERM");
-        p->visible = isatty(STDERR_FILENO) && term != NULL && strcmp(term, "dumb") != 0;
+        p->visible = style_is_terminal(STDERR_FILENO);
         message_clean(label, p->label, sizeof p->label);
     }
     return p;

@@ -31,9 +31,7 @@ static void on_signal(int number) {
 }
 
 bool screen_possible(void) {
-    const char *term = getenv("TERM");
-    return isatty(STDIN_FILENO) && isatty(STDOUT_FILENO) && term != NULL &&
-           strcmp(term, "dumb") != 0;
+    return style_is_terminal(STDIN_FILENO) && isatty(STDOUT_FILENO) != 0;
 }
 
 void screen_begin(void) {

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "terminal/style.h"
 
-#include "sheard/messages.h"
-
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -11,28 +9,14 @@
 
 enum { MIN_COLUMNS = 20, MAX_COLUMNS = 400 };
 
-bool style_on(FILE *out) {
+bool style_is_terminal(int fd) {
     const char *term = getenv("TERM");
-    const char *no_color = getenv("NO_COLOR");
-    return isatty(fileno(out)) && term != NULL && strcmp(term, "dumb") != 0 &&
-           !(no_color != NULL && *no_color);
+    return isatty(fd) != 0 && term != NULL && strcmp(term, "dumb") != 0;
 }
 
-const char *style_of_state(int state) {
-    switch (state) {
-    case SHEARD_JOB_RUNNING:
-        return STYLE_ACTIVE;
-    case SHEARD_JOB_DONE:
-        return STYLE_GOOD;
-    case SHEARD_JOB_FAILED:
-        return STYLE_BAD;
-    case SHEARD_JOB_WAITING:
-    case SHEARD_JOB_CANCELLED:
-    case SHEARD_JOB_RETRACTED:
-        return STYLE_DOUBT;
-    default:
-        return NULL;
-    }
+bool style_on(FILE *out) {
+    const char *no_color = getenv("NO_COLOR");
+    return style_is_terminal(fileno(out)) && (no_color == NULL || no_color[0] == '\0');
 }
 
 static int clamp_columns(int n) {

@@ -16,11 +16,11 @@
 #define STYLE_ACTIVE "\x1b[36m"
 #define STYLE_END    "\x1b[0m"
 
-/* True where `out` is a terminal that knows colours and the user wants them (NO_COLOR is unset or
+/* A terminal that can move its cursor. */
+bool style_is_terminal(int fd);
+/* True if `out` is a terminal that knows colours and the user wants them (NO_COLOR is unset or
  * empty). */
 bool style_on(FILE *out);
-/* The colour of a job's state (enum sheard_job_state). */
-const char *style_of_state(int state);
 
 /* Columns of the terminal behind `fd`, from 20 to 400; `otherwise` if that is no terminal. */
 int style_columns(int fd, int otherwise);
