@@ -14,33 +14,17 @@ const char *const msg_attempt_outcomes[] = {"",         "done",        "failed",
 const char *const msg_server_states[] = {"running", "draining", "stopping", NULL};
 const char *const msg_shutdown_modes[] = {"drain", "now", NULL};
 
-const char *sheard_job_state_name(int state) {
-    return msg_name(msg_job_states, state);
-}
-
-const char *sheard_job_class_name(int job_class) {
-    return msg_name(msg_job_classes, job_class);
-}
-
-const char *sheard_job_outcome_name(int outcome) {
-    return msg_name(msg_job_outcomes, outcome);
-}
-
-const char *sheard_job_phase_name(int phase) {
-    return msg_name(msg_job_phases, phase);
-}
-
-const char *sheard_job_origin_name(int origin) {
-    return msg_name(msg_job_origins, origin);
-}
-
-const char *sheard_attempt_outcome_name(int outcome) {
-    return msg_name(msg_attempt_outcomes, outcome);
-}
-
-const char *sheard_server_state_name(int state) {
-    return msg_name(msg_server_states, state);
-}
+#define NAME_OF(function, names)                                                                   \
+    const char *function(int index) {                                                              \
+        return msg_name(names, index);                                                             \
+    }
+NAME_OF(sheard_job_state_name, msg_job_states)
+NAME_OF(sheard_job_class_name, msg_job_classes)
+NAME_OF(sheard_job_outcome_name, msg_job_outcomes)
+NAME_OF(sheard_job_phase_name, msg_job_phases)
+NAME_OF(sheard_job_origin_name, msg_job_origins)
+NAME_OF(sheard_attempt_outcome_name, msg_attempt_outcomes)
+NAME_OF(sheard_server_state_name, msg_server_states)
 
 bool sheard_job_state_is_final(int state) {
     return state >= SHEARD_JOB_DONE && state <= SHEARD_JOB_RETRACTED;

@@ -66,6 +66,12 @@ struct msg_table {
 
 /* ---- Members. T: its struct is sheard_msg_T. The key in JSON is the member's name ---- */
 
+#define MSG_MEMBER(T, member, key, kind, c_type, ...)                                              \
+    {                                                                                              \
+        .name = (key), .type = (kind), .offset = MEMBER_AT(sheard_msg_##T, member, c_type),        \
+        __VA_ARGS__                                                                                \
+    }
+
 /* Of a type that says all: bool, double, const char *, and int64_t for a count or an id, 0 or more,
  * 0 if absent. */
 #define MSG(T, member)        MSG_FLAGGED(T, member, 0)
@@ -77,60 +83,38 @@ struct msg_table {
                          double: MSG_REAL, const char *: MSG_TEXT),                                \
         .max = _Generic(((sheard_msg_##T *)0)->member, int64_t: INT64_MAX, default: 0) \
     }
+
 #define MSG_NUMBER(T, member, low, high, otherwise, flag)                                          \
-    {                                                                                              \
-        .name = #member, .type = MSG_INT, .flags = (flag),                                         \
-        .offset = MEMBER_AT(sheard_msg_##T, member, int64_t), .min = (low), .max = (high),         \
-        .fallback = (otherwise)                                                                    \
-    }
+    MSG_MEMBER(T, member, #member, MSG_INT, int64_t, .flags = (flag), .min = (low), .max = (high), \
+               .fallback = (otherwise))
 /* A double from 0 to `high`. */
-#define MSG_UP_TO(T, member, high)                                                                 \
-    {                                                                                              \
-        .name = #member, .type = MSG_REAL, .offset = MEMBER_AT(sheard_msg_##T, member, double),    \
-        .max = (high)                                                                              \
-    }
+#define MSG_UP_TO(T, member, high)           MSG_MEMBER(T, member, #member, MSG_REAL, double, .max = (high))
 #define MSG_STRING(T, member, longest, flag) MSG_STRING_AS(T, member, #member, longest, flag)
 #define MSG_STRING_AS(T, member, key, longest, flag)                                               \
-    {                                                                                              \
-        .name = (key), .type = MSG_TEXT, .flags = (flag),                                          \
-        .offset = MEMBER_AT(sheard_msg_##T, member, const char *), .max = (longest)                \
-    }
+    MSG_MEMBER(T, member, key, MSG_TEXT, const char *, .flags = (flag), .max = (longest))
 #define MSG_NAMED(T, member, key, list, flag)                                                      \
-    {                                                                                              \
-        .name = (key), .type = MSG_NAME, .flags = (flag),                                          \
-        .offset = MEMBER_AT(sheard_msg_##T, member, int), .names = (list)                          \
-    }
+    MSG_MEMBER(T, member, key, MSG_NAME, int, .flags = (flag), .names = (list))
 /* The member is KEY_ms. */
-#define MSG_WHEN(T, key)                                                                           \
-    { .name = #key, .type = MSG_TIME, .offset = MEMBER_AT(sheard_msg_##T, key##_ms, int64_t) }
+#define MSG_WHEN(T, key) MSG_MEMBER(T, key##_ms, #key, MSG_TIME, int64_t, .flags = 0)
 /* MSG_RAW, MSG_SETTINGS or MSG_MERGED */
-#define MSG_JSON(T, member, kind)                                                                  \
-    { .name = #member, .type = (kind), .offset = MEMBER_AT(sheard_msg_##T, member, const char *) }
+#define MSG_JSON(T, member, kind) MSG_MEMBER(T, member, #member, kind, const char *, .flags = 0)
 #define MSG_SET(T, member, list)                                                                   \
-    {                                                                                              \
-        .name = #member, .type = MSG_STATES,                                                       \
-        .offset = MEMBER_AT(sheard_msg_##T, member, unsigned), .names = (list)                     \
-    }
+    MSG_MEMBER(T, member, #member, MSG_STATES, unsigned, .names = (list))
 /* Lists, of n_MEMBER elements */
-#define MSG_LIST(T, member, kind, item)                                                            \
-    .name = #member, .type = (kind), .offset = MEMBER_AT(sheard_msg_##T, member, item),            \
-    .count_offset = MEMBER_AT(sheard_msg_##T, n_##member, size_t)
+#define MSG_LIST(T, member, kind, c_type, ...)                                                     \
+    MSG_MEMBER(T, member, #member, kind, c_type,                                                   \
+               .count_offset = MEMBER_AT(sheard_msg_##T, n_##member, size_t), __VA_ARGS__)
 #define MSG_IDS(T, member, longest, flag)                                                          \
-    { MSG_LIST(T, member, MSG_INTS, const int64_t *), .max = (longest), .flags = (flag) }
+    MSG_LIST(T, member, MSG_INTS, const int64_t *, .max = (longest), .flags = (flag))
 #define MSG_STRINGS(T, member, longest, item, flag)                                                \
-    {                                                                                              \
-        MSG_LIST(T, member, MSG_TEXTS, const char *const *), .max = (longest), .item_max = (item), \
-                                                             .flags = (flag)                       \
-    }
+    MSG_LIST(T, member, MSG_TEXTS, const char *const *, .max = (longest), .item_max = (item),      \
+             .flags = (flag))
 /* Structs sheard_msg_S, by their table msg_S */
 #define MSG_LISTED(T, member, S)                                                                   \
-    { MSG_LIST(T, member, MSG_OBJECTS, const sheard_msg_##S *), .table = &msg_##S }
+    MSG_LIST(T, member, MSG_OBJECTS, const sheard_msg_##S *, .table = &msg_##S)
 #define MSG_STRUCT(T, member, S, flag) MSG_STRUCT_AS(T, member, #member, S, flag)
 #define MSG_STRUCT_AS(T, member, key, S, flag)                                                     \
-    {                                                                                              \
-        .name = (key), .type = MSG_OBJECT, .flags = (flag),                                        \
-        .offset = MEMBER_AT(sheard_msg_##T, member, sheard_msg_##S), .table = &msg_##S             \
-    }
+    MSG_MEMBER(T, member, key, MSG_OBJECT, sheard_msg_##S, .flags = (flag), .table = &msg_##S)
 
 /* The table msg_T of T_members[], with its check or NULL; `static` may stand before it. */
 #define MSG_TABLE(T, its_check)                                                                    \

@@ -2,7 +2,8 @@
 #include "sheard/advice.h"
 
 #include <math.h>
-#include <stdio.h>
+
+#include "report/advice_say.h"
 
 static const double REMOVED_MAX = 0.01, REMOVED_SIGMA = 3.0;
 /* The step of a gradient across a stamp, as a part of the mean flux, from which its effect on the
@@ -22,20 +23,18 @@ const char *sheard_advice_filter(const shear_result *r, const shear_plan_info *p
         return NULL;
     }
     if (plan->filter_per_stamp) {
-        snprintf(
+        return advice_say(
             buf, size,
             "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
             "not their neighbours', the shear is biased: R_GAL is too small, or use --filter none",
             100.0 * r->filter_removed);
-    } else {
-        snprintf(
-            buf, size,
-            "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
-            "not their neighbours', the shear is biased: use a --core larger than %.3g px, larger "
-            "stamps, or --filter none",
-            100.0 * r->filter_removed, plan->core_px);
     }
-    return buf;
+    return advice_say(
+        buf, size,
+        "the filter removes %.1f %% of the stacked flux; where that is the galaxies' own and "
+        "not their neighbours', the shear is biased: use a --core larger than %.3g px, larger "
+        "stamps, or --filter none",
+        100.0 * r->filter_removed, plan->core_px);
 }
 
 static double stamp_area(const shear_plan_info *plan) {
@@ -49,7 +48,7 @@ const char *sheard_advice_bright_border(const shear_result *r, const shear_plan_
     if (plan->filter != SHEAR_FILTER_NONE || !bright) {
         return NULL;
     }
-    snprintf(
+    return advice_say(
         buf, size,
         "the stamps' borders are brighter than the noise stamps' by %.2g +- %.1g a pixel, over "
         "a whole stamp %.1f %% of the mean flux: wings that are cut off, neighbours, or a sky "
@@ -57,7 +56,6 @@ const char *sheard_advice_bright_border(const shear_result *r, const shear_plan_
         "subtracted alike",
         r->border_excess, r->border_excess_err,
         100.0 * r->border_excess * stamp_area(plan) / r->mean_flux);
-    return buf;
 }
 
 /* What the borders vary beyond the noise under the galaxies, where its level is known, or all of it
@@ -80,12 +78,12 @@ const char *sheard_advice_rough_border(const shear_result *r, const shear_plan_i
         sheard_advice_no_noise(r, plan, buf, size) != NULL) {
         return NULL;
     }
-    snprintf(buf, size,
-             "the stamps' borders are rougher than the noise stamps' (extra variance %.2g +- %.1g, "
-             "noise %.2g): neighbours, or wings that are cut off? leave out stamps with neighbours "
-             "(column FLAGS), or cut larger stamps",
-             extra, r->border_rough_err, r->border_noise_var);
-    return buf;
+    return advice_say(
+        buf, size,
+        "the stamps' borders are rougher than the noise stamps' (extra variance %.2g +- %.1g, "
+        "noise %.2g): neighbours, or wings that are cut off? leave out stamps with neighbours "
+        "(column FLAGS), or cut larger stamps",
+        extra, r->border_rough_err, r->border_noise_var);
 }
 
 /* The mean square of the steps beyond that of white noise of the level under the galaxies. */
@@ -114,7 +112,7 @@ const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info 
     const bool sure = fabs(r->border_step_x) > BORDER_SIGMA * r->border_step_x_err ||
                       fabs(r->border_step_y) > BORDER_SIGMA * r->border_step_y_err;
     if (sure && is_steep(common, r, plan)) {
-        snprintf(
+        return advice_say(
             buf, size,
             "a gradient lies over the stamps, beyond the noise stamps': their borders' right "
             "side is brighter than the left one by %.2g +- %.1g a pixel, the top than the "
@@ -122,7 +120,6 @@ const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info 
             "the shear: %s, unless neighbours lie on that side",
             r->border_step_x, r->border_step_x_err, r->border_step_y, r->border_step_y_err,
             100.0 * common * stamp_area(plan) / r->mean_flux, cure);
-        return buf;
     }
     if (sheard_advice_noise_shape(r, plan, buf, size) != NULL ||
         sheard_advice_no_noise(r, plan, buf, size) != NULL) {
@@ -130,12 +127,12 @@ const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info 
     }
     const bool real = fabs(r->border_step2) > ROUNDING * r->border_noise_var;
     if (real && step2 > BORDER_SIGMA * r->border_step2_err && is_steep(rms, r, plan)) {
-        snprintf(buf, size,
-                 "gradients lie over the stamps, beyond the noise stamps', in changing directions: "
-                 "opposite sides of their borders differ by %.2g a pixel (root mean square; over a "
-                 "whole stamp %.0f %% of the mean flux): neighbours, or a sky that varies: %s",
-                 rms, 100.0 * rms * stamp_area(plan) / r->mean_flux, cure);
-        return buf;
+        return advice_say(
+            buf, size,
+            "gradients lie over the stamps, beyond the noise stamps', in changing directions: "
+            "opposite sides of their borders differ by %.2g a pixel (root mean square; over a "
+            "whole stamp %.0f %% of the mean flux): neighbours, or a sky that varies: %s",
+            rms, 100.0 * rms * stamp_area(plan) / r->mean_flux, cure);
     }
     return NULL;
 }
@@ -150,20 +147,18 @@ const char *sheard_advice_many_artefacts(const shear_result *r, const shear_plan
     if (n < ARTEFACTS_MIN || !((double)n > ARTEFACT_SHARE * (double)r->n_stamps)) {
         return NULL;
     }
-    snprintf(
+    return advice_say(
         buf, size,
         "%.2g %% of the stamps are left out for artefacts: cosmic rays in so many? else the PSF "
         "is broader than the images' own, or the sky is a few photons a pixel, which look like "
         "them, and then the bright galaxies are left out: give --artefacts keep, and FLAGS of "
         "your own",
         100.0 * (double)n / (double)r->n_stamps);
-    return buf;
 }
 
 void sheard_advice_all(sheard_advice_list *list, const shear_result *r, const shear_plan_info *plan,
                        const char *top_file) {
-    static const char *(*const all[SHEARD_RESULT_ADVICES])(
-        const shear_result *, const shear_plan_info *, char *, size_t) = {
+    static sheard_advice *const all[SHEARD_RESULT_ADVICES] = {
         sheard_advice_no_noise,     sheard_advice_small_stamps,    sheard_advice_noise_scatter,
         sheard_advice_noise_level,  sheard_advice_noise_unchecked, sheard_advice_noise_shape,
         sheard_advice_errors,       sheard_advice_filter,          sheard_advice_bright_border,

@@ -7,6 +7,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "report/advice_say.h"
+
 static const double BIAS_MIN = 2e-3; /* of the shear, to be told */
 static const double BIAS_BAD = 1e-2; /* to be a reason against a file */
 static const double BIAS_NONE = 0.1; /* of an estimate that is rough; may leave no shear at all */
@@ -52,12 +54,12 @@ const char *sheard_advice_no_noise(const shear_result *r, const shear_plan_info 
         snprintf(effect, sizeof effect, "which makes the shear %.2g %% too %s",
                  100.0 * fabs(left / (1.0 + left)), left > 0.0 ? "small" : "large");
     }
-    snprintf(buf, size,
-             "the noise stamps hold no noise (or only what rounding makes), and the galaxies do, "
-             "of a variance of about %.2g a pixel: it is not taken off, %s; give noise stamps of "
-             "the same image",
-             noise_of_galaxies(r), effect);
-    return buf;
+    return advice_say(
+        buf, size,
+        "the noise stamps hold no noise (or only what rounding makes), and the galaxies do, "
+        "of a variance of about %.2g a pixel: it is not taken off, %s; give noise stamps of "
+        "the same image",
+        noise_of_galaxies(r), effect);
 }
 
 const char *sheard_advice_small_stamps(const shear_result *r, const shear_plan_info *plan,
@@ -71,12 +73,12 @@ const char *sheard_advice_small_stamps(const shear_result *r, const shear_plan_i
     if (bias < BIAS_NONE) {
         snprintf(much, sizeof much, "by about %.2g %%", 100.0 * bias);
     }
-    snprintf(buf, size,
-             "stamps of %d x %d px are small for beta = %.3g px, since a transform takes them for "
-             "periodic: the shear of galaxies 1.5 times as large as the PSF is biased %s; cut "
-             "stamps of %.0f px at least (10 beta), or larger",
-             plan->geometry.nx, plan->geometry.ny, plan->beta_px, much, ceil(10.0 * plan->beta_px));
-    return buf;
+    return advice_say(
+        buf, size,
+        "stamps of %d x %d px are small for beta = %.3g px, since a transform takes them for "
+        "periodic: the shear of galaxies 1.5 times as large as the PSF is biased %s; cut "
+        "stamps of %.0f px at least (10 beta), or larger",
+        plan->geometry.nx, plan->geometry.ny, plan->beta_px, much, ceil(10.0 * plan->beta_px));
 }
 
 /* The noises' spectra differ by so much. */

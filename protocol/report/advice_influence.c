@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "report/advice_say.h"
+
 static const double SHARE_MIN = 0.1, SHARE_STAMPS = 5.0;
 static const double FEW_EFFECTIVE = 10.0;
 enum { MANY = 50 };
@@ -47,11 +49,11 @@ const char *sheard_advice_errors(const shear_result *r, const shear_plan_info *p
     if (!(fabs(log(ratio)) > log(far_apart(r->jackknife)))) {
         return NULL;
     }
-    snprintf(buf, size, "the errors by the jackknife are %.2g times those of the delta method: %s",
-             ratio,
-             ratio < 1.0 ? "stamps that are rotated copies of each other, whose shapes cancel? or "
-                           "do a few stamps decide?"
-                         : "neighbouring stamps that are not independent of each other? or do a "
-                           "few stamps decide?");
-    return buf;
+    return advice_say(
+        buf, size, "the errors by the jackknife are %.2g times those of the delta method: %s",
+        ratio,
+        ratio < 1.0 ? "stamps that are rotated copies of each other, whose shapes cancel? or "
+                      "do a few stamps decide?"
+                    : "neighbouring stamps that are not independent of each other? or do a "
+                      "few stamps decide?");
 }

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "report/advice_say.h"
+
 static const double LEVEL_MIN = 0.01, LEVEL_SIGMA = 4.0, EFFECT_MIN = 2e-3;
 static const double LEVEL_FAR = 2.0; /* or its inverse */
 static const double SHAPE_MIN = 0.03, SHAPE_SIGMA = 5.0;
@@ -17,13 +19,11 @@ static const double NO_DIGITS = 0.1; /* of D that would be left */
 
 const char *sheard_advice_without_level(double effect, char *buf, size_t size) {
     if (1.0 + effect < NO_DIGITS) {
-        snprintf(buf, size, "there would be no shear");
-    } else {
-        const double small = effect / (1.0 + effect);
-        snprintf(buf, size, "the shear would be %.2g %% too %s", 100.0 * fabs(small),
-                 small > 0.0 ? "small" : "large");
+        return advice_say(buf, size, "there would be no shear");
     }
-    return buf;
+    const double small = effect / (1.0 + effect);
+    return advice_say(buf, size, "the shear would be %.2g %% too %s", 100.0 * fabs(small),
+                      small > 0.0 ? "small" : "large");
 }
 
 static bool is_far(double level) {
@@ -49,24 +49,23 @@ const char *sheard_advice_noise_level(const shear_result *r, const shear_plan_in
     }
     sheard_advice_without_level(r->noise_effect, effect, sizeof effect);
     if (is_far(r->noise_level)) {
-        snprintf(buf, size,
-                 "the noise stamps are not of the galaxies' noise: under the galaxies it has %.3g "
-                 "+- %.1g times their variance (another image? another unit? objects in the noise "
-                 "stamps?): taken into account, for without that, %s; but give noise stamps of "
-                 "the same image",
-                 r->noise_level, err, effect);
-    } else {
-        const int digits = err < 1e-3 ? 2 : 1;
-        snprintf(buf, size,
-                 "the noise under the galaxies is %.*f +- %.*f %% %s than in the noise stamps "
-                 "(%s): taken into account; without that, %s",
-                 digits, 100.0 * fabs(more), digits, 100.0 * err,
-                 more > 0.0 ? "stronger" : "weaker",
-                 more > 0.0 ? "photons of the galaxies themselves? another depth?"
-                            : "objects in the noise stamps? another depth?",
-                 effect);
+        return advice_say(
+            buf, size,
+            "the noise stamps are not of the galaxies' noise: under the galaxies it has %.3g "
+            "+- %.1g times their variance (another image? another unit? objects in the noise "
+            "stamps?): taken into account, for without that, %s; but give noise stamps of "
+            "the same image",
+            r->noise_level, err, effect);
     }
-    return buf;
+    const int digits = err < 1e-3 ? 2 : 1;
+    return advice_say(buf, size,
+                      "the noise under the galaxies is %.*f +- %.*f %% %s than in the noise stamps "
+                      "(%s): taken into account; without that, %s",
+                      digits, 100.0 * fabs(more), digits, 100.0 * err,
+                      more > 0.0 ? "stronger" : "weaker",
+                      more > 0.0 ? "photons of the galaxies themselves? another depth?"
+                                 : "objects in the noise stamps? another depth?",
+                      effect);
 }
 
 const char *sheard_advice_noise_unchecked(const shear_result *r, const shear_plan_info *plan,
@@ -83,11 +82,11 @@ const char *sheard_advice_noise_unchecked(const shear_result *r, const shear_pla
     } else {
         snprintf(cause, sizeof cause, "stamps are interpolated");
     }
-    snprintf(buf, size,
-             "the level of the noise cannot be checked (%s): were it 1 %% higher under the "
-             "galaxies than in the noise stamps, %s",
-             cause, sheard_advice_without_level(0.01 * r->noise_share, effect, sizeof effect));
-    return buf;
+    return advice_say(
+        buf, size,
+        "the level of the noise cannot be checked (%s): were it 1 %% higher under the "
+        "galaxies than in the noise stamps, %s",
+        cause, sheard_advice_without_level(0.01 * r->noise_share, effect, sizeof effect));
 }
 
 const char *sheard_advice_noise_shape(const shear_result *r, const shear_plan_info *plan, char *buf,
@@ -96,14 +95,14 @@ const char *sheard_advice_noise_shape(const shear_result *r, const shear_plan_in
     if (!has_other_shape(r)) {
         return NULL;
     }
-    snprintf(buf, size,
-             "the noise under the galaxies has another spectrum than that of the noise stamps: it "
-             "is %.3g times as strong (+- %.1g), and beyond Nyquist %.0f +- %.1g %% %s than that "
-             "(is one correlated from pixel to pixel, and the other less?): no noise level cures "
-             "that, the shear is biased; take noise stamps from the same image, resampled alike",
-             r->noise_level, r->noise_level_err, 100.0 * fabs(r->noise_shape),
-             100.0 * r->noise_shape_err, r->noise_shape > 0.0 ? "stronger" : "weaker");
-    return buf;
+    return advice_say(
+        buf, size,
+        "the noise under the galaxies has another spectrum than that of the noise stamps: it "
+        "is %.3g times as strong (+- %.1g), and beyond Nyquist %.0f +- %.1g %% %s than that "
+        "(is one correlated from pixel to pixel, and the other less?): no noise level cures "
+        "that, the shear is biased; take noise stamps from the same image, resampled alike",
+        r->noise_level, r->noise_level_err, 100.0 * fabs(r->noise_shape),
+        100.0 * r->noise_shape_err, r->noise_shape > 0.0 ? "stronger" : "weaker");
 }
 
 const char *sheard_advice_noise_scatter(const shear_result *r, const shear_plan_info *plan,
@@ -114,10 +113,10 @@ const char *sheard_advice_noise_scatter(const shear_result *r, const shear_plan_
         !(err * fabs(r->noise_share) > EFFECT_MIN)) {
         return NULL;
     }
-    snprintf(buf, size,
-             "the noise level, %.3g +- %.2g, hangs on one stamp with absurd pixels; look at stamp "
-             "%" PRId64 " first, which counts most (shearctl plot --stamp %" PRId64 "), and mask "
-             "it (column FLAGS) where it is no galaxy",
-             r->noise_level, err, r->top_stamp, r->top_stamp);
-    return buf;
+    return advice_say(
+        buf, size,
+        "the noise level, %.3g +- %.2g, hangs on one stamp with absurd pixels; look at stamp "
+        "%" PRId64 " first, which counts most (shearctl plot --stamp %" PRId64 "), and mask "
+        "it (column FLAGS) where it is no galaxy",
+        r->noise_level, err, r->top_stamp, r->top_stamp);
 }

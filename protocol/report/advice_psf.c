@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "report/advice_say.h"
+
 /* "3 of 64 PSFs looked at (the worst): " where there are several, then the words. */
 static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
                        const char *format, ...) __attribute__((format(printf, 5, 6)));
@@ -91,11 +93,11 @@ static const char *negative(const shear_plan_info *plan, char *buf, size_t size)
 }
 
 static const char *unusable(const shear_psf_summary *s, char *buf, size_t size) {
-    snprintf(buf, size,
-             "%" PRId64 " of %" PRId64 " PSFs looked at are unusable (not finite, flat, no flux, "
-             "or with their peak at the image's edge): their stamps are flagged psf_unusable",
-             s->unusable, s->looked_at);
-    return buf;
+    return advice_say(
+        buf, size,
+        "%" PRId64 " of %" PRId64 " PSFs looked at are unusable (not finite, flat, no flux, "
+        "or with their peak at the image's edge): their stamps are flagged psf_unusable",
+        s->unusable, s->looked_at);
 }
 
 void sheard_advice_psf(sheard_advice_list *list, const shear_plan_info *plan) {
@@ -140,7 +142,6 @@ const char *sheard_advice_other_psfs(const sheard_report_file *files, size_t n, 
     if (doubtful == 0) {
         return NULL;
     }
-    snprintf(buf, size, "%zu of %zu files after the first have doubtful PSFs: %.200s: %s", doubtful,
-             others, example != NULL ? example : "a file", said.lines[0]);
-    return buf;
+    return advice_say(buf, size, "%zu of %zu files after the first have doubtful PSFs: %.200s: %s",
+                      doubtful, others, example != NULL ? example : "a file", said.lines[0]);
 }

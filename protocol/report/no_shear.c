@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "report/advice_say.h"
+
 typedef struct reason {
     const char *name, *words, *advice;
 } reason;
@@ -95,12 +97,11 @@ const char *sheard_no_shear_text(const shear_result *r, char *buf, size_t size) 
 const char *sheard_no_shear_advice(const shear_result *r, char *buf, size_t size) {
     const char *advice = reason_of(r->why)->advice;
     if (is_spoilt(r)) {
-        snprintf(buf, size,
-                 "look at it (shearctl plot --stamp %" PRId64 "), and mask it (column FLAGS) where "
-                 "it is no galaxy",
-                 r->top_stamp);
-    } else {
-        snprintf(buf, size, "%s", advice != NULL ? advice : "");
+        return advice_say(buf, size,
+                          "look at it (shearctl plot --stamp %" PRId64
+                          "), and mask it (column FLAGS) where "
+                          "it is no galaxy",
+                          r->top_stamp);
     }
-    return buf;
+    return advice_say(buf, size, "%s", advice != NULL ? advice : "");
 }

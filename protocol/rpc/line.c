@@ -11,9 +11,7 @@ const char sheard_rpc_no_memory_line[] =
     "\"data\":{\"code\":\"out_of_memory\",\"retry\":true,\"parameter\":null,"
     "\"advice\":\"try again when the machine has more memory free\"}}}\n";
 
-static int bad_call(char **line, size_t *n, sheard_rpc_error *error, const char *what, int number) {
-    *line = NULL;
-    *n = 0;
+static int bad_call(sheard_rpc_error *error, const char *what, int number) {
     return sheard_rpc_fail(error, SHEARD_RPC_INTERNAL, NULL, "there is no %s number %d", what,
                            number);
 }
@@ -50,14 +48,22 @@ static int check_length(char **line, size_t *n, sheard_rpc_error *error) {
                            sheard_rpc_request_limits.line);
 }
 
+/* A line with the id and one member more; NULL is want of memory. */
+static int write_answer(char **line, size_t *n, const sheard_rpc_id *id, const char *key,
+                        json_t *value, sheard_rpc_error *error) {
+    json_t *answer =
+        JSON_OBJECT({"jsonrpc", json_string("2.0")}, {"id", rpc_id_write(id)}, {key, value});
+    return rpc_write_line(line, n, answer, error);
+}
+
 int sheard_request_line(char **line, size_t *n, const sheard_rpc_id *id, int method,
                         const sheard_params *params, sheard_rpc_error *error) {
-    if (sheard_method_name(method) == NULL) {
-        return bad_call(line, n, error, "method", method);
-    }
+    sheard_params none;
     *line = NULL;
     *n = 0;
-    sheard_params none;
+    if (sheard_method_name(method) == NULL) {
+        return bad_call(error, "method", method);
+    }
     sheard_params_init(&none, method);
     json_t *object =
         msg_write(params != NULL ? params : &none, rpc_methods[method].params, MSG_SPARSE, error);
@@ -69,28 +75,22 @@ int sheard_request_line(char **line, size_t *n, const sheard_rpc_id *id, int met
         json_decref(object);
         return code;
     }
-    code = rpc_write_line(line, n,
-                          JSON_OBJECT({"jsonrpc", json_string("2.0")}, {"id", rpc_id_write(id)},
-                                      {"method", json_string(rpc_methods[method].name)},
-                                      {"params", object}),
-                          error);
+    json_t *request =
+        JSON_OBJECT({"jsonrpc", json_string("2.0")}, {"id", rpc_id_write(id)},
+                    {"method", json_string(rpc_methods[method].name)}, {"params", object});
+    code = rpc_write_line(line, n, request, error);
     return code == SHEARD_RPC_OK ? check_length(line, n, error) : code;
 }
 
 int sheard_reply_line(char **line, size_t *n, const sheard_rpc_id *id, int method,
                       const sheard_reply *reply, sheard_rpc_error *error) {
-    if (sheard_method_name(method) == NULL) {
-        return bad_call(line, n, error, "method", method);
-    }
     *line = NULL;
     *n = 0;
+    if (sheard_method_name(method) == NULL) {
+        return bad_call(error, "method", method);
+    }
     json_t *result = msg_write(reply, rpc_methods[method].reply, 0, error);
-    return result != NULL
-               ? rpc_write_line(line, n,
-                                JSON_OBJECT({"jsonrpc", json_string("2.0")},
-                                            {"id", rpc_id_write(id)}, {"result", result}),
-                                error)
-               : error->code;
+    return result != NULL ? write_answer(line, n, id, "result", result, error) : error->code;
 }
 
 int sheard_error_line(char **line, size_t *n, const sheard_rpc_id *id,
@@ -102,25 +102,22 @@ int sheard_error_line(char **line, size_t *n, const sheard_rpc_id *id,
         {"parameter", json_text_string(parameter)}, {"advice", json_text_string(what->advice)});
     json_t *error = JSON_OBJECT({"code", json_integer(what->number)},
                                 {"message", json_text_string(what->message)}, {"data", data});
-    return rpc_write_line(
-        line, n,
-        JSON_OBJECT({"jsonrpc", json_string("2.0")}, {"id", rpc_id_write(id)}, {"error", error}),
-        &no_memory);
+    return write_answer(line, n, id, "error", error, &no_memory);
 }
 
 int sheard_notice_line(char **line, size_t *n, int notice, const sheard_notice_params *params,
                        sheard_rpc_error *error) {
-    if (sheard_notice_name(notice) == NULL) {
-        return bad_call(line, n, error, "notification", notice);
-    }
     *line = NULL;
     *n = 0;
+    if (sheard_notice_name(notice) == NULL) {
+        return bad_call(error, "notification", notice);
+    }
     json_t *object = msg_write(params, rpc_notices[notice].params, 0, error);
-    return object != NULL
-               ? rpc_write_line(line, n,
-                                JSON_OBJECT({"jsonrpc", json_string("2.0")},
-                                            {"method", json_string(rpc_notices[notice].name)},
-                                            {"params", object}),
-                                error)
-               : error->code;
+    if (object == NULL) {
+        return error->code;
+    }
+    json_t *told =
+        JSON_OBJECT({"jsonrpc", json_string("2.0")},
+                    {"method", json_string(rpc_notices[notice].name)}, {"params", object});
+    return rpc_write_line(line, n, told, error);
 }

@@ -13,31 +13,30 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+typedef const char *sheard_advice(const shear_result *r, const shear_plan_info *plan, char *buf,
+                                  size_t size);
+
 /* The filter takes more than 1 % off the stacked flux (and more than 3 errors): the shear is
  * biased. Not of a core that was found: it was chosen by what it does to the shear, and wings far
  * out may hold a percent of the flux and nothing of the moments. */
-const char *sheard_advice_filter(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                 size_t size);
+sheard_advice sheard_advice_filter;
 
 /* Without a filter: the border pixels of the galaxy stamps are brighter than those of the noise
  * stamps by more than 4 errors, and, were the whole stamp so bright, by more than 2 % of the mean
  * flux. */
-const char *sheard_advice_bright_border(const shear_result *r, const shear_plan_info *plan,
-                                        char *buf, size_t size);
+sheard_advice sheard_advice_bright_border;
 
 /* Without a filter: the borders vary more than the noise under the galaxies (the noise stamps' at
  * the noise level) by more than 4 errors, by more than 5 % of the noise stamps' variance, and, were
  * the whole stamp off by that much (root mean square), by more than 2 % of the mean flux. The last
  * condition is what is left where the noise is negligible: a galaxy's own faint wings must not
  * count. */
-const char *sheard_advice_rough_border(const shear_result *r, const shear_plan_info *plan,
-                                       char *buf, size_t size);
+sheard_advice sheard_advice_rough_border;
 
 /* A gradient over the stamps: the border's sides differ from those opposite by more than 4 errors
  * beyond the noise stamps', and by so much that the shear changes by about 10^-4: over a whole
  * stamp, 30 % of the mean flux without a filter, all of it with one. */
-const char *sheard_advice_gradient(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                   size_t size);
+sheard_advice sheard_advice_gradient;
 
 /* "the shear would be 0.77 % too large": were it measured with a D that is too large by the part
  * `effect` (shear_result.noise_effect). Returns buf. */
@@ -47,34 +46,28 @@ const char *sheard_advice_without_level(double effect, char *buf, size_t size);
  * errors, and the shear would change by more than 0.2 % without the noise level. Said otherwise
  * where it is more than twice or less than half; not where the spectra differ, for then it is no
  * cure. */
-const char *sheard_advice_noise_level(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                      size_t size);
+sheard_advice sheard_advice_noise_level;
 
 /* That cannot be checked (narrow PSF, or stamps are interpolated), and matters: the noise stamps
  * take off more than half of sum w D. */
-const char *sheard_advice_noise_unchecked(const shear_result *r, const shear_plan_info *plan,
-                                          char *buf, size_t size);
+sheard_advice sheard_advice_noise_unchecked;
 
 /* The two noises' spectra differ: by more than 3 % and 5 errors between the two bands, and by 0.2 %
  * of the shear. */
-const char *sheard_advice_noise_shape(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                      size_t size);
+sheard_advice sheard_advice_noise_shape;
 
 /* The noise stamps hold no noise and the galaxies do: what that makes of sum w D, as a part of what
  * it would be without; 0 where it is not so, or cannot be told. The noise is taken for white. */
 double sheard_advice_noise_left(const shear_result *r, const shear_plan_info *plan);
 /* In words, above 0.2 % of the shear; with or without a shear. */
-const char *sheard_advice_no_noise(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                   size_t size);
+sheard_advice sheard_advice_no_noise;
 
 /* The stamps are too small for beta, by more than 0.2 % of the shear (shear_plan_periodic_bias). */
-const char *sheard_advice_small_stamps(const shear_result *r, const shear_plan_info *plan,
-                                       char *buf, size_t size);
+sheard_advice sheard_advice_small_stamps;
 
 /* More than 2 % of the galaxy stamps (and 10) have artefacts: with so many it matters which
  * galaxies they are found in. */
-const char *sheard_advice_many_artefacts(const shear_result *r, const shear_plan_info *plan,
-                                         char *buf, size_t size);
+sheard_advice sheard_advice_many_artefacts;
 
 /* What makes the shear wrong by more than a percent, or leaves none, beyond all that can be
  * corrected: noise stamps without noise, or with noise of another spectrum, and stamps that are too
@@ -85,13 +78,11 @@ typedef struct sheard_cause {
 bool sheard_cause_of(const shear_result *r, const shear_plan_info *plan, sheard_cause *cause);
 
 /* The noise level has an error of more than half of it, and that matters: one stamp decides it. */
-const char *sheard_advice_noise_scatter(const shear_result *r, const shear_plan_info *plan,
-                                        char *buf, size_t size);
+sheard_advice sheard_advice_noise_scatter;
 
 /* With jackknife errors of 10 groups or more: they and the delta method's differ by a factor of
  * more than 1.5, and by more than 3 of the jackknife's own errors. */
-const char *sheard_advice_errors(const shear_result *r, const shear_plan_info *plan, char *buf,
-                                 size_t size);
+sheard_advice sheard_advice_errors;
 
 /* Of the ratio of means: one stamp has more than a tenth of sum w D and more than 5 times its part,
  * or more than 50 stamps count as less than 10. `top_file`: the file it is in; NULL: not known, or
