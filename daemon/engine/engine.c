@@ -217,7 +217,7 @@ bool engine_get_progress(engine *e, int64_t id, engine_progress *progress) {
     job *j = find(e, id);
     const bool known = j != NULL;
     if (known) {
-        *progress = (engine_progress){.stage = atomic_load(&j->stage),
+        *progress = (engine_progress){.stage = (enum engine_stage)atomic_load(&j->stage),
                                       .hashed = atomic_load(&j->hashed),
                                       .bytes = j->bytes,
                                       .total = -1};

@@ -91,7 +91,7 @@ void dispatch_line(connection *c) {
     const char *line;
     size_t n;
     const enum sheard_frame_event event =
-        sheard_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
+        (enum sheard_frame_event)sheard_frame_next(&c->frame, &c->input, &c->n_input, &line, &n);
     if (event != SHEARD_FRAME_MORE) {
         s->statistics.lines++;
         c->active_ms = uv_now(s->loop);

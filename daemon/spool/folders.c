@@ -125,7 +125,7 @@ static int open_all(folders *f, shear_error *err) {
     }
     code = acquire_lock(f, err);
     for (int i = 0; i < N_FOLDERS && code == SHEAR_OK; i++) {
-        code = open_folder(f, i, &f->fd[i], err);
+        code = open_folder(f, (enum folder)i, &f->fd[i], err);
     }
     return code != SHEAR_OK ? code : check_one_mount(f, err);
 }

@@ -55,7 +55,7 @@ static member_value fallback_of(const msg_member *m) {
     case MSG_NAME:
         return (member_value){.number = (int)m->fallback};
     default:
-        return (member_value){0};
+        return (member_value){.text = NULL}; /* the largest member: clang fills no more */
     }
 }
 

@@ -226,11 +226,11 @@ int fx_state(fixture *f, int64_t id) {
     FX_OK(store_job_state(f->s, id, &state, &err));
     assert_int_equal(state, job.state);
     store_job_deinit(&job);
-    return state;
+    return (int)state;
 }
 
 store_failure fx_failure(fixture *f, int failure_class, int64_t retry_at_ms) {
-    return (store_failure){.failure_class = failure_class,
+    return (store_failure){.failure_class = (enum store_class)failure_class,
                            .code = "io",
                            .message = "the disk is full",
                            .advice = "make room",

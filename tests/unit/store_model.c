@@ -136,7 +136,7 @@ int model_finish(model *m, int64_t id, bool sums, int64_t now_ms, store_finished
     move(m, job, STORE_DONE, now_ms);
     job->outcome = of != 0 ? STORE_DUPLICATE : STORE_COUNTED;
     job->duplicate_of = of;
-    *end = (store_finished){STORE_DONE, job->outcome, of};
+    *end = (store_finished){STORE_DONE, (enum store_outcome)job->outcome, of};
     m->totals.duplicates += of != 0;
     m->totals.counted += of == 0;
     if (of == 0) {
@@ -155,7 +155,7 @@ int model_fail(model *m, int64_t id, int failure_class, int64_t retry_at_ms, int
         *state = job->cancel_asked  ? STORE_CANCELLED
                  : retry_at_ms >= 0 ? STORE_WAITING
                                     : STORE_FAILED;
-        move(m, job, *state, now_ms);
+        move(m, job, (int)*state, now_ms);
         job->not_before_ms = *state == STORE_WAITING ? retry_at_ms : 0;
         job->failures++;
         m->totals.failures[failure_class]++;
@@ -170,7 +170,7 @@ int model_put_back(model *m, int64_t id, bool interrupted, int64_t now_ms,
     *state = STORE_QUEUED;
     if (code == SHEAR_OK) {
         *state = job->cancel_asked ? STORE_CANCELLED : STORE_QUEUED;
-        move(m, job, *state, now_ms);
+        move(m, job, (int)*state, now_ms);
         job->interrupted += interrupted && *state == STORE_QUEUED;
         m->totals.interrupted += interrupted;
     }
@@ -191,7 +191,7 @@ int model_cancel(model *m, int64_t id, int64_t now_ms, enum store_state *state) 
     } else if (job->state != STORE_CANCELLED) {
         move(m, job, STORE_CANCELLED, now_ms);
     }
-    *state = job->state;
+    *state = (enum store_state)job->state;
     return SHEAR_OK;
 }
 

@@ -54,7 +54,7 @@ static void reopen(int style) {
     log_options o;
     log_options_init(&o);
     o.fd = ends[1];
-    o.style = style;
+    o.style = (enum log_style)style;
     o.now_ms = now;
     log_open(&o);
 }

@@ -80,7 +80,7 @@ static void serve_finish(service *v, const store_job *job) {
     const store_work work = {.sums = sums, .elapsed_us = 1, .now_ms = fx_now(v->f)};
     must(store_finish(v->f->s, job->id, &work, &end, NULL));
     free(sums);
-    tell(v, job->id, end.outcome);
+    tell(v, job->id, (int)end.outcome);
 }
 
 static void serve_next(service *v) {

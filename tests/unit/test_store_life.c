@@ -28,7 +28,7 @@ static int fail_job(fixture *f, int64_t id, int64_t retry_at_ms) {
     const store_failure failure = fx_failure(f, STORE_TRANSIENT, retry_at_ms);
     FX_OK(store_fail(f->s, id, &failure, &end, &err));
     assert_int_equal(end, fx_state(f, id));
-    return end;
+    return (int)end;
 }
 
 static int cancel(fixture *f, int64_t id) {
@@ -36,7 +36,7 @@ static int cancel(fixture *f, int64_t id) {
     enum store_state end = STORE_QUEUED;
     FX_OK(store_cancel(f->s, id, fx_now(f), &end, &err));
     assert_int_equal(end, fx_state(f, id));
-    return end;
+    return (int)end;
 }
 
 static void the_highest_and_then_the_oldest_runs(void **state) {

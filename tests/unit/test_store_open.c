@@ -516,7 +516,7 @@ static void names_are_stable(void **state) {
     assert_string_equal(store_state_name(STORE_QUEUED), "queued");
     assert_string_equal(store_state_name(STORE_CANCELLED), "cancelled");
     assert_string_equal(store_state_name(STORE_N_STATES), "unknown");
-    assert_string_equal(store_state_name(-1), "unknown");
+    assert_string_equal(store_state_name((enum store_state) - 1), "unknown");
     assert_string_equal(store_outcome_name(STORE_DUPLICATE), "duplicate");
     assert_string_equal(store_origin_name(STORE_SOCKET), "socket");
     assert_string_equal(store_class_name(STORE_BUG), "bug");

@@ -37,7 +37,7 @@ typedef struct field_rows {
 } field_rows;
 
 /* The rows, and their results. */
-static int find_rows(field_rows *w) {
+static enum server_step find_rows(field_rows *w) {
     service *s = w->list.s;
     const sheard_msg_field *p = &w->list.request.params.field;
     shear_error err = {0};

@@ -117,7 +117,7 @@ static bool is_over(const pending_wait *w) {
 }
 
 /* The states of some of them; the last of these steps says how it goes on. */
-static int look(pending_wait *w) {
+static enum server_step look(pending_wait *w) {
     const size_t end = w->n_ids - w->next > LOOKS_A_STEP ? w->next + LOOKS_A_STEP : w->n_ids;
     for (; w->next < end; w->next++) {
         shear_error err = {0};
