@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear-paper: the experiments of Zhang (2010), and some that go beyond it. */
-#include "experiment.h"
+#include "engine/experiment.h"
 
 #include <locale.h>
 #include <stdbool.h>

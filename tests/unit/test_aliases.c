@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The aliases' share of the experiment narrow: closed forms, and the table of docs/method.md. */
-#include "aliases.h"
+#include "engine/aliases.h"
 #include "test.h"
 
 #include <math.h>

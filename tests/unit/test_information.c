@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Cramer-Rao bound of distributions where it is known. */
-#include "information.h"
+#include "engine/information.h"
 #include "pair.h"
 #include "test.h"
 

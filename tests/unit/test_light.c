@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The simulator of the experiments survey and precision: closed forms and laws. */
-#include "flaw.h"
-#include "light.h"
-#include "population.h"
+#include "engine/flaw.h"
+#include "engine/light.h"
+#include "engine/population.h"
 #include "test.h"
 
 #include <math.h>

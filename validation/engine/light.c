@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "engine/light.h"
+#include "engine/must.h"
+
+#include <gsl/gsl_fft_complex.h>
+#include <gsl/gsl_fft_halfcomplex.h>
+#include <gsl/gsl_sf_bessel.h>
+#include <gsl/gsl_sf_gamma.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double moffat_index = 3.5;
+/* The spikes: their light, length and breadth over the core's sigma, and the angle of the first. */
+static const double spike_part = 0.06, spike_length = 6.0, spike_breadth = 0.8, spike_angle = 0.35;
+static const double bulge_power = -0.4; /* -1 - nu */
+
+struct light {
+    int side, period; /* px */
+    int reach;        /* rows of modes: reach * period */
+    int columns;      /* modes 0 .. period / 2 of the folded image */
+    double *psf;      /* [reach period][reach][columns] transform of PSF and pixel */
+    double *kx;       /* [reach][columns] */
+    double *phase;    /* [reach][columns][2] */
+    double *modes;    /* [period][columns][2] */
+    double *line;     /* [2 period] */
+    double *power;    /* [columns] */
+};
+
+/* ---- PSFs ---- */
+
+static double moffat(double k, double fwhm) {
+    double rd = 0.5 * fwhm / sqrt(pow(2.0, 1.0 / moffat_index) - 1.0);
+    double x = k * rd;
+    double nu = moffat_index - 1.0;
+    if (x < 1e-6) {
+        return 1.0;
+    }
+    if (x > 600.0) {
+        return 0.0;
+    }
+    return 2.0 / gsl_sf_gamma(nu) * pow(0.5 * x, nu) * gsl_sf_bessel_Knu(nu, x);
+}
+
+static double struts(double kx, double ky, double sigma) {
+    double c = cos(spike_angle);
+    double s = sin(spike_angle);
+    double u = sigma * (c * kx + s * ky);
+    double v = sigma * (c * ky - s * kx);
+    double l = spike_length * spike_length;
+    double b = spike_breadth * spike_breadth;
+    double core = exp(-0.5 * (u * u + v * v));
+    double spikes = exp(-0.5 * (l * u * u + b * v * v)) + exp(-0.5 * (b * u * u + l * v * v));
+    return (1.0 - spike_part) * core + 0.5 * spike_part * spikes;
+}
+
+static double sinc(double x) {
+    return fabs(x) < 1e-9 ? 1.0 : sin(x) / x;
+}
+
+/* The transform of an image sheared by A is that of the round one at A^T k. */
+static double psf_at(const light_psf *p, double kx, double ky, double scale) {
+    double det = sqrt(1.0 - p->e[0] * p->e[0] - p->e[1] * p->e[1]);
+    double u = ((1.0 + p->e[0]) * kx + p->e[1] * ky) / det;
+    double v = (p->e[1] * kx + (1.0 - p->e[0]) * ky) / det;
+    double w = p->kind == LIGHT_MOFFAT ? moffat(hypot(u, v), scale * p->size)
+                                       : struts(u, v, scale * p->size);
+    return w * sinc(0.5 * scale * kx) * sinc(0.5 * scale * ky);
+}
+
+/* ---- modes ---- */
+
+/* ky of row r of reach * period rows. */
+static double row_k(const struct light *l, int r) {
+    return 2.0 * M_PI * (r - l->reach * l->period / 2) / l->period;
+}
+
+static int row_mode(const struct light *l, int r) {
+    int m = (r - l->reach * l->period / 2) % l->period;
+    return m < 0 ? m + l->period : m;
+}
+
+/* Aliases -reach/2 .. reach/2 - 1 of the modes 0 .. period/2: with those at -k, all there are. */
+static void fill_columns(struct light *l) {
+    for (int a = 0; a < l->reach; a++) {
+        for (int m = 0; m < l->columns; m++) {
+            l->kx[a * l->columns + m] =
+                2.0 * M_PI * ((double)m / l->period + (double)(a - l->reach / 2));
+        }
+    }
+}
+
+static void fill_psf(struct light *l, const light_psf *psf, double scale) {
+    int n = l->reach * l->columns;
+    for (int r = 0; r < l->reach * l->period; r++) {
+        for (int m = 0; m < n; m++) {
+            l->psf[(size_t)r * (size_t)n + (size_t)m] = psf_at(psf, l->kx[m], row_k(l, r), scale);
+        }
+    }
+}
+
+int light_new(struct light **light, const light_psf *psf, int side, int reach, double scale,
+              shear_error *err) {
+    int code = SHEAR_OK;
+    struct light *l = memory_new(1, sizeof *l, "a simulator", &code, err);
+    *light = l;
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    *l = (struct light){.side = side, .period = 2 * side, .reach = reach, .columns = side + 1};
+    size_t n = (size_t)reach * (size_t)l->columns;
+    size_t period = (size_t)l->period;
+    l->psf = memory_new((size_t)reach * period * n, sizeof(double), "modes", &code, err);
+    l->kx = memory_new(n, sizeof(double), "modes", &code, err);
+    l->phase = memory_new(2 * n, sizeof(double), "modes", &code, err);
+    l->modes = memory_new(2 * period * (size_t)l->columns, sizeof(double), "modes", &code, err);
+    l->line = memory_new(2 * period, sizeof(double), "modes", &code, err);
+    l->power = memory_new((size_t)l->columns, sizeof(double), "modes", &code, err);
+    if (code != SHEAR_OK) {
+        light_free(l);
+        *light = NULL;
+        return code;
+    }
+    fill_columns(l);
+    fill_psf(l, psf, scale);
+    return SHEAR_OK;
+}
+
+void light_free(struct light *l) {
+    if (l != NULL) {
+        free(l->psf);
+        free(l->kx);
+        free(l->phase);
+        free(l->modes);
+        free(l->line);
+        free(l->power);
+        free(l);
+    }
+}
+
+/* ---- drawing ---- */
+
+/* The round galaxy's transform, at the modes of one row and one alias. */
+static void galaxy_row(const struct light *l, const light_galaxy *g, const double *kx, double ky,
+                       const double *psf) {
+    const double ax = g->map[0][0];
+    const double bx = g->map[0][1];
+    const double ay = g->map[1][0] * ky;
+    const double by = g->map[1][1] * ky;
+    const double h2 = g->disk_px * g->disk_px;
+    const double c2 = g->bulge_px * g->bulge_px;
+    const double bulge = g->bulge;
+    double *power = l->power;
+#pragma omp simd
+    for (int m = 0; m < l->columns; m++) {
+        double u = ax * kx[m] + ay;
+        double v = bx * kx[m] + by;
+        double q = u * u + v * v;
+        double t = 1.0 + q * h2;
+        double b = exp(bulge_power * log(1.0 + q * c2));
+        power[m] = psf[m] * ((1.0 - bulge) / (t * sqrt(t)) + bulge * b);
+    }
+}
+
+static void add_row(const struct light *l, const double *power, const double *phase, double ky,
+                    double y, double *modes) {
+    const double c = cos(ky * y);
+    const double s = -sin(ky * y);
+#pragma omp simd
+    for (int m = 0; m < l->columns; m++) {
+        modes[2 * m] += power[m] * (c * phase[2 * m] - s * phase[2 * m + 1]);
+        modes[2 * m + 1] += power[m] * (c * phase[2 * m + 1] + s * phase[2 * m]);
+    }
+}
+
+/* The modes of a galaxy (NULL: a point) at pixel (x, y). */
+static void fill_modes(struct light *l, const light_galaxy *g, double x, double y) {
+    int n = l->reach * l->columns;
+    for (int m = 0; m < n; m++) {
+        l->phase[2 * m] = cos(l->kx[m] * x);
+        l->phase[2 * m + 1] = -sin(l->kx[m] * x);
+    }
+    memset(l->modes, 0, 2 * (size_t)l->period * (size_t)l->columns * sizeof *l->modes);
+    for (int i = 0; i < l->reach * l->period * l->reach; i++) {
+        int r = i / l->reach;
+        int at = i % l->reach * l->columns;
+        const double *psf = l->psf + (size_t)r * (size_t)n + at;
+        if (g != NULL) {
+            galaxy_row(l, g, l->kx + at, row_k(l, r), psf);
+        }
+        add_row(l, g != NULL ? l->power : psf, l->phase + 2 * at, row_k(l, r), y,
+                l->modes + 2 * (size_t)row_mode(l, r) * (size_t)l->columns);
+    }
+}
+
+/* Along y: the stamp's rows replace the modes'. */
+static void transform_columns(struct light *l) {
+    size_t step = 2 * (size_t)l->columns;
+    for (int m = 0; m < l->columns; m++) {
+        double *column = l->modes + 2 * (size_t)m;
+        for (int r = 0; r < l->period; r++) {
+            l->line[2 * r] = column[(size_t)r * step];
+            l->line[2 * r + 1] = column[(size_t)r * step + 1];
+        }
+        gsl_fft_complex_radix2_backward(l->line, 1, (size_t)l->period);
+        for (int r = 0; r < l->side; r++) {
+            column[(size_t)r * step] = l->line[2 * r];
+            column[(size_t)r * step + 1] = l->line[2 * r + 1];
+        }
+    }
+}
+
+static void transform_rows(struct light *l, double *out) {
+    double scale = 1.0 / ((double)l->period * l->period);
+    for (int y = 0; y < l->side; y++) {
+        const double *row = l->modes + 2 * (size_t)y * (size_t)l->columns;
+        l->line[0] = row[0];
+        l->line[l->period / 2] = row[2 * (size_t)l->side];
+        for (int m = 1; m < l->period / 2; m++) {
+            l->line[m] = row[2 * m];
+            l->line[l->period - m] = row[2 * m + 1];
+        }
+        gsl_fft_halfcomplex_radix2_backward(l->line, 1, (size_t)l->period);
+        for (int x = 0; x < l->side; x++) {
+            out[(size_t)y * (size_t)l->side + (size_t)x] = scale * l->line[x];
+        }
+    }
+}
+
+void light_draw(struct light *l, const light_galaxy *galaxy, double x, double y, double *out) {
+    double centre = 0.5 * (l->side - 1);
+    fill_modes(l, galaxy, centre + x, centre + y);
+    transform_columns(l);
+    transform_rows(l, out);
+}
+
+void light_draw_psf(struct light *l, double *out) {
+    fill_modes(l, NULL, l->side / 2, l->side / 2);
+    transform_columns(l);
+    transform_rows(l, out);
+}
