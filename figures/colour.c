@@ -37,7 +37,7 @@ static double uniform_chroma(double t) {
     return 0.088 + 0.040 * exp(-violet * violet) + 0.055 * late * late * (3.0 - 2.0 * late);
 }
 
-shear_colour shear_map_colour(int map, double t) {
+shear_colour shear_map_colour(enum shear_map map, double t) {
     t = clamp01(t);
     if (map == SHEAR_MAP_GREY) {
         return from_oklab(t, 0.0, 0.0);

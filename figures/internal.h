@@ -13,7 +13,7 @@ enum { MAX_LEGEND = 16, LEGEND_LABEL = 96 };
 enum swatch { SWATCH_LINE, SWATCH_POINT, SWATCH_AREA };
 
 typedef struct legend_entry {
-    int swatch; /* enum swatch */
+    enum swatch swatch;
     shear_style style;
     char label[LEGEND_LABEL];
 } legend_entry;
@@ -64,7 +64,7 @@ void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *s
                          const shear_ticks *ticks);
 
 /* legend.c */
-void legend_add(shear_figure *f, int swatch, const shear_style *style);
+void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style);
 void legend_draw(shear_figure *f);
 
 /* marks.c: cut what follows at the frame, until cairo_restore; stroke the path with the style's

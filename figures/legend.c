@@ -9,7 +9,7 @@ static const double ROW = 17.0;
 static const double SWATCH = 22.0;
 static const double PAD = 8.0;
 
-void legend_add(shear_figure *f, int swatch, const shear_style *style) {
+void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style) {
     open_axes *axes = &f->axes;
     if (style->label == NULL || axes->n_legend == MAX_LEGEND) {
         return;
@@ -54,7 +54,7 @@ void legend_draw(shear_figure *f) {
     }
     const double w = SWATCH + 6.0 + widest + 2.0 * PAD;
     const double h = ROW * axes->n_legend + PAD;
-    const int corner = axes->spec.legend;
+    const enum shear_corner corner = axes->spec.legend;
     const bool left = corner == SHEAR_TOP_LEFT || corner == SHEAR_BOTTOM_LEFT;
     const bool top = corner == SHEAR_TOP_LEFT || corner == SHEAR_TOP_RIGHT;
     const double x = left ? r.x + 5.0 : r.x + r.w - w - 5.0;

@@ -70,7 +70,7 @@ static void triangle(cairo_t *cr, double x, double y, double r) {
     cairo_close_path(cr);
 }
 
-static void marker_path(cairo_t *cr, double x, double y, double r, int marker) {
+static void marker_path(cairo_t *cr, double x, double y, double r, enum shear_marker marker) {
     switch (marker) {
     case SHEAR_SQUARE:
         cairo_rectangle(cr, x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
@@ -98,7 +98,7 @@ static void marker_path(cairo_t *cr, double x, double y, double r, int marker) {
 
 void marks_marker(shear_figure *f, double x, double y, const shear_style *style) {
     const double radius = (style->size > 0.0 ? style->size : MARKER_SIZE) / 2.0;
-    const int marker = style->marker;
+    const enum shear_marker marker = style->marker;
     cairo_new_path(f->cr);
     marker_path(f->cr, x, y, radius, marker);
     if (marker == SHEAR_CIRCLE || marker == SHEAR_CROSS || marker == SHEAR_PLUS) {

@@ -102,7 +102,7 @@ size_t shear_histogram(double *counts, int bins, shear_range r, const double *v,
     return outside;
 }
 
-shear_stretch shear_stretch_make(int kind, shear_range span, double knee) {
+shear_stretch shear_stretch_make(enum shear_stretch_kind kind, shear_range span, double knee) {
     shear_stretch s = {.kind = kind, .span = span, .knee = knee};
     if (kind == SHEAR_LOG && isfinite(span.hi)) {
         s.span.hi = span.hi > 0.0 ? span.hi : 1.0;

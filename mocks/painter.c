@@ -29,7 +29,7 @@ static int spikes_half(const struct painter *p) {
     return p->kind == SHEAR_MOCK_PSF_B ? (int)ceil(psf_spikes_reach(p->r_px) + cell_radius) : -1;
 }
 
-bool painter_init(struct painter *p, int kind, double r_px, int nx, int ny) {
+bool painter_init(struct painter *p, enum shear_mock_psf kind, double r_px, int nx, int ny) {
     *p = (struct painter){.kind = kind, .r_px = r_px, .angle_deg = NAN, .nx = nx, .ny = ny};
     p->half = (int)ceil(psf_gaussian_reach(r_px) + cell_radius);
     p->reach = (int)ceil(psf_reach(kind, r_px) + cell_radius);

@@ -30,7 +30,7 @@ struct rows {
 };
 
 struct painter {
-    int kind; /* enum shear_mock_psf */
+    enum shear_mock_psf kind;
     double r_px, angle_deg;
     int nx, ny;      /* of the images */
     double *canvas;  /* [ny][stride] what was painted; PAINTER_STRIP columns more on each side */
@@ -49,7 +49,7 @@ struct painter {
 };
 
 /* False where there is no memory; deinit accepts what is left. */
-bool painter_init(struct painter *p, int kind, double r_px, int nx, int ny);
+bool painter_init(struct painter *p, enum shear_mock_psf kind, double r_px, int nx, int ny);
 void painter_deinit(struct painter *p);
 
 /* Choose the PSF's angle; needed before the first point. Costs as much as some points. */

@@ -39,7 +39,7 @@ static void turn(double angle_deg, double *c, double *s) {
     }
 }
 
-struct psf psf_make(int kind, double r_px, double angle_deg) {
+struct psf psf_make(enum shear_mock_psf kind, double r_px, double angle_deg) {
     struct psf p = {.r = r_px, .spikes = kind == SHEAR_MOCK_PSF_B};
     turn(angle_deg, &p.cos, &p.sin);
     double k = 0.5 / (r_px * r_px);
@@ -49,14 +49,14 @@ struct psf psf_make(int kind, double r_px, double angle_deg) {
     return p;
 }
 
-double psf_peak(int kind) {
+double psf_peak(enum shear_mock_psf kind) {
     return kind == SHEAR_MOCK_PSF_B ? 1.0 + spike_height * exp(-spike_core * spike_core) : 1.0;
 }
 
 /* The spikes: integrate over u first (a Gaussian), put v = sqrt(0.2) R sinh t; what is left is the
  * integral representation of the Bessel function K_0: sqrt(pi) exp(-z) K_0(z) R^2 with z = 0.2^2
  * / 2. */
-double psf_flux(int kind, double r_px) {
+double psf_flux(enum shear_mock_psf kind, double r_px) {
     double r2 = r_px * r_px;
     double flux = 2.0 * M_PI * r2 / sqrt(axis_ratio2);
     if (kind == SHEAR_MOCK_PSF_B) {
@@ -75,7 +75,7 @@ double psf_spikes_reach(double r_px) {
     return r_px * sqrt((ln_cut + log(spike_height)) / spike_core - spike_core);
 }
 
-double psf_reach(int kind, double r_px) {
+double psf_reach(enum shear_mock_psf kind, double r_px) {
     double gaussian = psf_gaussian_reach(r_px);
     return kind == SHEAR_MOCK_PSF_B ? fmax(gaussian, psf_spikes_reach(r_px)) : gaussian;
 }
@@ -142,8 +142,8 @@ SHEAR_SIMD void psf_spikes_row(const struct psf *p, double amplitude, double dx,
     }
 }
 
-void psf_image(int kind, double r_px, double angle_deg, int oversample, int nx, int ny,
-               double *out) {
+void psf_image(enum shear_mock_psf kind, double r_px, double angle_deg, int oversample, int nx,
+               int ny, double *out) {
     struct psf p = psf_make(kind, r_px, angle_deg);
     double step = 1.0 / oversample;
     double x0 = -0.5 * (nx - 1) * step;

@@ -9,6 +9,8 @@
 #ifndef MOCKS_PSF_H
 #define MOCKS_PSF_H
 
+#include "shear_mocks/mock.h"
+
 #include <stdbool.h>
 
 struct psf {
@@ -18,18 +20,18 @@ struct psf {
     bool spikes;     /* W_B */
 };
 
-/* `kind` is an enum shear_mock_psf. Multiples of 90 degrees are exact. */
-struct psf psf_make(int kind, double r_px, double angle_deg);
+/* Multiples of 90 degrees are exact. */
+struct psf psf_make(enum shear_mock_psf kind, double r_px, double angle_deg);
 
 /* W(0). */
-double psf_peak(int kind);
+double psf_peak(enum shear_mock_psf kind);
 /* The integral of W over the plane, px^2. */
-double psf_flux(int kind, double r_px);
+double psf_flux(enum shear_mock_psf kind, double r_px);
 /* At larger distances W is below 1e-20 of its peak, whatever the angle: of the Gaussian, of the
  * spikes, of W. */
 double psf_gaussian_reach(double r_px);
 double psf_spikes_reach(double r_px);
-double psf_reach(int kind, double r_px);
+double psf_reach(enum shear_mock_psf kind, double r_px);
 
 /* True where the Gaussian term, or the spikes, may exceed 1e-20 of the peak somewhere within
  * `radius` px of (dx, dy). */
@@ -44,7 +46,7 @@ void psf_spikes_row(const struct psf *p, double amplitude, double dx, double dy,
                     double *out);
 
 /* W point-sampled at `oversample` samples per px, centred at ((nx-1)/2, (ny-1)/2).  out [ny][nx] */
-void psf_image(int kind, double r_px, double angle_deg, int oversample, int nx, int ny,
-               double *out);
+void psf_image(enum shear_mock_psf kind, double r_px, double angle_deg, int oversample, int nx,
+               int ny, double *out);
 
 #endif

@@ -1,25 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* shear-paper: the experiments of Zhang (2010), and some that go beyond it. */
-#include "engine/experiment.h"
+#include "engine/must.h"
+#include "experiments/list.h"
+#include "report/run.h"
 
 #include <locale.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
-static const experiment *const table[] = {
-    &exp_noise,     &exp_images, &exp_single,     &exp_pixels, &exp_overall,   &exp_shot,
-    &exp_bias,      &exp_errors, &exp_efficiency, &exp_survey, &exp_precision, &exp_narrow,
-    &exp_selection, NULL,
+/* In the order of the paper. */
+static const experiment *const experiments[] = {
+    &experiment_noise,      &experiment_images,
+    &experiment_single,     &experiment_pixels,
+    &experiment_overall,    &experiment_shot,
+    &experiment_bias,       &experiment_errors,
+    &experiment_efficiency, &experiment_survey,
+    &experiment_precision,  &experiment_narrow,
+    &experiment_selection,  NULL,
 };
-
-const experiment *const *experiment_table(void) {
-    return table;
-}
 
 static void print_list(FILE *out) {
     fputs("usage: shear-paper EXPERIMENT [OPTION...]\n       shear-paper help EXPERIMENT\n\n", out);
-    for (const experiment *const *e = table; *e; e++) {
+    for (const experiment *const *e = experiments; *e != NULL; e++) {
         fprintf(out, "  %-12s %s\n", (*e)->name, (*e)->summary);
     }
     fputs("\nEach leaves NAME.ecsv and NAME.png in the folder --out, and a state from which a run "
@@ -28,62 +30,44 @@ static void print_list(FILE *out) {
           out);
 }
 
-static void print_error(const shear_error *err) {
-    fprintf(stderr, "shear-paper: error: %s\n", err->message);
-    if (err->advice[0]) {
-        fprintf(stderr, "  %s\n", err->advice);
-    }
-}
-
 static const experiment *find(const char *name) {
-    for (const experiment *const *e = table; *e; e++) {
+    for (const experiment *const *e = experiments; *e != NULL; e++) {
         if (strcmp((*e)->name, name) == 0) {
             return *e;
         }
     }
-    fprintf(stderr, "shear-paper: error: no experiment is called '%s'\n", name);
-    return NULL;
+    must_fail(SHEAR_E_SETTING, NULL, "no experiment is called '%s'", name);
 }
 
-static bool asks_for_help(int argc, char **argv) {
-    for (int i = 1; i < argc; i++) {
-        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
-            return true;
-        }
-    }
-    return false;
+static bool is_help(const char *argument) {
+    return strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0;
 }
 
-static int run(const experiment *e, int argc, char **argv) {
-    struct request request;
-    shear_error err = {0};
-    int code = request_parse(&request, e, argc, argv, &err);
-    if (code == SHEAR_OK) {
-        code = e->exec(&request, &err);
-    }
-    if (code != SHEAR_OK) {
-        print_error(&err);
-    }
-    return code == SHEAR_OK          ? EXIT_CODE_DONE
-           : code == SHEAR_E_SETTING ? EXIT_CODE_USAGE
-                                     : EXIT_CODE_OTHER;
+static void run_experiment(const experiment *e, int argc, char **argv) {
+    options o;
+    run r;
+    options_parse(&o, e, argc, argv);
+    run_begin(&r, &o);
+    e->run(&r);
+    run_end(&r);
 }
 
 int main(int argc, char **argv) {
     setlocale(LC_CTYPE, "");
     bool help = argc > 1 && strcmp(argv[1], "help") == 0;
-    const char *name = help && argc > 2 ? argv[2] : argc > 1 ? argv[1] : "help";
-    if (strcmp(name, "help") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+    const char *name = help ? argv[2] : argv[1];
+    if (argc < 2 || name == NULL || is_help(name) || strcmp(name, "help") == 0) {
         print_list(stdout);
         return EXIT_CODE_DONE;
     }
     const experiment *e = find(name);
-    if (e == NULL) {
-        return EXIT_CODE_USAGE;
+    for (int i = 2; i < argc; i++) {
+        help = help || is_help(argv[i]);
     }
-    if (help || asks_for_help(argc - 1, argv + 1)) {
-        request_help(e, stdout);
-        return EXIT_CODE_DONE;
+    if (help) {
+        options_help(e, stdout);
+    } else {
+        run_experiment(e, argc - 1, argv + 1);
     }
-    return run(e, argc - 1, argv + 1);
+    return EXIT_CODE_DONE;
 }

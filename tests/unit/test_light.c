@@ -17,14 +17,14 @@ static void assert_near(double measured, double known, double tolerance) {
     }
 }
 
-static struct light *new_light(int kind, double size, double e1, double e2, int reach) {
+static light *new_light(int kind, double size, double e1, double e2, int reach) {
     const light_psf psf = {kind, size, {e1, e2}};
-    struct light *light = NULL;
+    light *l = NULL;
     shear_error err = {0};
-    if (light_new(&light, &psf, SIDE, reach, 1.0, &err) != 0) {
+    if (light_new(&l, &psf, SIDE, reach, 1.0, &err) != 0) {
         fail_msg("%s", err.message);
     }
-    return light;
+    return l;
 }
 
 static double sum_of(const double *image) {
@@ -56,8 +56,8 @@ static double moffat_pixel(double fwhm, double e1, double e2, int x, int y) {
 static void test_moffat(void **state) {
     (void)state;
     static double image[N];
-    struct light *light = new_light(LIGHT_MOFFAT, 3.5, 0.1, 0.05, 4);
-    light_draw_psf(light, image);
+    light *l = new_light(LIGHT_MOFFAT, 3.5, 0.1, 0.05, 4);
+    light_draw_psf(l, image);
     for (int i = 0; i < 36; i++) {
         const int x = i % 6;
         const int y = i / 6 - 3;
@@ -67,19 +67,19 @@ static void test_moffat(void **state) {
             fail_msg("at (%d, %d): %.8f, not %.8f", x, y, drawn, known);
         }
     }
-    light_free(light);
+    light_free(l);
 }
 
 static void test_struts_hold_all_light(void **state) {
     (void)state;
     static double image[N];
-    struct light *light = new_light(LIGHT_STRUTS, 0.7, 0.0, 0.0, 8);
-    light_draw_psf(light, image);
+    light *l = new_light(LIGHT_STRUTS, 0.7, 0.0, 0.0, 8);
+    light_draw_psf(l, image);
     assert_near(sum_of(image), 1.0, 1e-9);
     for (int i = 0; i < N; i++) {
         assert_true(image[i] > -1e-12);
     }
-    light_free(light);
+    light_free(l);
 }
 
 /* ---- galaxies ---- */
@@ -103,15 +103,15 @@ static double light_within(const double *image, double radius) {
 static void test_half_light(void **state) {
     (void)state;
     static double image[N];
-    struct light *light = new_light(LIGHT_MOFFAT, 0.5, 0.0, 0.0, 8);
+    light *l = new_light(LIGHT_MOFFAT, 0.5, 0.0, 0.0, 8);
     const light_galaxy disk = round_galaxy(0.0, 5.0 / 1.67834, 1.0);
     const light_galaxy bulge = round_galaxy(1.0, 1.0, 5.0 / 0.54771);
-    light_draw(light, &disk, 0.0, 0.0, image);
+    light_draw(l, &disk, 0.0, 0.0, image);
     assert_near(light_within(image, 5.0), 0.5, 0.01);
     assert_near(sum_of(image), 1.0, 1e-3);
-    light_draw(light, &bulge, 0.0, 0.0, image);
+    light_draw(l, &bulge, 0.0, 0.0, image);
     assert_near(light_within(image, 5.0), 0.5, 0.02);
-    light_free(light);
+    light_free(l);
 }
 
 struct moments {
@@ -140,16 +140,16 @@ static struct moments moments_of(const double *image) {
 static void test_map_and_place(void **state) {
     (void)state;
     static double image[N];
-    struct light *light = new_light(LIGHT_STRUTS, 0.7, 0.0, 0.0, 8);
+    light *l = new_light(LIGHT_STRUTS, 0.7, 0.0, 0.0, 8);
     light_galaxy g = round_galaxy(0.0, 2.0, 1.0);
-    light_draw(light, &g, 0.0, 0.0, image);
+    light_draw(l, &g, 0.0, 0.0, image);
     const struct moments before = moments_of(image);
     const double a = 0.2;
     const double b = 0.1;
     g.map[0][0] = 1.0 + a;
     g.map[1][1] = 1.0 - a;
     g.map[0][1] = g.map[1][0] = b;
-    light_draw(light, &g, 0.3, -0.4, image);
+    light_draw(l, &g, 0.3, -0.4, image);
     const struct moments after = moments_of(image);
     const double h2 = 3.0 * 2.0 * 2.0;
     assert_near(after.x, 0.3, 1e-3);
@@ -157,7 +157,7 @@ static void test_map_and_place(void **state) {
     assert_near(after.xx - before.xx, h2 * ((1.0 + a) * (1.0 + a) + b * b - 1.0), 0.01);
     assert_near(after.yy - before.yy, h2 * ((1.0 - a) * (1.0 - a) + b * b - 1.0), 0.01);
     assert_near(after.xy - before.xy, h2 * 2.0 * b, 0.01);
-    light_free(light);
+    light_free(l);
 }
 
 /* ---- population ---- */

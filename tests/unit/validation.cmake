@@ -5,7 +5,7 @@ shear_add_test(information
 target_include_directories(test_information PRIVATE ${PROJECT_SOURCE_DIR}/validation)
 shear_add_test(light
   SOURCES test_light.c ${PROJECT_SOURCE_DIR}/validation/engine/light.c ${PROJECT_SOURCE_DIR}/validation/engine/population.c
-          ${PROJECT_SOURCE_DIR}/validation/engine/flaw.c ${PROJECT_SOURCE_DIR}/validation/engine/must.c
+          ${PROJECT_SOURCE_DIR}/validation/engine/flaw.c
   LIBRARIES core_fixtures PkgConfig::GSL OpenMP::OpenMP_C LABELS validation)
 target_include_directories(test_light PRIVATE ${PROJECT_SOURCE_DIR}/validation)
 shear_add_test(aliases

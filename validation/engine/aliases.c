@@ -14,8 +14,8 @@ double disk_power(double k, const void *half_light_px) {
 }
 
 /* The aliases' power at a mode, over |W|^2 there. */
-static double folded(double kx, double ky, const double sigma_px[2], power_function *power,
-                     const void *context) {
+static double aliased_power(double kx, double ky, const double sigma_px[2], power_function *power,
+                            const void *context) {
     const double period = 2.0 * M_PI;
     const double x2 = sigma_px[0] * sigma_px[0];
     const double y2 = sigma_px[1] * sigma_px[1];
@@ -41,8 +41,8 @@ double aliases_share(double beta_px, const double sigma_px[2], power_function *p
         own += weight * power(k, context);
         for (int i = 0; i < ANGLES; i++) {
             const double angle = 2.0 * M_PI * (i + 0.5) / ANGLES;
-            aliases +=
-                weight / ANGLES * folded(k * cos(angle), k * sin(angle), sigma_px, power, context);
+            aliases += weight / ANGLES *
+                       aliased_power(k * cos(angle), k * sin(angle), sigma_px, power, context);
         }
     }
     return aliases / own;

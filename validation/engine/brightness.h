@@ -8,9 +8,10 @@
 #ifndef VALIDATION_BRIGHTNESS_H
 #define VALIDATION_BRIGHTNESS_H
 
-#include "engine/options.h"
-
 #include "shear/plan.h"
+#include "shear_mocks/mock.h"
+
+#include <stdint.h>
 
 /* Fluxes are drawn from dn/dF ~ F^-slope between 1 and `range`. */
 typedef struct brightness {
@@ -23,18 +24,18 @@ double brightness_flux(const brightness *b, uint64_t seed, int64_t galaxy);
 
 /* sigma at which a galaxy of flux 1 has this signal-to-noise: the matched filter's, sqrt(sum f^2) /
  * sigma, of the root mean square galaxy among the first 64. */
-int brightness_sigma(const shear_mock_spec *spec, double snr, double *sigma, shear_error *err);
+double brightness_sigma(const shear_mock_spec *spec, double snr);
 
-typedef struct bright_stamps bright_stamps;
+typedef struct brightness_stamps brightness_stamps;
 
-/* `mock` without noise; shear and all. */
-int bright_stamps_new(bright_stamps **s, const shear_mock_spec *mock,
-                      const shear_settings *settings, int threads, shear_error *err);
-void bright_stamps_free(bright_stamps *s);
-const shear_plan_info *bright_stamps_plan(const bright_stamps *s);
+/* `mock` without noise; shear and all. `threads`: 0 = all cores. */
+brightness_stamps *brightness_stamps_new(const shear_mock_spec *mock,
+                                         const shear_settings *settings, int threads);
+void brightness_stamps_free(brightness_stamps *s);
+double brightness_stamps_beta_px(const brightness_stamps *s);
 
 /* Stamps [first, first+count) in each of n cases: rows [n][count]. */
-int bright_stamps_rows(bright_stamps *s, int64_t first, int count, int n, const brightness *cases,
-                       shear_row *rows, shear_error *err);
+void brightness_stamps_rows(brightness_stamps *s, int64_t first, int count, int n,
+                            const brightness *cases, shear_row *rows);
 
 #endif

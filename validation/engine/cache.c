@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/cache.h"
 
+#include "base/array.h"
+#include "base/clock.h"
+#include "engine/must.h"
 #include "engine/progress.h"
 #include "shear/field.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -13,304 +17,205 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { KEY_LENGTH = 12, MAX_NAME = 80, MAX_PATH = 700 };
+enum { KEY_LENGTH = 12, MAX_NAME = 80 };
 static const char head[] = "shear-paper state 1\n";
 
 /* One line: NAME CHUNK COUNT SECONDS VALUE... end */
-struct record {
+typedef struct record {
     char name[MAX_NAME];
     int chunk, n;
     double seconds;
     double *values; /* [n], owned */
-};
+} record;
 
-struct ledger {
-    int fd;
-    char path[MAX_PATH];
-    size_t n, room;
-    struct record *records;
-    struct progress progress;
+struct cache {
+    FILE *file;
+    char path[OPTIONS_PATH];
+    size_t n, capacity;
+    record *records;
     double seconds;
 };
 
-static int no_memory(shear_error *err) {
-    return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the state of the experiment");
-}
-
-static int system_error(const struct ledger *l, const char *what, shear_error *err) {
-    return shear_fail(err, SHEAR_E_IO, NULL, "cannot %s '%s': %s", what, l->path, strerror(errno));
+static _Noreturn void fail(const cache *c, const char *what) {
+    must_fail(SHEAR_E_IO, NULL, "cannot %s '%s': %s", what, c->path, strerror(errno));
 }
 
 /* ---- reading ---- */
 
-static bool keep(struct ledger *l, const struct record *r) {
-    if (l->n == l->room) {
-        size_t room = l->room > 0 ? 2 * l->room : 64;
-        struct record *larger = realloc(l->records, room * sizeof *larger);
-        if (larger == NULL) {
-            return false;
-        }
-        l->records = larger;
-        l->room = room;
-    }
-    l->records[l->n++] = *r;
-    l->seconds += r->seconds;
-    return true;
-}
-
-static bool parse_double(char **p, double *value) {
+static bool parse_double(const char **p, double *value) {
     char *end = NULL;
     *value = strtod(*p, &end);
-    bool good = end != *p && *end == ' ';
+    const bool good = end != *p && *end == ' ';
     *p = good ? end + 1 : *p;
     return good;
 }
 
-static bool parse_int(char **p, int *value) {
+static bool parse_int(const char **p, int *value) {
     double number = 0.0;
-    bool good = parse_double(p, &number) && number >= 0.0 && number <= INT_MAX;
+    const bool good = parse_double(p, &number) && number >= 0.0 && number <= INT_MAX;
     *value = good ? (int)number : 0;
     return good;
 }
 
 /* The first word, which is the task's name. */
-static bool parse_name(char **p, char *name) {
-    size_t length = strcspn(*p, " ");
-    bool good = length > 0 && length < MAX_NAME && (*p)[length] == ' ';
-    snprintf(name, MAX_NAME, "%.*s", good ? (int)length : 0, *p);
-    *p += good ? length + 1 : 0;
-    return good;
-}
-
-/* True where `line` (without its end) is a whole record. */
-static bool parse_record(char *line, struct record *r) {
-    char *p = line;
-    *r = (struct record){0};
-    if (!parse_name(&p, r->name) || !parse_int(&p, &r->chunk) || !parse_int(&p, &r->n)) {
+static bool parse_name(const char **p, char *name) {
+    const size_t length = strcspn(*p, " ");
+    if (length == 0 || length >= MAX_NAME || (*p)[length] != ' ') {
         return false;
     }
-    r->values = calloc((size_t)r->n + 1, sizeof *r->values);
-    bool good = r->values != NULL && parse_double(&p, &r->seconds);
-    for (int i = 0; good && i < r->n; i++) {
-        good = parse_double(&p, &r->values[i]);
-    }
-    if (!good || strcmp(p, "end") != 0) {
-        free(r->values);
-        return false;
-    }
+    snprintf(name, MAX_NAME, "%.*s", (int)length, *p);
+    *p += length + 1;
     return true;
 }
 
-/* Take the records of `text`; *good becomes the length up to which it is whole. */
-static int parse_state(struct ledger *l, char *text, size_t length, size_t *good,
-                       shear_error *err) {
-    *good = 0;
-    size_t begin = sizeof head - 1;
-    if (length < begin || memcmp(text, head, begin) != 0) {
-        return SHEAR_OK;
+/* True where `line` is a whole record; its values are allocated either way. */
+static bool parse_record(const char *line, record *r) {
+    const char *p = line;
+    *r = (record){0};
+    if (!parse_name(&p, r->name) || !parse_int(&p, &r->chunk) || !parse_int(&p, &r->n) ||
+        (size_t)r->n > strlen(line) || !parse_double(&p, &r->seconds)) {
+        return false;
     }
-    *good = begin;
-    for (char *end = NULL; begin < length && (end = memchr(text + begin, '\n', length - begin));
-         begin = *good) {
-        struct record r;
-        *end = '\0';
-        if (!parse_record(text + begin, &r)) {
-            break;
+    r->values = must_allocate((size_t)r->n, sizeof *r->values, "the state of the experiment");
+    for (int i = 0; i < r->n; i++) {
+        if (!parse_double(&p, &r->values[i])) {
+            return false;
         }
-        if (!keep(l, &r)) {
-            free(r.values);
-            return no_memory(err);
-        }
-        *good = (size_t)(end - text) + 1;
     }
-    return SHEAR_OK;
+    return strcmp(p, "end\n") == 0;
 }
 
-static int read_all(const struct ledger *l, char **text, size_t *length, shear_error *err) {
-    struct stat st;
-    if (fstat(l->fd, &st) != 0) {
-        return system_error(l, "read", err);
+static void keep(cache *c, const record *r) {
+    if (!ARRAY_RESERVE(c->records, c->capacity, c->n + 1)) {
+        must_fail(SHEAR_E_NOMEM, NULL, "out of memory for the state of the experiment");
     }
-    size_t size = (size_t)st.st_size;
-    *length = 0;
-    *text = malloc(size + 1);
-    if (*text == NULL) {
-        return no_memory(err);
-    }
-    while (*length < size) {
-        ssize_t got = pread(l->fd, *text + *length, size - *length, (off_t)*length);
-        if (got < 0 && errno != EINTR) {
-            return system_error(l, "read", err);
-        }
-        if (got == 0) {
-            break;
-        }
-        *length += got > 0 ? (size_t)got : 0;
-    }
-    return SHEAR_OK;
+    c->records[c->n++] = *r;
+    c->seconds += r->seconds;
 }
 
-static int append(const struct ledger *l, const char *text, size_t length, shear_error *err) {
-    while (length > 0) {
-        ssize_t put = write(l->fd, text, length);
-        if (put < 0 && errno != EINTR) {
-            return system_error(l, "write", err);
+/* Take the records of the file; returns the length up to which it is whole. */
+static off_t read_records(cache *c) {
+    char *line = NULL;
+    size_t size = 0;
+    off_t good = 0;
+    record r = {0};
+    if (getline(&line, &size, c->file) > 0 && strcmp(line, head) == 0) {
+        good = ftello(c->file);
+        while (getline(&line, &size, c->file) > 0 && parse_record(line, &r)) {
+            keep(c, &r);
+            r.values = NULL;
+            good = ftello(c->file);
         }
-        text += put > 0 ? put : 0;
-        length -= put > 0 ? (size_t)put : 0;
     }
-    return fdatasync(l->fd) == 0 ? SHEAR_OK : system_error(l, "sync", err);
+    free(r.values);
+    free(line);
+    return good;
 }
 
-static int load(struct ledger *l, bool fresh, shear_error *err) {
-    char *text = NULL;
-    size_t length = 0;
-    size_t good = 0;
-    int code = fresh ? SHEAR_OK : read_all(l, &text, &length, err);
-    if (code == SHEAR_OK && text != NULL) {
-        code = parse_state(l, text, length, &good, err);
+static void sync_file(cache *c) {
+    if (fflush(c->file) != 0 || fdatasync(fileno(c->file)) != 0) {
+        fail(c, "write");
     }
-    free(text);
-    if (code == SHEAR_OK && ftruncate(l->fd, (off_t)good) != 0) {
-        code = system_error(l, "truncate", err);
+}
+
+static void load(cache *c, bool fresh) {
+    const off_t good = fresh ? 0 : read_records(c);
+    if (ftruncate(fileno(c->file), good) != 0 || fseeko(c->file, 0, SEEK_END) != 0) {
+        fail(c, "truncate");
     }
-    if (code == SHEAR_OK && good == 0) {
-        code = append(l, head, sizeof head - 1, err);
+    if (good == 0) {
+        fputs(head, c->file);
+        sync_file(c);
     }
-    return code;
 }
 
 /* ---- opening ---- */
 
-static int make_folder(const char *path, shear_error *err) {
-    if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-        return shear_fail(err, SHEAR_E_IO, NULL, "cannot make the folder '%s': %s", path,
-                          strerror(errno));
-    }
-    return SHEAR_OK;
-}
-
-static int name_state(struct ledger *l, const struct request *r, shear_error *err) {
+static void name_state(cache *c, const options *o) {
     char key[SHEAR_CHECKSUM_SIZE];
-    char *text = request_describe(r);
-    if (text == NULL) {
-        return no_memory(err);
-    }
+    char *text = options_describe(o);
     shear_bytes_checksum(text, strlen(text), key);
     free(text);
     key[KEY_LENGTH] = '\0';
-    request_path(r, key, "state", l->path, sizeof l->path);
-    return SHEAR_OK;
+    options_path(o, key, "state", c->path);
 }
 
-static int open_locked(struct ledger *l, shear_error *err) {
-    l->fd = open(l->path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-    if (l->fd < 0) {
-        return system_error(l, "open", err);
+static void open_locked(cache *c) {
+    const int fd = open(c->path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    c->file = fd >= 0 ? fdopen(fd, "a+") : NULL;
+    if (c->file == NULL) {
+        fail(c, "open");
     }
-    if (flock(l->fd, LOCK_EX | LOCK_NB) != 0) {
-        return errno == EWOULDBLOCK
-                   ? shear_fail(err, SHEAR_E_EXISTS, "wait for it, or choose another seed",
-                                "another process works on '%s'", l->path)
-                   : system_error(l, "lock", err);
+    if (flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        must_fail(SHEAR_E_EXISTS, "wait for it, or choose another seed",
+                  "another process works on '%s'", c->path);
     }
-    return SHEAR_OK;
 }
 
-int ledger_open(struct ledger **ledger, const struct request *r, int64_t total, shear_error *err) {
-    *ledger = NULL;
-    struct ledger *l = calloc(1, sizeof *l);
-    if (l == NULL) {
-        return no_memory(err);
+cache *cache_open(const options *o, int64_t total) {
+    if (mkdir(o->out, 0777) != 0 && errno != EEXIST) {
+        must_fail(SHEAR_E_IO, NULL, "cannot make the folder '%s': %s", o->out, strerror(errno));
     }
-    l->fd = -1;
-    int code = make_folder(r->out, err);
-    code = code != SHEAR_OK ? code : name_state(l, r, err);
-    code = code != SHEAR_OK ? code : open_locked(l, err);
-    code = code != SHEAR_OK ? code : load(l, r->fresh, err);
-    if (code != SHEAR_OK) {
-        ledger_close(l);
-        return code;
-    }
-    progress_begin(&l->progress, total, r->quiet);
-    *ledger = l;
-    return SHEAR_OK;
+    cache *c = must_allocate(1, sizeof *c, "the state of the experiment");
+    name_state(c, o);
+    open_locked(c);
+    load(c, o->fresh);
+    progress_begin(total, o->quiet);
+    return c;
 }
 
-void ledger_close(struct ledger *l) {
-    if (l == NULL) {
-        return;
+void cache_close(cache *c) {
+    progress_end();
+    fclose(c->file);
+    for (size_t i = 0; i < c->n; i++) {
+        free(c->records[i].values);
     }
-    progress_end(&l->progress);
-    if (l->fd >= 0) {
-        close(l->fd);
-    }
-    for (size_t i = 0; i < l->n; i++) {
-        free(l->records[i].values);
-    }
-    free(l->records);
-    free(l);
+    free(c->records);
+    free(c);
 }
 
-double ledger_seconds(const struct ledger *l) {
-    return l->seconds;
+double cache_seconds(const cache *c) {
+    return c->seconds;
 }
 
 /* ---- tasks ---- */
 
-/* Copy what the state has; done[chunk] says which chunks these are. */
-static void recall(const struct ledger *l, const struct task *t, double *values, bool *done) {
-    for (size_t i = 0; i < l->n; i++) {
-        const struct record *r = &l->records[i];
-        if (strcmp(r->name, t->name) == 0 && r->n == t->values && r->chunk >= 0 &&
-            r->chunk < t->chunks) {
-            memcpy(values + (size_t)r->chunk * (size_t)r->n, r->values,
-                   (size_t)r->n * sizeof *values);
-            done[r->chunk] = true;
+/* The record of a chunk that was finished earlier, or NULL. */
+static const record *find(const cache *c, const cache_task *t, int chunk) {
+    for (size_t i = 0; i < c->n; i++) {
+        const record *r = &c->records[i];
+        if (r->chunk == chunk && r->n == t->values && strcmp(r->name, t->name) == 0) {
+            return r;
         }
     }
+    return NULL;
 }
 
-static int remember(struct ledger *l, const struct task *t, int chunk, double seconds,
-                    const double *values, shear_error *err) {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *out = open_memstream(&text, &length);
-    if (out == NULL) {
-        return no_memory(err);
-    }
-    fprintf(out, "%s %d %d %.3f ", t->name, chunk, t->values, seconds);
+static void run_chunk(cache *c, const cache_task *t, int chunk, double *values) {
+    const double begun = clock_s(CLOCK_MONOTONIC);
+    t->work(t->context, chunk, values);
+    const double seconds = clock_s(CLOCK_MONOTONIC) - begun;
+    fprintf(c->file, "%s %d %d %.3f ", t->name, chunk, t->values, seconds);
     for (int i = 0; i < t->values; i++) {
-        fprintf(out, "%a ", values[i]);
+        fprintf(c->file, "%a ", values[i]);
     }
-    fputs("end\n", out);
-    int code = fclose(out) == 0 ? append(l, text, length, err) : no_memory(err);
-    free(text);
-    l->seconds += seconds;
-    return code;
+    fputs("end\n", c->file);
+    sync_file(c);
+    c->seconds += seconds;
 }
 
-static int run_chunk(struct ledger *l, const struct task *t, int chunk, double *values,
-                     shear_error *err) {
-    double begun = progress_seconds();
-    int code = t->work(t->context, chunk, values, err);
-    return code != SHEAR_OK ? code : remember(l, t, chunk, progress_seconds() - begun, values, err);
-}
-
-int ledger_run(struct ledger *l, const struct task *t, double *values, shear_error *err) {
-    bool *done = calloc((size_t)t->chunks + 1, sizeof *done);
-    if (done == NULL) {
-        return no_memory(err);
-    }
-    recall(l, t, values, done);
-    int code = SHEAR_OK;
-    for (int i = 0; code == SHEAR_OK && i < t->chunks; i++) {
-        bool skipped = done[i];
-        if (!skipped) {
-            code = run_chunk(l, t, i, values + (size_t)i * (size_t)t->values, err);
+double *cache_run(cache *c, const cache_task *t) {
+    assert(strlen(t->name) < MAX_NAME && strchr(t->name, ' ') == NULL);
+    const size_t n = (size_t)t->values;
+    double *values = must_allocate((size_t)t->chunks * n, sizeof *values, t->name);
+    for (int i = 0; i < t->chunks; i++) {
+        const record *known = find(c, t, i);
+        if (known != NULL) {
+            memcpy(values + (size_t)i * n, known->values, n * sizeof *values);
+        } else {
+            run_chunk(c, t, i, values + (size_t)i * n);
         }
-        progress_add(&l->progress, t->name, t->stamps_of_chunk, skipped);
+        progress_add(t->name, t->stamps_of_chunk, known != NULL);
     }
-    free(done);
-    return code;
+    return values;
 }

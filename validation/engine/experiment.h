@@ -1,61 +1,56 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* experiment.h: what an experiment of shear-paper is, and how to add one.
  *
- * Each exp_NAME.c exports one const experiment; main.c holds the table. An experiment
+ * Each file of experiments/ exports one const experiment; experiments/list.h names them all. An
+ * experiment
  *
- *   1. states its defaults, the paper's where it has one (`defaults`), and its knobs;
- *   2. in `exec` opens the ledger (ledger.h), which remembers finished pieces of long runs;
- *   3. draws and measures galaxies through a sample (sample.h): groups of stamps, all threads, the
- *      same sums for any number of them; or through a task of its own (ledger_run);
- *   4. estimates what it wants, with errors and covariances, from the groups' sums (tally.h), and
- *      tests it (statistics.h);
- *   5. leaves a table (table.h) and a figure (shear_figures/figure.h, chart.h) in the folder --out
- *      under its own name (report_save).
+ *   1. states its defaults, the paper's where it has one (`defaults`), and its parameters;
+ *   2. in `run` draws and measures galaxies through a sample (sample.h): groups of stamps, all
+ *      threads, the same sums for any number of them; or through a task of its own (cache_run). The
+ *      result cache (cache.h) remembers finished pieces of long runs;
+ *   3. estimates what it wants, with errors and covariances, from the groups' sums (jackknife.h),
+ *      and tests it (statistics.h);
+ *   4. fills the run's table (report/table.h) and draws its figures (report/run.h, report/chart.h).
  *
- * Lengths are in pixels unless a name says otherwise; R_PSF is the paper's nominal radius of eq.
- * (Ws), not the measured one, and beta-ratio is beta over that.
+ * main.c opens the cache before and saves table and figures afterwards, in the folder --out under
+ * the experiment's name.
+ *
+ * Lengths are in pixels unless a name says otherwise; R_PSF is the nominal radius of Zhang (2010),
+ * eq. (9), not the measured one, and beta-ratio is beta over that.
  */
 #ifndef VALIDATION_EXPERIMENT_H
 #define VALIDATION_EXPERIMENT_H
 
-#include "engine/options.h"
-#include "shear/error.h"
+#include <stdbool.h>
+#include <stdint.h>
 
-enum {
-    EXIT_CODE_DONE = 0,
-    EXIT_CODE_OTHER = 1,
-    EXIT_CODE_USAGE = 2,
-};
+struct options;
+struct run;
+
+/* A number, or a list of them, that an experiment can be told. */
+typedef struct parameter {
+    const char *name;   /* as in --name */
+    const char *preset; /* the default, as text */
+    double min, max;    /* inclusive, of each value */
+    bool many;          /* a list, separated by commas */
+    const char *help;   /* one line */
+} parameter;
 
 typedef struct experiment {
     const char *name;
-    const char *summary;      /* one line, no full stop */
-    const char *about;        /* a paragraph of help: what is drawn, measured and shown */
-    const struct knob *knobs; /* ended by a NULL name; or NULL */
-    /* Options of the mocks and settings of the measurement that the experiment chooses itself: to
-     * give them is an error. Ended by NULL; or NULL. */
-    const char *const *fixed;
-    /* Put the defaults into r->mock, r->settings and r->galaxies, which hold the mocks' own and the
-     * paper's (preset zhang2010). */
-    void (*defaults)(struct request *r);
-    int (*exec)(const struct request *r, shear_error *err);
+    const char *summary;         /* one line, no full stop */
+    const char *about;           /* a paragraph of help: what is drawn, measured and shown */
+    const parameter *parameters; /* ended by a NULL name; or NULL */
+    /* Options of the mocks and settings of the measurement that the experiment chooses itself, with
+     * blanks between: to give them is an error. */
+    const char *fixed;
+    /* Put the defaults into the options, which hold the mocks' own and the paper's (preset
+     * zhang2010). */
+    void (*defaults)(struct options *o);
+    /* How many stamps will be drawn, for the progress line. Ends the program where parameters do
+     * not go together. */
+    int64_t (*stamps)(const struct options *o);
+    void (*run)(struct run *r);
 } experiment;
-
-extern const experiment exp_noise;
-extern const experiment exp_images;
-extern const experiment exp_single;
-extern const experiment exp_pixels;
-extern const experiment exp_overall;
-extern const experiment exp_shot;
-extern const experiment exp_bias;
-extern const experiment exp_errors;
-extern const experiment exp_efficiency;
-extern const experiment exp_survey;
-extern const experiment exp_precision;
-extern const experiment exp_narrow;
-extern const experiment exp_selection;
-
-/* The table, ended by NULL, in the order of the paper. */
-const experiment *const *experiment_table(void);
 
 #endif

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/flaw.h"
+
 #include "engine/population.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -14,135 +16,52 @@ static const double psf_cut_px = 11.0;
 /* ---- the table ---- */
 
 #define GROUND       .psf = {LIGHT_MOFFAT, 3.5, {0.05, 0.02}}, .side = 64, .oversample = 1
-#define SPACE(sigma) .psf = {LIGHT_STRUTS, sigma, {0.05, 0.02}}, .side = 64, .fewer = 2
+#define SPACE(sigma) .psf = {LIGHT_STRUTS, sigma, {0.05, 0.02}}, .side = 64, .oversample = 5
 #define WORDS        .wish = WISH_TOLD, .fewer = 10
 
-const struct flaw flaws[] = {
-    {.name = "reference",
-     .label = "white noise, nothing wrong",
-     GROUND,
-     .wish = WISH_QUIET,
-     .aim_m = 3.0},
-    {.name = "noise-excess",
-     .label = "noise variance 4 % above the noise stamps'",
-     GROUND,
-     .excess = 0.04,
-     .wish = WISH_TOLD,
-     .wish_snr = 30.0, /* above, it changes less than is told */
-     .aim_m = 10.0},
-    {.name = "photons",
-     .label = "source photons on a sky of 100",
-     GROUND,
-     .noise = FLAW_PHOTONS,
-     .aim_m = 5.0},
-    {.name = "correlated-excess",
-     .label = "correlated noise, variance 4 % above",
-     GROUND,
-     .noise = FLAW_CORRELATED,
-     .excess = 0.04,
-     .wish = WISH_TOLD,
-     .aim_m = 10.0},
-    {.name = "correlated-white",
-     .label = "correlated noise, white noise stamps",
-     GROUND,
-     .noise = FLAW_MISMATCHED,
+const flaw flaws[] = {
+    {"reference", "white noise, nothing wrong", GROUND, .wish = WISH_QUIET, .aim_m = 3.0},
+    /* Above S/N 30 it changes less than is told. */
+    {"noise-excess", "noise variance 4 % above the noise stamps'", GROUND, .excess = 0.04,
+     .wish = WISH_TOLD, .wish_snr = 30.0, .aim_m = 10.0},
+    {"photons", "source photons on a sky of 100", GROUND, .noise = FLAW_PHOTONS, .aim_m = 5.0},
+    {"correlated-excess", "correlated noise, variance 4 % above", GROUND, .noise = FLAW_CORRELATED,
+     .excess = 0.04, .wish = WISH_TOLD, .aim_m = 10.0},
+    {"correlated-white", "correlated noise, white noise stamps", GROUND, .noise = FLAW_MISMATCHED,
      .wish = WISH_TOLD},
-    {.name = "sky-filter",
-     .label = "sky of 3 sigma in both, a filter",
-     GROUND,
-     .sky = 3.0,
-     .core_px = 20.0,
+    {"sky-filter", "sky of 3 sigma in both, a filter", GROUND, .sky = 3.0, .core_px = 20.0,
      .aim_m = 3.0},
-    {.name = "sky-r-gal",
-     .label = "sky of 100 sigma in both, R_GAL",
-     GROUND,
-     .sky = 100.0,
-     .r_gal = true,
+    {"sky-r-gal", "sky of 100 sigma in both, R_GAL", GROUND, .sky = 100.0, .r_gal = true,
      .aim_m = 3.0},
-    {.name = "cosmics",
-     .label = "cosmic rays of 40 sigma in 10 % of the stamps",
-     GROUND,
-     .artefact = FLAW_COSMICS,
-     .wish = WISH_FLAGS,
-     .aim_m = 3.0},
-    {.name = "hot-pixel",
-     .label = "a hot pixel of 200 sigma in 1 % of the stamps",
-     GROUND,
-     .artefact = FLAW_HOT_PIXEL,
-     .wish = WISH_FLAGS,
-     .aim_m = 3.0},
-    {.name = "sentinel",
-     .label = "a pixel of -9999 in 1 % of the stamps",
-     GROUND,
-     .artefact = FLAW_SENTINEL,
-     .wish = WISH_FLAGS,
-     .aim_m = 3.0},
-    {.name = "star",
-     .label = "one bright star among 64",
-     GROUND,
-     .artefact = FLAW_STAR,
-     WORDS,
+    {"cosmics", "cosmic rays of 40 sigma in 10 % of the stamps", GROUND, .artefact = FLAW_COSMICS,
+     .wish = WISH_FLAGS, .aim_m = 3.0},
+    {"hot-pixel", "a hot pixel of 200 sigma in 1 % of the stamps", GROUND,
+     .artefact = FLAW_HOT_PIXEL, .wish = WISH_FLAGS, .aim_m = 3.0},
+    {"sentinel", "a pixel of -9999 in 1 % of the stamps", GROUND, .artefact = FLAW_SENTINEL,
+     .wish = WISH_FLAGS, .aim_m = 3.0},
+    {"star", "one bright star among 64", GROUND, .artefact = FLAW_STAR, WORDS, .stamps = 64},
+    {"off-chip", "one stamp off the chip among 64", GROUND, .artefact = FLAW_GAP, WORDS,
      .stamps = 64},
-    {.name = "off-chip",
-     .label = "one stamp off the chip among 64",
-     GROUND,
-     .artefact = FLAW_GAP,
-     WORDS,
+    {"flat-psf", "one flat and noisy PSF among 64", GROUND, .psf_flaw = FLAW_PSF_FLAT_ONE, WORDS,
      .stamps = 64},
-    {.name = "flat-psf",
-     .label = "one flat and noisy PSF among 64",
-     GROUND,
-     .psf_flaw = FLAW_PSF_FLAT_ONE,
-     WORDS,
-     .stamps = 64},
-    {.name = "space-0.5", .label = "R_PSF 0.5 px", SPACE(0.37), .oversample = 5, .aim_m = 2.0},
-    {.name = "space-0.65", .label = "R_PSF 0.65 px", SPACE(0.57), .oversample = 5, .aim_m = 2.0},
-    {.name = "space-0.8", .label = "R_PSF 0.8 px", SPACE(0.74), .oversample = 5, .aim_m = 2.0},
-    {.name = "psf-border",
-     .label = "PSF: a border of 1 % of the peak",
-     GROUND,
-     .psf_flaw = FLAW_PSF_BORDER,
-     .psf_side = 32,
-     WORDS},
-    {.name = "psf-corners",
-     .label = "PSF: corner-ordered",
-     GROUND,
-     .psf_flaw = FLAW_PSF_CORNERS,
-     WORDS},
-    {.name = "psf-cut", .label = "PSF: cut at 11 px", GROUND, .psf_flaw = FLAW_PSF_CUT, WORDS},
-    {.name = "psf-coarse",
-     .label = "PSF: one sample a px, R_PSF 0.56 px",
-     .psf = {LIGHT_STRUTS, 0.455, {0.05, 0.02}},
-     .side = 64,
-     .oversample = 1,
-     WORDS},
-    {.name = "psf-star",
-     .label = "PSF: from a star of S/N 100",
-     GROUND,
-     .psf_flaw = FLAW_PSF_STAR,
-     WORDS},
-    {.name = "swapped",
-     .label = "galaxy and noise swapped",
-     GROUND,
-     .mistake = FLAW_SWAPPED,
-     WORDS},
-    {.name = "equal", .label = "noise is galaxy", GROUND, .mistake = FLAW_EQUAL, WORDS},
-    {.name = "weightless", .label = "all weights 0", GROUND, .mistake = FLAW_WEIGHTLESS, WORDS},
-    {.name = "oversamp",
-     .label = "OVERSAMP 3 forgotten",
-     .psf = {LIGHT_MOFFAT, 3.5, {0.05, 0.02}},
-     .side = 64,
-     .oversample = 3,
-     .mistake = FLAW_OVERSAMP,
-     WORDS},
-    {.name = "small-bulges",
-     .label = "32 px stamps of de Vaucouleurs galaxies",
-     .psf = {LIGHT_MOFFAT, 3.5, {0.05, 0.02}},
-     .side = 32,
-     .oversample = 1,
-     .bulges = true,
-     .wish = WISH_NO_EDGE,
-     .fewer = 4},
+    {"space-0.5", "R_PSF 0.5 px", SPACE(0.37), .fewer = 2, .aim_m = 2.0},
+    {"space-0.65", "R_PSF 0.65 px", SPACE(0.57), .fewer = 2, .aim_m = 2.0},
+    {"space-0.8", "R_PSF 0.8 px", SPACE(0.74), .fewer = 2, .aim_m = 2.0},
+    {"psf-border", "PSF: a border of 1 % of the peak", GROUND, .psf_flaw = FLAW_PSF_BORDER,
+     .psf_side = 32, WORDS},
+    {"psf-corners", "PSF: corner-ordered", GROUND, .psf_flaw = FLAW_PSF_CORNERS, WORDS},
+    {"psf-cut", "PSF: cut at 11 px", GROUND, .psf_flaw = FLAW_PSF_CUT, WORDS},
+    {"psf-coarse", "PSF: one sample a px, R_PSF 0.56 px",
+     .psf = {LIGHT_STRUTS, 0.455, {0.05, 0.02}}, .side = 64, .oversample = 1, WORDS},
+    {"psf-star", "PSF: from a star of S/N 100", GROUND, .psf_flaw = FLAW_PSF_STAR, WORDS},
+    {"swapped", "galaxy and noise swapped", GROUND, .mistake = FLAW_SWAPPED, WORDS},
+    {"equal", "noise is galaxy", GROUND, .mistake = FLAW_EQUAL, WORDS},
+    {"weightless", "all weights 0", GROUND, .mistake = FLAW_WEIGHTLESS, WORDS},
+    {"oversamp", "OVERSAMP 3 forgotten", .psf = {LIGHT_MOFFAT, 3.5, {0.05, 0.02}}, .side = 64,
+     .oversample = 3, .mistake = FLAW_OVERSAMP, WORDS},
+    {"small-bulges", "32 px stamps of de Vaucouleurs galaxies",
+     .psf = {LIGHT_MOFFAT, 3.5, {0.05, 0.02}}, .side = 32, .oversample = 1, .bulges = true,
+     .wish = WISH_NO_EDGE, .fewer = 4},
 };
 
 int flaw_count(void) {
@@ -151,7 +70,7 @@ int flaw_count(void) {
 
 /* ---- noise ---- */
 
-static int poisson(struct dice *d, double mean) {
+static int poisson(dice *d, double mean) {
     double u = dice_uniform(d);
     double p = exp(-mean);
     int n = 0;
@@ -161,17 +80,18 @@ static int poisson(struct dice *d, double mean) {
     return n;
 }
 
-static void draw_sky(struct dice *d, int n, double *out) {
+static void draw_sky(dice *d, int n, double *out) {
     for (int i = 0; i < n; i++) {
         out[i] = poisson(d, photon_sky) - photon_sky;
     }
 }
 
 /* White noise through the kernel (1 2 1; 2 4 2; 1 2 1) / 6, of unit variance. */
-static void draw_correlated(struct dice *d, int side, double *out) {
+static void draw_correlated(dice *d, int side, double *out) {
     static const double weight[] = {1.0, 2.0, 1.0};
     double white[(MAX_SIDE + 2 * KERNEL) * (MAX_SIDE + 2 * KERNEL)];
     const int wide = side + 2 * KERNEL;
+    assert(side <= MAX_SIDE);
     dice_normal(d, wide * wide, white);
     for (int y = 0; y < side; y++) {
         for (int x = 0; x < side; x++) {
@@ -184,7 +104,7 @@ static void draw_correlated(struct dice *d, int side, double *out) {
     }
 }
 
-static void draw(int kind, struct dice d, int side, double *out) {
+static void draw(enum flaw_noise kind, dice d, int side, double *out) {
     if (kind == FLAW_PHOTONS) {
         draw_sky(&d, side * side, out);
     } else if (kind == FLAW_CORRELATED) {
@@ -194,9 +114,8 @@ static void draw(int kind, struct dice d, int side, double *out) {
     }
 }
 
-void flaw_draw_noise(const struct flaw *f, uint64_t seed, int64_t index, double *galaxy,
-                     double *noise) {
-    const int kind = f->noise == FLAW_MISMATCHED ? FLAW_CORRELATED : f->noise;
+void flaw_draw_noise(const flaw *f, uint64_t seed, int64_t index, double *galaxy, double *noise) {
+    const enum flaw_noise kind = f->noise == FLAW_MISMATCHED ? FLAW_CORRELATED : f->noise;
     draw(kind, dice_begin(seed, DICE_NOISE, index), f->side, galaxy);
     draw(f->noise == FLAW_MISMATCHED ? FLAW_WHITE : kind, dice_begin(seed, DICE_NOISE_STAMP, index),
          f->side, noise);
@@ -204,8 +123,8 @@ void flaw_draw_noise(const struct flaw *f, uint64_t seed, int64_t index, double 
 
 /* ---- artefacts ---- */
 
-bool flaw_spoils(const struct flaw *f, uint64_t seed, int64_t index) {
-    struct dice d = dice_begin(seed, DICE_ARTEFACT, index);
+bool flaw_spoils(const flaw *f, uint64_t seed, int64_t index) {
+    dice d = dice_begin(seed, DICE_ARTEFACT, index);
     switch (f->artefact) {
     case FLAW_COSMICS:
         return dice_uniform(&d) < 0.1;
@@ -221,7 +140,7 @@ bool flaw_spoils(const struct flaw *f, uint64_t seed, int64_t index) {
 }
 
 /* A streak of one to three pixels along a row, somewhere. */
-static void add_cosmic(const struct flaw *f, struct dice *d, double *image) {
+static void add_cosmic(const flaw *f, dice *d, double *image) {
     const int length = 1 + (int)(3.0 * dice_uniform(d));
     const int x = (int)((f->side - length) * dice_uniform(d));
     const int y = (int)(f->side * dice_uniform(d));
@@ -231,7 +150,7 @@ static void add_cosmic(const struct flaw *f, struct dice *d, double *image) {
 }
 
 /* A star of the PSF's size, ten thousand sigma bright, on a neighbour's place. */
-static void add_star(const struct flaw *f, struct dice *d, double *image) {
+static void add_star(const flaw *f, dice *d, double *image) {
     const double width = 0.5 * f->psf.size;
     const double x0 = f->side * (0.35 + 0.3 * dice_uniform(d));
     const double y0 = f->side * (0.35 + 0.3 * dice_uniform(d));
@@ -242,14 +161,14 @@ static void add_star(const struct flaw *f, struct dice *d, double *image) {
 }
 
 /* What lies beyond a straight edge has no counts: minus the sky that was taken off. */
-static void cut_chip(const struct flaw *f, double *image) {
+static void cut_chip(const flaw *f, double *image) {
     for (int i = 0; i < f->side * f->side; i++) {
         image[i] = i % f->side > f->side / 2 + 8 ? -100.0 : image[i];
     }
 }
 
-static void add_artefact(const struct flaw *f, uint64_t seed, int64_t index, double *image) {
-    struct dice d = dice_begin(seed, DICE_ARTEFACT, index);
+static void add_artefact(const flaw *f, uint64_t seed, int64_t index, double *image) {
+    dice d = dice_begin(seed, DICE_ARTEFACT, index);
     dice_uniform(&d); /* the one that chose it */
     const int pixel = (int)(f->side * f->side * dice_uniform(&d));
     switch (f->artefact) {
@@ -277,16 +196,16 @@ static void add_artefact(const struct flaw *f, uint64_t seed, int64_t index, dou
 
 /* The sky's photons are those of any shear, and so, as nearly as can be, are the galaxy's: a
  * pixel's number belongs to the same place of its distribution. */
-static void count_photons(const struct flaw *f, uint64_t seed, int64_t index, const double *sky,
+static void count_photons(const flaw *f, uint64_t seed, int64_t index, const double *sky,
                           double *galaxy) {
-    struct dice d = dice_begin(seed, DICE_PHOTONS, index);
+    dice d = dice_begin(seed, DICE_PHOTONS, index);
     const double unit = sqrt(photon_sky);
     for (int i = 0; i < f->side * f->side; i++) {
         galaxy[i] = sky[i] + poisson(&d, fmax(0.0, unit * galaxy[i]));
     }
 }
 
-static void make_mistake(const struct flaw *f, double *galaxy, double *noise) {
+static void make_mistake(const flaw *f, double *galaxy, double *noise) {
     const int n = f->side * f->side;
     for (int i = 0; f->mistake == FLAW_SWAPPED && i < n; i++) {
         const double pixel = galaxy[i];
@@ -298,7 +217,7 @@ static void make_mistake(const struct flaw *f, double *galaxy, double *noise) {
     }
 }
 
-void flaw_apply(const struct flaw *f, uint64_t seed, int64_t index, const double *noise_galaxy,
+void flaw_apply(const flaw *f, uint64_t seed, int64_t index, const double *noise_galaxy,
                 const double *noise_noise, double *galaxy, double *noise) {
     const double factor = sqrt(1.0 + f->excess);
     const int n = f->side * f->side;
@@ -338,7 +257,7 @@ static void order_corners(int side, double *psf) {
 }
 
 static void add_star_noise(uint64_t seed, int n, double *psf) {
-    struct dice d = dice_begin(seed, DICE_NOISE, -1);
+    dice d = dice_begin(seed, DICE_NOISE, -1);
     double noise[MAX_SIDE * MAX_SIDE];
     double square = 0.0;
     for (int i = 0; i < n; i++) {
@@ -350,12 +269,12 @@ static void add_star_noise(uint64_t seed, int n, double *psf) {
     }
 }
 
-void flaw_spoil_psf(const struct flaw *f, uint64_t seed, int64_t index, int side, double *psf) {
+void flaw_spoil_psf(const flaw *f, uint64_t seed, int64_t index, int side, double *psf) {
     const int n = side * side;
     const double peak = peak_of(psf, n);
     double noise[MAX_SIDE * MAX_SIDE] = {0.0};
     if (f->psf_flaw == FLAW_PSF_FLAT_ONE) {
-        struct dice d = dice_begin(seed, DICE_NOISE, -2);
+        dice d = dice_begin(seed, DICE_NOISE, -2);
         dice_normal(&d, n, noise);
     }
     if (f->psf_flaw == FLAW_PSF_CORNERS) {

@@ -30,7 +30,7 @@ enum flaw_mistake { FLAW_NONE, FLAW_SWAPPED, FLAW_EQUAL, FLAW_WEIGHTLESS, FLAW_O
  * each spoilt stamp, and for no other; no advice for a filter at the edge; no word at all. */
 enum flaw_wish { WISH_NOTHING, WISH_TOLD, WISH_FLAGS, WISH_NO_EDGE, WISH_QUIET };
 
-struct flaw {
+typedef struct flaw {
     const char *name; /* no blanks */
     const char *label;
     light_psf psf;
@@ -38,38 +38,39 @@ struct flaw {
     int oversample; /* samples of the PSF image per pixel */
     int psf_side;   /* of the PSF image, samples; 0 = 64, or 256 where several are in a pixel */
     bool bulges;    /* de Vaucouleurs-like galaxies */
-    int noise;      /* enum flaw_noise */
+    enum flaw_noise noise;
     double excess;  /* the noise variance under galaxies is 1 + excess times the noise stamps' */
     double sky;     /* left in both stamps, in units of the noise */
     double core_px; /* a filter of this core; 0 = the settings' */
     bool r_gal;     /* the catalog knows R_GAL = 3 half-light radii */
-    int artefact, psf_flaw, mistake;
-    int wish;        /* enum flaw_wish */
+    enum flaw_artefact artefact;
+    enum flaw_psf psf_flaw;
+    enum flaw_mistake mistake;
+    enum flaw_wish wish;
     double wish_snr; /* asked for at this signal-to-noise and below; 0 = always */
     double aim_m;    /* largest |m|, 10^-3, beside two errors; 0 = none is asked for */
     int fewer; /* so many times fewer galaxies, where 2 and more: slow ones, or only words are asked
                   for */
     int stamps; /* of a file; 0 = as many as there are */
-};
+} flaw;
 
-extern const struct flaw flaws[];
+extern const flaw flaws[];
 int flaw_count(void);
 
 /* ---- one pair of stamps ---- */
 
 /* The noise of stamp number `index` and of its noise stamp, of unit variance, before the excess:
  * [side][side] each; where photons are counted, the sky's, with its mean off. */
-void flaw_draw_noise(const struct flaw *flaw, uint64_t seed, int64_t index, double *galaxy,
-                     double *noise);
+void flaw_draw_noise(const flaw *f, uint64_t seed, int64_t index, double *galaxy, double *noise);
 /* Both stamps from the galaxy's image and the noises; in place: `galaxy` holds the image, S times
  * one of unit square sum. */
-void flaw_apply(const struct flaw *flaw, uint64_t seed, int64_t index, const double *noise_galaxy,
+void flaw_apply(const flaw *f, uint64_t seed, int64_t index, const double *noise_galaxy,
                 const double *noise_noise, double *galaxy, double *noise);
 /* Is this stamp one that is to be flagged? */
-bool flaw_spoils(const struct flaw *flaw, uint64_t seed, int64_t index);
+bool flaw_spoils(const flaw *f, uint64_t seed, int64_t index);
 
 /* PSF number `index` of the file, from the true one; [side][side] in place. `seed` draws the noise
  * of a star's image. */
-void flaw_spoil_psf(const struct flaw *flaw, uint64_t seed, int64_t index, int side, double *psf);
+void flaw_spoil_psf(const flaw *f, uint64_t seed, int64_t index, int side, double *psf);
 
 #endif

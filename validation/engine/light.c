@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/light.h"
-#include "engine/must.h"
 
+#include <assert.h>
 #include <gsl/gsl_fft_complex.h>
 #include <gsl/gsl_fft_halfcomplex.h>
 #include <gsl/gsl_sf_bessel.h>
@@ -25,6 +25,7 @@ struct light {
     double *modes;    /* [period][columns][2] */
     double *line;     /* [2 period] */
     double *power;    /* [columns] */
+    double data[];    /* all of these */
 };
 
 /* ---- PSFs ---- */
@@ -43,7 +44,7 @@ static double moffat(double k, double fwhm) {
 }
 
 static double struts(double kx, double ky, double sigma) {
-    double c = cos(spike_angle);
+    const double c = cos(spike_angle);
     double s = sin(spike_angle);
     double u = sigma * (c * kx + s * ky);
     double v = sigma * (c * ky - s * kx);
@@ -71,17 +72,17 @@ static double psf_at(const light_psf *p, double kx, double ky, double scale) {
 /* ---- modes ---- */
 
 /* ky of row r of reach * period rows. */
-static double row_k(const struct light *l, int r) {
+static double row_k(const light *l, int r) {
     return 2.0 * M_PI * (r - l->reach * l->period / 2) / l->period;
 }
 
-static int row_mode(const struct light *l, int r) {
+static int row_mode(const light *l, int r) {
     int m = (r - l->reach * l->period / 2) % l->period;
     return m < 0 ? m + l->period : m;
 }
 
 /* Aliases -reach/2 .. reach/2 - 1 of the modes 0 .. period/2: with those at -k, all there are. */
-static void fill_columns(struct light *l) {
+static void fill_columns(light *l) {
     for (int a = 0; a < l->reach; a++) {
         for (int m = 0; m < l->columns; m++) {
             l->kx[a * l->columns + m] =
@@ -90,7 +91,7 @@ static void fill_columns(struct light *l) {
     }
 }
 
-static void fill_psf(struct light *l, const light_psf *psf, double scale) {
+static void fill_psf(light *l, const light_psf *psf, double scale) {
     int n = l->reach * l->columns;
     for (int r = 0; r < l->reach * l->period; r++) {
         for (int m = 0; m < n; m++) {
@@ -99,49 +100,42 @@ static void fill_psf(struct light *l, const light_psf *psf, double scale) {
     }
 }
 
-int light_new(struct light **light, const light_psf *psf, int side, int reach, double scale,
+int light_new(light **out, const light_psf *psf, int side, int reach, double scale,
               shear_error *err) {
-    int code = SHEAR_OK;
-    struct light *l = memory_new(1, sizeof *l, "a simulator", &code, err);
-    *light = l;
-    if (code != SHEAR_OK) {
-        return code;
+    const size_t period = 2 * (size_t)side;
+    const size_t columns = (size_t)side + 1;
+    const size_t n = (size_t)reach * columns;
+    const size_t n_psf = (size_t)reach * period * n;
+    const size_t all = n_psf + 3 * n + 2 * period * columns + 2 * period + columns;
+    light *l = calloc(1, sizeof *l + all * sizeof(double));
+    assert((side & (side - 1)) == 0 && reach % 2 == 0);
+    *out = l;
+    if (l == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a simulator");
     }
-    *l = (struct light){.side = side, .period = 2 * side, .reach = reach, .columns = side + 1};
-    size_t n = (size_t)reach * (size_t)l->columns;
-    size_t period = (size_t)l->period;
-    l->psf = memory_new((size_t)reach * period * n, sizeof(double), "modes", &code, err);
-    l->kx = memory_new(n, sizeof(double), "modes", &code, err);
-    l->phase = memory_new(2 * n, sizeof(double), "modes", &code, err);
-    l->modes = memory_new(2 * period * (size_t)l->columns, sizeof(double), "modes", &code, err);
-    l->line = memory_new(2 * period, sizeof(double), "modes", &code, err);
-    l->power = memory_new((size_t)l->columns, sizeof(double), "modes", &code, err);
-    if (code != SHEAR_OK) {
-        light_free(l);
-        *light = NULL;
-        return code;
-    }
+    l->side = side;
+    l->period = 2 * side;
+    l->reach = reach;
+    l->columns = side + 1;
+    l->psf = l->data;
+    l->kx = l->psf + n_psf;
+    l->phase = l->kx + n;
+    l->modes = l->phase + 2 * n;
+    l->line = l->modes + 2 * period * columns;
+    l->power = l->line + 2 * period;
     fill_columns(l);
     fill_psf(l, psf, scale);
     return SHEAR_OK;
 }
 
-void light_free(struct light *l) {
-    if (l != NULL) {
-        free(l->psf);
-        free(l->kx);
-        free(l->phase);
-        free(l->modes);
-        free(l->line);
-        free(l->power);
-        free(l);
-    }
+void light_free(light *l) {
+    free(l);
 }
 
 /* ---- drawing ---- */
 
 /* The round galaxy's transform, at the modes of one row and one alias. */
-static void galaxy_row(const struct light *l, const light_galaxy *g, const double *kx, double ky,
+static void galaxy_row(const light *l, const light_galaxy *g, const double *kx, double ky,
                        const double *psf) {
     const double ax = g->map[0][0];
     const double bx = g->map[0][1];
@@ -162,8 +156,8 @@ static void galaxy_row(const struct light *l, const light_galaxy *g, const doubl
     }
 }
 
-static void add_row(const struct light *l, const double *power, const double *phase, double ky,
-                    double y, double *modes) {
+static void add_row(const light *l, const double *power, const double *phase, double ky, double y,
+                    double *modes) {
     const double c = cos(ky * y);
     const double s = -sin(ky * y);
 #pragma omp simd
@@ -174,7 +168,7 @@ static void add_row(const struct light *l, const double *power, const double *ph
 }
 
 /* The modes of a galaxy (NULL: a point) at pixel (x, y). */
-static void fill_modes(struct light *l, const light_galaxy *g, double x, double y) {
+static void fill_modes(light *l, const light_galaxy *g, double x, double y) {
     int n = l->reach * l->columns;
     for (int m = 0; m < n; m++) {
         l->phase[2 * m] = cos(l->kx[m] * x);
@@ -194,7 +188,7 @@ static void fill_modes(struct light *l, const light_galaxy *g, double x, double 
 }
 
 /* Along y: the stamp's rows replace the modes'. */
-static void transform_columns(struct light *l) {
+static void transform_columns(light *l) {
     size_t step = 2 * (size_t)l->columns;
     for (int m = 0; m < l->columns; m++) {
         double *column = l->modes + 2 * (size_t)m;
@@ -210,7 +204,7 @@ static void transform_columns(struct light *l) {
     }
 }
 
-static void transform_rows(struct light *l, double *out) {
+static void transform_rows(light *l, double *out) {
     double scale = 1.0 / ((double)l->period * l->period);
     for (int y = 0; y < l->side; y++) {
         const double *row = l->modes + 2 * (size_t)y * (size_t)l->columns;
@@ -227,14 +221,14 @@ static void transform_rows(struct light *l, double *out) {
     }
 }
 
-void light_draw(struct light *l, const light_galaxy *galaxy, double x, double y, double *out) {
+void light_draw(light *l, const light_galaxy *g, double x, double y, double *out) {
     double centre = 0.5 * (l->side - 1);
-    fill_modes(l, galaxy, centre + x, centre + y);
+    fill_modes(l, g, centre + x, centre + y);
     transform_columns(l);
     transform_rows(l, out);
 }
 
-void light_draw_psf(struct light *l, double *out) {
+void light_draw_psf(light *l, double *out) {
     fill_modes(l, NULL, l->side / 2, l->side / 2);
     transform_columns(l);
     transform_rows(l, out);

@@ -4,7 +4,7 @@
  * Every part has its transform in closed form: an exponential disk of scale h (1 + k^2 h^2)^(-3/2),
  * a Spergel profile of index nu and scale c (1 + k^2 c^2)^(-1-nu) (nu = -0.6 is close to a de
  * Vaucouleurs bulge), a Moffat function a Bessel function K, a square pixel two sincs. Modes up to
- * `reach` times the pixels' Nyquist frequency are folded onto the pixels' own, so that aliases are
+ * `reach` times the pixels' Nyquist frequency are added to the pixels' own, so that aliases are
  * what sampling makes of them. The image repeats at a period of twice the stamp at least.
  *
  * Independent of the mocks, which paint points, and of libshear, whose transforms it does not use.
@@ -20,7 +20,7 @@ enum light_psf_kind {
 };
 
 typedef struct light_psf {
-    int kind;    /* enum light_psf_kind */
+    enum light_psf_kind kind;
     double size; /* px */
     double e[2]; /* (1 + e1, e2; e2, 1 - e1) is what the round PSF is sheared by */
 } light_psf;
@@ -34,17 +34,17 @@ typedef struct light_galaxy {
 } light_galaxy;
 
 /* Scratch of one thread for one PSF and one size of stamps. */
-struct light;
+typedef struct light light;
 /* `side` is a power of two, `reach` even. Lengths are `scale` times larger (samples of a PSF image:
  * its samples per pixel). */
-int light_new(struct light **light, const light_psf *psf, int side, int reach, double scale,
+int light_new(light **out, const light_psf *psf, int side, int reach, double scale,
               shear_error *err);
-void light_free(struct light *light);
+void light_free(light *l);
 
 /* The galaxy centred at (x, y) px from the stamp's centre ((side-1)/2, (side-1)/2); flux 1, but for
  * the stamp's edges. out [side][side] */
-void light_draw(struct light *light, const light_galaxy *galaxy, double x, double y, double *out);
+void light_draw(light *l, const light_galaxy *g, double x, double y, double *out);
 /* The PSF, pixel response and all, centred on the sample [side/2][side/2]. */
-void light_draw_psf(struct light *light, double *out);
+void light_draw_psf(light *l, double *out);
 
 #endif

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/methods.h"
 
-#include "shear_figures/figure.h"
-
 #include <math.h>
 
-const struct method methods[N_METHODS] = {
+const method methods[N_METHODS] = {
     {"Bilinear", SHEAR_INTERP_BILINEAR, -1, SHEAR_SKY, SHEAR_TRIANGLE},
     {"Bicubic", SHEAR_INTERP_BICUBIC, -1, SHEAR_BLUE, SHEAR_SQUARE},
     {"Spline", SHEAR_INTERP_SPLINE, -1, SHEAR_PURPLE, SHEAR_DISC},
@@ -61,15 +59,21 @@ static int fine_factor(double r_psf_px) {
     return s;
 }
 
-struct series method_series(int scene, int method, enum psf_sampling sampling, double r_psf_px,
-                            const shear_settings *settings) {
-    struct series s = {.scene = scene,
-                       .psf_oversample = psf_oversample(sampling, r_psf_px),
-                       .settings = *settings};
-    s.settings.interpolation = methods[method].interpolation;
+series method_series(int i_method, enum psf_sampling sampling, double r_psf_px,
+                     const shear_settings *settings) {
+    series s = {.psf_oversample = psf_oversample(sampling, r_psf_px), .settings = *settings};
+    s.settings.interpolation = methods[i_method].interpolation;
     if (s.settings.oversample == 0) {
         s.settings.oversample = fine_factor(r_psf_px);
     }
     s.settings.power_tolerance = sampling == PSF_COARSE ? 1.0 : settings->power_tolerance;
     return s;
+}
+
+void method_series_all(series all[N_METHOD_SERIES], double r_psf_px,
+                       const shear_settings *settings) {
+    for (int i = 0; i < N_METHOD_SERIES; i++) {
+        all[i] =
+            method_series(i % N_METHODS, (enum psf_sampling)(i / N_METHODS), r_psf_px, settings);
+    }
 }

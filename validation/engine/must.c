@@ -1,15 +1,49 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/must.h"
 
-#include <stdlib.h>
+#include "engine/progress.h"
 
-void *memory_new(size_t n, size_t size, const char *what, int *code, shear_error *err) {
-    if (*code) {
-        return NULL;
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+_Thread_local shear_error must_error;
+
+/* Of several threads that fail at once the first ends the program. */
+static _Noreturn void end(int code) {
+    static atomic_flag ending = ATOMIC_FLAG_INIT;
+    while (atomic_flag_test_and_set(&ending)) {
+        pause();
     }
+    progress_end();
+    fprintf(stderr, "shear-paper: error: %s\n", must_error.message);
+    if (must_error.advice[0] != '\0') {
+        fprintf(stderr, "  %s\n", must_error.advice);
+    }
+    exit(code == SHEAR_E_SETTING ? EXIT_CODE_USAGE : EXIT_CODE_OTHER);
+}
+
+void must(int code) {
+    if (code != SHEAR_OK) {
+        end(code);
+    }
+}
+
+void must_fail(int code, const char *advice, const char *format, ...) {
+    char message[sizeof must_error.message];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    end(shear_fail(&must_error, code, advice, "%s", message));
+}
+
+void *must_allocate(size_t n, size_t size, const char *what) {
     void *made = calloc(n > 0 ? n : 1, size);
     if (made == NULL) {
-        *code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for %s", what);
+        must_fail(SHEAR_E_NOMEM, NULL, "out of memory for %s", what);
     }
     return made;
 }

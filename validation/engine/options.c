@@ -1,248 +1,227 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/options.h"
 
-#include "engine/experiment.h"
+#include "base/text.h"
+#include "engine/must.h"
 
+#include <assert.h>
 #include <errno.h>
+#include <getopt.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_THREADS = 1024, MAX_GROUPS = 100000, MAX_LINE = 256 };
+enum { MAX_THREADS = 1024, MAX_GROUPS = 100000, MAX_LINE = 256, MAX_OPTIONS = 256, MAX_NAME = 48 };
 
-/* ---- knobs ---- */
+/* ---- parameters ---- */
 
-static int count_knobs(const experiment *e) {
-    int n = 0;
-    while (e->knobs != NULL && e->knobs[n].name != NULL) {
-        n++;
-    }
-    return n;
-}
-
-static int find_knob(const experiment *e, const char *name) {
-    int n = count_knobs(e);
-    for (int i = 0; i < n; i++) {
-        if (strcmp(e->knobs[i].name, name) == 0) {
+static int find_parameter(const experiment *e, const char *name) {
+    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
+        if (strcmp(e->parameters[i].name, name) == 0) {
             return i;
         }
     }
     return -1;
 }
 
-static int parse_number(const char *name, const char *text, char **end, double min, double max,
-                        double *value, shear_error *err) {
+const parameter_values *options_list(const options *o, const char *name) {
+    const int i = find_parameter(o->experiment, name);
+    assert(i >= 0);
+    return &o->parameters[i];
+}
+
+double options_number(const options *o, const char *name) {
+    return options_list(o, name)->v[0];
+}
+
+static double parse_number(const char *name, const char *text, char **end, double min, double max) {
     errno = 0;
-    *value = strtod(text, end);
-    if (*end == text || errno == ERANGE || !(*value >= min && *value <= max)) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not from %g to %g",
-                          name, text, min, max);
+    const double value = strtod(text, end);
+    if (*end == text || errno == ERANGE || !(value >= min && value <= max)) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not from %g to %g", name, text,
+                  min, max);
     }
-    return SHEAR_OK;
+    return value;
 }
 
-static int parse_knob(const struct knob *knob, const char *text, knob_values *values,
-                      shear_error *err) {
-    knob_values parsed = {0};
-    const char *p = text;
-    for (;;) {
-        char *end = NULL;
-        if (parsed.n == (knob->many ? MAX_KNOB_VALUES : 1)) {
-            return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--%s': more than %d values",
-                              knob->name, parsed.n);
+static void parse_parameter(const parameter *p, const char *text, parameter_values *out) {
+    const int most = p->many ? MAX_VALUES : 1;
+    char *end = NULL;
+    out->n = 0;
+    for (const char *at = text; at != NULL; at = *end == ',' ? end + 1 : NULL) {
+        if (out->n == most) {
+            must_fail(SHEAR_E_SETTING, NULL, "option '--%s': more than %d values", p->name, most);
         }
-        int code =
-            parse_number(knob->name, p, &end, knob->min, knob->max, &parsed.v[parsed.n++], err);
-        if (code != SHEAR_OK) {
-            return code;
-        }
-        if (*end == '\0') {
-            break;
-        }
-        if (*end != ',') {
-            return shear_fail(err, SHEAR_E_SETTING, NULL,
-                              "option '--%s': '%s' is not a list of numbers", knob->name, text);
-        }
-        p = end + 1;
+        out->v[out->n++] = parse_number(p->name, at, &end, p->min, p->max);
     }
-    *values = parsed;
-    return SHEAR_OK;
-}
-
-const knob_values *request_list(const struct request *r, const char *name) {
-    int i = find_knob(r->experiment, name);
-    return i >= 0 ? &r->knobs[i] : NULL;
-}
-
-double request_number(const struct request *r, const char *name) {
-    const knob_values *values = request_list(r, name);
-    return values != NULL && values->n > 0 ? values->v[0] : NAN;
+    if (*end != '\0') {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not a list of numbers", p->name,
+                  text);
+    }
 }
 
 /* ---- common options ---- */
 
-static int parse_count(const char *name, const char *text, int64_t min, int64_t max, int64_t *value,
-                       shear_error *err) {
+enum common { GALAXIES, GROUPS, THREADS, OUT, FRESH, QUIET, N_COMMON };
+static const char *const common_names[N_COMMON] = {"galaxies", "groups", "threads",
+                                                   "out",      "fresh",  "quiet"};
+
+/* A double first, so that 1e6 is a number of galaxies too. */
+static int64_t parse_count(const char *name, const char *text, double max) {
     char *end = NULL;
-    double number = 0.0; /* so that 1e6 is a number of galaxies too */
-    int code = parse_number(name, text, &end, (double)min, (double)max, &number, err);
-    if (code == SHEAR_OK && (*end != '\0' || number != floor(number))) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not a whole number",
-                          name, text);
+    const double number = parse_number(name, text, &end, 1.0, max);
+    if (*end != '\0' || number != floor(number)) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not a whole number", name, text);
     }
-    *value = code == SHEAR_OK ? (int64_t)number : *value;
-    return code;
+    return (int64_t)number;
 }
 
-static int set_int(const char *name, const char *text, int max, int *value, shear_error *err) {
-    int64_t parsed = *value;
-    int code = parse_count(name, text, 1, max, &parsed, err);
-    *value = (int)parsed;
-    return code;
+static void set_out(options *o, const char *text) {
+    const size_t n = strlen(text);
+    if (n == 0 || n >= sizeof o->out - 64) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--out': no name, or too long a one");
+    }
+    memcpy(o->out, text, n + 1);
 }
 
-static int set_out(struct request *r, const char *text, shear_error *err) {
-    int n = snprintf(r->out, sizeof r->out, "%s", text);
-    return n > 0 && (size_t)n < sizeof r->out - 64
-               ? SHEAR_OK
-               : shear_fail(err, SHEAR_E_SETTING, NULL,
-                            "option '--out': no name, or too long a one");
+static void set_common(options *o, enum common which, const char *value) {
+    const char *name = common_names[which];
+    switch (which) {
+    case GALAXIES:
+        o->galaxies = parse_count(name, value, 1e9);
+        break;
+    case GROUPS:
+        o->groups = (int)parse_count(name, value, MAX_GROUPS);
+        break;
+    case THREADS:
+        o->threads = (int)parse_count(name, value, MAX_THREADS);
+        break;
+    case OUT:
+        set_out(o, value);
+        break;
+    case FRESH:
+        o->fresh = true;
+        break;
+    default:
+        o->quiet = true;
+        break;
+    }
 }
 
-/* The option's own argument is `value`; NULL where it has none. */
-static int set_common(struct request *r, const char *name, const char *value, bool *known,
-                      shear_error *err) {
-    *known = true;
-    if (strcmp(name, "fresh") == 0 || strcmp(name, "quiet") == 0) {
-        *(name[0] == 'f' ? &r->fresh : &r->quiet) = true;
-        return SHEAR_OK;
+/* ---- the table for getopt_long ---- */
+
+/* What an option's `val` tells: its kind, plus an index of the kind's own table. */
+enum kind { PARAMETER = 1000, COMMON = 2000, MOCK = 3000, SETTING = 4000, SETTING_OFF = 5000 };
+
+typedef struct option_table {
+    int n;
+    struct option list[MAX_OPTIONS]; /* the first of a name is the one that is found */
+    char names[MAX_OPTIONS][MAX_NAME];
+} option_table;
+
+static void add_option(option_table *t, const char *prefix, const char *name, bool valued,
+                       int value) {
+    assert(t->n + 1 < MAX_OPTIONS);
+    snprintf(t->names[t->n], MAX_NAME, "%s%s", prefix, name);
+    t->list[t->n] =
+        (struct option){t->names[t->n], valued ? required_argument : no_argument, NULL, value};
+    t->n++;
+}
+
+static void add_setting(option_table *t, const shear_setting_def *def, int i) {
+    const bool valued = def->type != SHEAR_T_BOOL;
+    add_option(t, "", def->name, valued, SETTING + i);
+    add_option(t, "measure-", def->name, valued, SETTING + i);
+    if (!valued) {
+        add_option(t, "no-", def->name, false, SETTING_OFF + i);
+        add_option(t, "measure-no-", def->name, false, SETTING_OFF + i);
     }
-    if (strcmp(name, "galaxies") == 0) {
-        return parse_count(name, value, 1, 1000000000, &r->galaxies, err);
+}
+
+static void fill_table(option_table *t, const experiment *e) {
+    size_t n = 0;
+    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
+        add_option(t, "", e->parameters[i].name, true, PARAMETER + i);
     }
-    if (strcmp(name, "groups") == 0) {
-        return set_int(name, value, MAX_GROUPS, &r->groups, err);
+    for (int i = 0; i < N_COMMON; i++) {
+        add_option(t, "", common_names[i], i < FRESH, COMMON + i);
     }
-    if (strcmp(name, "threads") == 0) {
-        return set_int(name, value, MAX_THREADS, &r->threads, err);
+    const shear_mock_option *mock = shear_mock_options(&n);
+    for (size_t i = 0; i < n; i++) {
+        add_option(t, "", mock[i].name, mock[i].metavar != NULL, MOCK + (int)i);
     }
-    if (strcmp(name, "out") == 0) {
-        return set_out(r, value, err);
+    const shear_setting_def *settings = shear_settings_table(&n);
+    for (size_t i = 0; i < n; i++) {
+        add_setting(t, &settings[i], (int)i);
     }
-    *known = false;
-    return SHEAR_OK;
 }
 
 /* ---- one option ---- */
 
-static bool is_fixed(const experiment *e, const char *name) {
-    static const char *const never[] = {"stamps", "field", "layout", "bitpix", "no-r-gal"};
-    for (size_t i = 0; i < sizeof never / sizeof *never; i++) {
-        if (strcmp(never[i], name) == 0) {
-            return true;
-        }
-    }
-    for (const char *const *p = e->fixed; p != NULL && *p != NULL; p++) {
-        if (strcmp(*p, name) == 0) {
+/* Is `name` among words with blanks between? */
+static bool has_word(const char *words, const char *name) {
+    const size_t length = strlen(name);
+    for (const char *at = words; (at = strstr(at, name)) != NULL; at += length) {
+        const bool begins = at == words || at[-1] == ' ';
+        if (begins && (at[length] == ' ' || at[length] == '\0')) {
             return true;
         }
     }
     return false;
 }
 
-static const shear_setting_def *find_setting(const char *name, const char **text) {
-    static const char no[] = "no-";
-    static const char measure[] = "measure-";
-    const char *base =
-        strncmp(name, measure, sizeof measure - 1) == 0 ? name + sizeof measure - 1 : name;
-    const shear_setting_def *def = shear_settings_find(base);
-    if (def == NULL && strncmp(base, no, sizeof no - 1) == 0) {
-        def = shear_settings_find(base + sizeof no - 1);
-        def = def != NULL && def->type == SHEAR_T_BOOL ? def : NULL;
-        *text = def != NULL ? "no" : *text;
-    } else if (def != NULL && def->type == SHEAR_T_BOOL) {
-        *text = "yes";
+/* A parameter may have the name of an option that the experiment otherwise chooses itself. */
+static void set_option(options *o, const struct option *option, const char *value) {
+    static const char never[] = "stamps field layout bitpix no-r-gal";
+    const experiment *e = o->experiment;
+    const int kind = option->val / 1000 * 1000;
+    const int i = option->val % 1000;
+    size_t n = 0;
+    if (kind == PARAMETER) {
+        parse_parameter(&e->parameters[i], value, &o->parameters[i]);
+        return;
     }
-    return def;
-}
-
-static bool takes_value(const experiment *e, const char *name) {
-    const shear_mock_option *mock = shear_mock_option_find(name);
-    const char *text = NULL;
-    if (strcmp(name, "fresh") == 0 || strcmp(name, "quiet") == 0) {
-        return false;
+    if (has_word(never, option->name) || has_word(e->fixed, option->name)) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--%s': %s chooses it itself", option->name,
+                  e->name);
     }
-    if (find_knob(e, name) >= 0) {
-        return true;
+    if (kind == COMMON) {
+        set_common(o, (enum common)i, value);
+    } else if (kind == MOCK) {
+        must(shear_mock_set(&o->mock, shear_mock_options(&n)[i].name, value, &must_error));
+    } else {
+        const char *text = value != NULL ? value : kind == SETTING ? "yes" : "no";
+        const char *name = shear_settings_table(&n)[i].name;
+        must(shear_settings_set(&o->settings, name, text, &must_error));
     }
-    if (mock != NULL) {
-        return mock->metavar != NULL;
-    }
-    find_setting(name, &text);
-    return text == NULL;
-}
-
-/* A knob may have the name of an option that the experiment otherwise chooses itself. */
-static int set_option(struct request *r, const char *name, const char *value, shear_error *err) {
-    const experiment *e = r->experiment;
-    int knob = find_knob(e, name);
-    if (knob >= 0) {
-        return parse_knob(&e->knobs[knob], value, &r->knobs[knob], err);
-    }
-    if (is_fixed(e, name)) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--%s': %s chooses it itself", name,
-                          e->name);
-    }
-    bool known = false;
-    int code = set_common(r, name, value, &known, err);
-    if (known) {
-        return code;
-    }
-    if (shear_mock_option_find(name) != NULL) {
-        return shear_mock_set(&r->mock, name, value, err);
-    }
-    const shear_setting_def *def = find_setting(name, &value);
-    if (def != NULL) {
-        return shear_settings_set(&r->settings, def->name, value, err);
-    }
-    return shear_fail(err, SHEAR_E_SETTING, "see \"shear-paper help\" and the experiment's name",
-                      "unknown option '--%s'", name);
 }
 
 /* ---- the command line ---- */
 
-/* What the numbers do not depend on is left out: the table is to be the same wherever it was made.
- */
-static void keep_command(struct request *r, int argc, char **argv) {
-    size_t used = (size_t)snprintf(r->command, sizeof r->command, "shear-paper");
-    for (int i = 0; i < argc && used < sizeof r->command; i++) {
-        bool valued = strcmp(argv[i], "--out") == 0 || strcmp(argv[i], "--threads") == 0;
-        bool idle = strncmp(argv[i], "--out=", 6) == 0 || strncmp(argv[i], "--threads=", 10) == 0 ||
-                    strcmp(argv[i], "--quiet") == 0 || strcmp(argv[i], "--fresh") == 0;
-        if (!valued && !idle) {
-            used += (size_t)snprintf(r->command + used, sizeof r->command - used, " %s", argv[i]);
-        }
-        i += valued;
-    }
+static void append_word(options *o, const char *word) {
+    text_append(o->command, sizeof o->command, "%s%s", o->command[0] != '\0' ? " " : "", word);
 }
 
-static int parse_argument(struct request *r, int argc, char **argv, int *i, shear_error *err) {
-    char name[MAX_LINE];
-    const char *argument = argv[*i];
-    if (strncmp(argument, "--", 2) != 0 || strlen(argument) >= sizeof name) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "unexpected argument '%s'", argument);
+/* What the numbers do not depend on is left out: the table is the same wherever it was made. */
+static bool is_kept(const struct option *option) {
+    const int i = option->val - COMMON;
+    return i != THREADS && i != OUT && i != FRESH && i != QUIET;
+}
+
+static _Noreturn void fail_at(const char *given, int value) {
+    const int length = (int)strcspn(given, "=");
+    if (strncmp(given, "--", 2) != 0) {
+        must_fail(SHEAR_E_SETTING, NULL, "unexpected argument '%s'", given);
     }
-    const char *equals = strchr(argument, '=');
-    size_t length = equals != NULL ? (size_t)(equals - argument) : strlen(argument);
-    snprintf(name, sizeof name, "%.*s", (int)(length - 2), argument + 2);
-    if (!takes_value(r->experiment, name)) {
-        return set_option(r, name, NULL, err);
+    if (value == ':') {
+        must_fail(SHEAR_E_SETTING, NULL, "option '%s' needs a value", given);
     }
-    if (equals == NULL && *i + 1 == argc) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--%s' needs a value", name);
+    if (optopt != 0) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '%.*s' takes no value", length, given);
     }
-    return set_option(r, name, equals != NULL ? equals + 1 : argv[++*i], err);
+    must_fail(SHEAR_E_SETTING, "see \"shear-paper help\" and the experiment's name",
+              "unknown option '%.*s'", length, given);
 }
 
 /* The experiments repeat the paper. */
@@ -250,130 +229,135 @@ static void paper_settings(shear_settings *s) {
     (void)shear_settings_set(s, "preset", "zhang2010", NULL);
 }
 
-static int set_defaults(struct request *r, shear_error *err) {
-    const experiment *e = r->experiment;
-    shear_mock_spec_init(&r->mock);
-    paper_settings(&r->settings);
-    r->galaxies = 10000;
-    r->groups = 100;
-    snprintf(r->out, sizeof r->out, ".");
-    e->defaults(r);
-    int code = SHEAR_OK;
-    for (int i = 0; code == SHEAR_OK && i < count_knobs(e); i++) {
-        code = parse_knob(&e->knobs[i], e->knobs[i].preset, &r->knobs[i], err);
+static void set_defaults(options *o, const experiment *e) {
+    *o = (options){.experiment = e, .galaxies = 10000, .groups = 100, .out = "."};
+    shear_mock_spec_init(&o->mock);
+    paper_settings(&o->settings);
+    e->defaults(o);
+    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
+        parse_parameter(&e->parameters[i], e->parameters[i].preset, &o->parameters[i]);
     }
-    return code;
 }
 
-int request_parse(struct request *r, const experiment *e, int argc, char **argv, shear_error *err) {
-    *r = (struct request){.experiment = e};
-    int code = set_defaults(r, err);
-    keep_command(r, argc, argv);
-    for (int i = 1; code == SHEAR_OK && i < argc; i++) {
-        code = parse_argument(r, argc, argv, &i, err);
+void options_parse(options *o, const experiment *e, int argc, char **argv) {
+    option_table table = {0};
+    fill_table(&table, e);
+    set_defaults(o, e);
+    append_word(o, "shear-paper");
+    append_word(o, argv[0]);
+    opterr = 0;
+    int value = 0;
+    int index = 0;
+    for (int at = 1; (value = getopt_long(argc, argv, "+:", table.list, &index)) != -1;) {
+        if (value == '?' || value == ':') {
+            fail_at(argv[at], value);
+        }
+        set_option(o, &table.list[index], optarg);
+        for (; at < optind; at++) {
+            if (is_kept(&table.list[index])) {
+                append_word(o, argv[at]);
+            }
+        }
     }
-    return code;
+    if (optind < argc) {
+        must_fail(SHEAR_E_SETTING, NULL, "unexpected argument '%s'", argv[optind]);
+    }
 }
 
 /* ---- text ---- */
 
-static void print_changed(const struct request *r, FILE *out) {
-    size_t n = 0;
-    shear_mock_spec plain;
-    shear_mock_spec_init(&plain);
-    const shear_mock_option *mock = shear_mock_options(&n);
-    for (size_t i = 0; i < n; i++) {
-        char ours[MAX_LINE];
-        char theirs[MAX_LINE];
-        shear_mock_format(&r->mock, &mock[i], ours, sizeof ours);
-        shear_mock_format(&plain, &mock[i], theirs, sizeof theirs);
-        if (strcmp(ours, theirs) != 0) {
-            fprintf(out, "%s %s\n", mock[i].name, ours);
-        }
-    }
-    shear_settings defaults;
-    paper_settings(&defaults);
-    const shear_setting_def *table = shear_settings_table(&n);
-    for (size_t i = 0; i < n; i++) {
-        char ours[MAX_LINE];
-        char theirs[MAX_LINE];
-        shear_settings_format(&r->settings, &table[i], ours, sizeof ours);
-        shear_settings_format(&defaults, &table[i], theirs, sizeof theirs);
-        if (strcmp(ours, theirs) != 0) {
-            fprintf(out, "measure-%s %s\n", table[i].name, ours);
-        }
+static void print_if_changed(FILE *out, const char *prefix, const char *name, const char *ours,
+                             const char *theirs) {
+    if (strcmp(ours, theirs) != 0) {
+        fprintf(out, "%s%s %s\n", prefix, name, ours);
     }
 }
 
-static void print_knobs(const struct request *r, FILE *out) {
-    for (int i = 0; i < count_knobs(r->experiment); i++) {
-        fprintf(out, "%s ", r->experiment->knobs[i].name);
-        for (int k = 0; k < r->knobs[i].n; k++) {
-            fprintf(out, "%s%.17g", k > 0 ? "," : "", r->knobs[i].v[k]);
+static void print_changed(const options *o, FILE *out) {
+    size_t n = 0;
+    char ours[MAX_LINE];
+    char theirs[MAX_LINE];
+    shear_mock_spec plain;
+    shear_settings paper;
+    shear_mock_spec_init(&plain);
+    paper_settings(&paper);
+    const shear_mock_option *mock = shear_mock_options(&n);
+    for (size_t i = 0; i < n; i++) {
+        print_if_changed(out, "", mock[i].name,
+                         shear_mock_format(&o->mock, &mock[i], ours, sizeof ours),
+                         shear_mock_format(&plain, &mock[i], theirs, sizeof theirs));
+    }
+    const shear_setting_def *settings = shear_settings_table(&n);
+    for (size_t i = 0; i < n; i++) {
+        print_if_changed(out, "measure-", settings[i].name,
+                         shear_settings_format(&o->settings, &settings[i], ours, sizeof ours),
+                         shear_settings_format(&paper, &settings[i], theirs, sizeof theirs));
+    }
+}
+
+char *options_describe(const options *o) {
+    char *text = NULL;
+    size_t size = 0;
+    const experiment *e = o->experiment;
+    FILE *out = open_memstream(&text, &size);
+    if (out == NULL) {
+        must_fail(SHEAR_E_NOMEM, NULL, "out of memory for the options");
+    }
+    fprintf(out, "experiment %s\ngalaxies %" PRId64 "\ngroups %d\n", e->name, o->galaxies,
+            o->groups);
+    for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
+        fprintf(out, "%s ", e->parameters[i].name);
+        for (int k = 0; k < o->parameters[i].n; k++) {
+            fprintf(out, "%s%.17g", k > 0 ? "," : "", o->parameters[i].v[k]);
         }
         fputc('\n', out);
     }
-}
-
-char *request_describe(const struct request *r) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL) {
-        return NULL;
-    }
-    fprintf(out, "experiment %s\ngalaxies %" PRId64 "\ngroups %d\n", r->experiment->name,
-            r->galaxies, r->groups);
-    print_knobs(r, out);
-    print_changed(r, out);
+    print_changed(o, out);
     if (fclose(out) != 0) {
-        free(text);
-        return NULL;
+        must_fail(SHEAR_E_NOMEM, NULL, "out of memory for the options");
     }
     return text;
 }
 
-char *request_path(const struct request *r, const char *suffix, const char *ext, char *buf,
-                   size_t size) {
-    snprintf(buf, size, "%s/%s%s%s.%s", r->out, r->experiment->name, suffix != NULL ? "-" : "",
-             suffix != NULL ? suffix : "", ext);
-    return buf;
+char *options_path(const options *o, const char *suffix, const char *ext, char path[OPTIONS_PATH]) {
+    snprintf(path, OPTIONS_PATH, "%s/%s%s%s.%s", o->out, o->experiment->name,
+             suffix != NULL ? "-" : "", suffix != NULL ? suffix : "", ext);
+    return path;
 }
 
-void request_help(const experiment *e, FILE *out) {
-    struct request r = {.experiment = e};
-    shear_error err = {0};
+void options_help(const experiment *e, FILE *out) {
+    options o;
+    set_defaults(&o, e);
     fprintf(out, "usage: shear-paper %s [OPTION...]\n\n%s\n\n", e->name, e->about);
-    if (set_defaults(&r, &err) != 0) {
-        fprintf(out, "%s\n", err.message);
-        return;
-    }
     fprintf(
         out,
         "  --galaxies N        stamps for each point, rotated copies included (default %" PRId64
         ")\n"
-        "  --groups N          of the jackknife; also the pieces between checkpoints (default %d)\n"
+        "  --groups N          of the jackknife; also the pieces between checkpoints (default "
+        "%d)\n"
         "  --seed S            the same seed draws the same galaxies and noise (default %" PRIu64
         ")\n"
         "  --threads N         the result does not depend on it (default: all cores)\n"
         "  --out DIR           where table, figure and state go (default .)\n"
-        "  --fresh             begin anew where an earlier run was stopped\n"
+        "  --fresh             start over where an earlier run was stopped\n"
         "  --quiet             no progress\n",
-        r.galaxies, r.groups, r.mock.seed);
-    for (int i = 0; i < count_knobs(e); i++) {
-        const struct knob *k = &e->knobs[i];
-        fprintf(out, "  --%-17s %s (default %s)\n", k->name, k->help, k->preset);
+        o.galaxies, o.groups, o.mock.seed);
+    for (const parameter *p = e->parameters; p != NULL && p->name != NULL; p++) {
+        fprintf(out, "  --%-17s %s (default %s)\n", p->name, p->help, p->preset);
     }
     fputs("\nAll options of \"shearctl help mock\" and settings of \"shearctl help measure\" are "
-          "taken "
-          "as well;\nwhere both have a name, --measure-NAME is the setting. Here they are by "
-          "default:\n",
+          "taken as well;\n"
+          "where both have a name, --measure-NAME is the setting. Here they are by default:\n",
           out);
-    print_changed(&r, out);
+    print_changed(&o, out);
     fputs("and what the experiment chooses itself:", out);
-    for (const char *const *p = e->fixed; p != NULL && *p != NULL; p++) {
-        if (find_knob(e, *p) < 0) {
-            fprintf(out, " %s", *p);
+    char words[2 * MAX_LINE];
+    char *rest = NULL;
+    snprintf(words, sizeof words, "%s", e->fixed);
+    for (char *word = strtok_r(words, " ", &rest); word != NULL;
+         word = strtok_r(NULL, " ", &rest)) {
+        if (find_parameter(e, word) < 0) {
+            fprintf(out, " %s", word);
         }
     }
     fputc('\n', out);

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* request.h: what a command line asks of an experiment.
+/* options.h: what a command line asks of an experiment.
  *
- * Options are, in this order of precedence: the common ones (--galaxies, --seed, --threads, ...),
- * the experiment's knobs, the options of the mocks (as in `shearctl help mock`) and the settings of
- * the measurement (as in `shearctl help measure`). A setting that has the name of a mock option is
- * --measure-NAME.
+ * Options are, in this order of precedence: the experiment's parameters, the common ones
+ * (--galaxies, --groups, --threads, ...), the options of the mocks (as in `shearctl help mock`) and
+ * the settings of the measurement (as in `shearctl help measure`). A setting that has the name of a
+ * mock option is --measure-NAME.
  */
-#ifndef VALIDATION_REQUEST_H
-#define VALIDATION_REQUEST_H
+#ifndef VALIDATION_OPTIONS_H
+#define VALIDATION_OPTIONS_H
 
+#include "engine/experiment.h"
 #include "shear/settings.h"
 #include "shear_mocks/mock.h"
 
@@ -16,53 +17,41 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum { MAX_KNOBS = 12, MAX_KNOB_VALUES = 32 };
+enum { MAX_PARAMETERS = 12, MAX_VALUES = 32, OPTIONS_PATH = 700 };
 
-/* A number, or a list of them, that an experiment can be told. */
-struct knob {
-    const char *name;   /* as in --name */
-    const char *preset; /* the default, as text */
-    double min, max;    /* inclusive, of each value */
-    bool many;          /* a list, separated by commas */
-    const char *help;   /* one line */
-};
-
-typedef struct knob_values {
+typedef struct parameter_values {
     int n;
-    double v[MAX_KNOB_VALUES];
-} knob_values;
+    double v[MAX_VALUES];
+} parameter_values;
 
-typedef struct experiment experiment;
-
-struct request {
+typedef struct options {
     const experiment *experiment;
     shear_mock_spec mock;    /* seed, shear and all; n_stamps is not used */
     shear_settings settings; /* of the measurement */
     int64_t galaxies;        /* stamps for each point; rotated copies count */
     int groups;              /* of the jackknife, and pieces of work between two checkpoints */
     int threads;             /* 0 = all cores */
-    char out[512];           /* folder of table, figure and state */
+    char out[512];           /* folder of table, figure and cache */
     bool fresh;              /* forget finished pieces */
     bool quiet;              /* no progress */
-    char command[1024];      /* as it was typed */
-    knob_values knobs[MAX_KNOBS];
-};
+    char command[1024];      /* as it was typed, without what the numbers do not depend on */
+    parameter_values parameters[MAX_PARAMETERS];
+} options;
 
-/* Parse the options; argv[0] is the experiment's name. SHEAR_E_SETTING with a message. */
-int request_parse(struct request *r, const experiment *e, int argc, char **argv, shear_error *err);
+/* argv[0] is the experiment's name. Ends the program where an option is wrong. */
+void options_parse(options *o, const experiment *e, int argc, char **argv);
 /* The help text of one experiment. */
-void request_help(const experiment *e, FILE *out);
+void options_help(const experiment *e, FILE *out);
 
-/* The values of a knob; `name` is one of the experiment's. */
-const knob_values *request_list(const struct request *r, const char *name);
-double request_number(const struct request *r, const char *name);
+/* The values of a parameter; `name` is one of the experiment's. */
+const parameter_values *options_list(const options *o, const char *name);
+double options_number(const options *o, const char *name);
 
-/* Everything that the numbers depend on, as text: one "name value" a line. malloc'd; NULL without
- * memory. Threads, folder and verbosity are not in it. */
-char *request_describe(const struct request *r);
+/* Everything that the numbers depend on, as text: one "name value" a line; for free(). Threads,
+ * folder and verbosity are not in it. */
+char *options_describe(const options *o);
 
-/* OUT/NAME-suffix.ext, or OUT/NAME.ext where suffix is NULL. Returns buf. */
-char *request_path(const struct request *r, const char *suffix, const char *ext, char *buf,
-                   size_t size);
+/* OUT/NAME-suffix.ext, or OUT/NAME.ext where suffix is NULL. Returns path. */
+char *options_path(const options *o, const char *suffix, const char *ext, char path[OPTIONS_PATH]);
 
 #endif

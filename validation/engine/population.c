@@ -19,18 +19,18 @@ static uint64_t mix(uint64_t z) {
 
 static const uint64_t golden = UINT64_C(0x9E3779B97F4A7C15);
 
-struct dice dice_begin(uint64_t seed, int purpose, int64_t index) {
+dice dice_begin(uint64_t seed, enum dice_purpose purpose, int64_t index) {
     uint64_t s = mix(seed + golden);
     s = mix(s ^ ((uint64_t)purpose * UINT64_C(0xD1B54A32D192ED03)));
-    return (struct dice){.state = mix(s + (uint64_t)index * UINT64_C(0xA24BAED4963EE407))};
+    return (dice){.state = mix(s + (uint64_t)index * UINT64_C(0xA24BAED4963EE407))};
 }
 
-double dice_uniform(struct dice *d) {
+double dice_uniform(dice *d) {
     d->state += golden;
     return (double)(mix(d->state) >> 11) / 9007199254740992.0;
 }
 
-void dice_normal(struct dice *d, int n, double *out) {
+void dice_normal(dice *d, int n, double *out) {
     for (int i = 0; i < n; i += 2) {
         double r = sqrt(-2.0 * log(1.0 - dice_uniform(d)));
         double a = 2.0 * M_PI * dice_uniform(d);
@@ -49,7 +49,7 @@ typedef struct traits {
 } traits;
 
 static traits traits_of(const population *p, int64_t stamp) {
-    struct dice d = dice_begin(p->seed, DICE_GALAXY, stamp / p->copies);
+    dice d = dice_begin(p->seed, DICE_GALAXY, stamp / p->copies);
     traits t = {.radius = smallest * pow(largest / smallest, dice_uniform(&d)),
                 .bulge = most_bulge * dice_uniform(&d)};
     do {
@@ -89,22 +89,22 @@ static double angle_of(const population *p, int64_t stamp) {
     if (p->copies > 1) {
         return M_PI * (double)(stamp % p->copies) / p->copies;
     }
-    struct dice d = dice_begin(p->seed, DICE_TURN, stamp);
+    dice d = dice_begin(p->seed, DICE_ROTATION, stamp);
     return M_PI * dice_uniform(&d);
 }
 
 light_galaxy population_galaxy(const population *p, int64_t stamp) {
     light_galaxy g = population_bare(p, stamp);
     const double angle = angle_of(p, stamp);
-    const double turn[2][2] = {{cos(angle), -sin(angle)}, {sin(angle), cos(angle)}};
+    const double rotation[2][2] = {{cos(angle), -sin(angle)}, {sin(angle), cos(angle)}};
     const double lens[2][2] = {{1.0 + p->shear[0], p->shear[1]}, {p->shear[1], 1.0 - p->shear[0]}};
-    multiply(turn, g.map);
+    multiply(rotation, g.map);
     multiply(lens, g.map);
     return g;
 }
 
 void population_centre(const population *p, int64_t stamp, double *x, double *y) {
-    struct dice d = dice_begin(p->seed, DICE_SHIFT, stamp);
+    dice d = dice_begin(p->seed, DICE_SHIFT, stamp);
     *x = dice_uniform(&d) - 0.5;
     *y = dice_uniform(&d) - 0.5;
 }

@@ -17,7 +17,7 @@
 
 enum dice_purpose {
     DICE_GALAXY = 1,
-    DICE_TURN,
+    DICE_ROTATION,
     DICE_SHIFT,
     DICE_NOISE,
     DICE_NOISE_STAMP,
@@ -25,29 +25,29 @@ enum dice_purpose {
     DICE_ARTEFACT
 };
 
-struct dice {
+typedef struct dice {
     uint64_t state;
-};
-struct dice dice_begin(uint64_t seed, int purpose, int64_t index);
-double dice_uniform(struct dice *d); /* in [0, 1) */
+} dice;
+dice dice_begin(uint64_t seed, enum dice_purpose purpose, int64_t index);
+double dice_uniform(dice *d); /* in [0, 1) */
 /* n unit Gaussians. */
-void dice_normal(struct dice *d, int n, double *out);
+void dice_normal(dice *d, int n, double *out);
 
 /* ---- galaxies ---- */
 
 typedef struct population {
     uint64_t seed;
     bool bulges;     /* all light in bulges as large as the disks */
-    int copies;      /* stamps of one galaxy, turned by 180 / copies degrees each; 1: one stamp,
-                        turned at random */
-    double shear[2]; /* (1 + g1, g2; g2, 1 - g1) maps what is turned */
+    int copies;      /* stamps of one galaxy, each rotated 180 / copies degrees farther; 1: one
+                        stamp, rotated at random */
+    double shear[2]; /* (1 + g1, g2; g2, 1 - g1) maps what is rotated */
 } population;
 
-/* The galaxy of `stamp`, turned and sheared, and the place of its centre within a pixel: the same
+/* The galaxy of `stamp`, rotated and sheared, and the place of its centre within a pixel: the same
  * at any shear. */
 light_galaxy population_galaxy(const population *p, int64_t stamp);
 void population_centre(const population *p, int64_t stamp, double *x, double *y);
-/* The same galaxy as if there were no shear, unturned. */
+/* The same galaxy as if there were no shear, not rotated. */
 light_galaxy population_bare(const population *p, int64_t stamp);
 /* Half-light radius of its disk, px. */
 double population_radius(const population *p, int64_t stamp);

@@ -8,18 +8,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-struct progress {
-    bool visible, terminal, drawn;
-    int64_t total, skipped, done; /* stamps; `skipped` were finished before and cost nothing */
-    double begun, shown;          /* monotonic seconds */
-};
-
-/* `total` may be 0 and raised later. */
-void progress_begin(struct progress *p, int64_t total, bool quiet);
-void progress_add(struct progress *p, const char *label, int64_t stamps, bool skipped);
+/* `total`: stamps that all will draw. */
+void progress_begin(int64_t total, bool quiet);
+/* So many more stamps are done; `cached` ones cost nothing. */
+void progress_add(const char *label, int64_t stamps, bool cached);
 /* Take the line off the screen. */
-void progress_end(struct progress *p);
-
-double progress_seconds(void); /* monotonic */
+void progress_end(void);
 
 #endif

@@ -1,95 +1,81 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/sample.h"
 
+#include "engine/must.h"
+
 #include <stdlib.h>
 
-/* A run under way: the ledger's chunks are the sample's groups. */
-struct run {
-    const sample_spec *spec;
-    struct sampler *sampler; /* made when the first group is to be measured */
-    int groups;
-    int64_t unit; /* stamps that stay together */
+/* A run under way: the cache's chunks are the sample's groups. */
+typedef struct grouped {
+    const sample *of;
+    sampler *sampler;     /* made when the first group is to be measured */
+    int64_t stamps, unit; /* in all; that stay together */
+    int threads, groups;
     shear_row *rows;
-};
+} grouped;
 
-static int64_t copies(const sample_spec *spec) {
+static int64_t copies(const sample *of) {
     int64_t most = 1;
-    for (int i = 0; i < spec->n_scenes; i++) {
-        most = spec->scenes[i].spec.rotate > most ? spec->scenes[i].spec.rotate : most;
+    for (int i = 0; i < of->n_scenes; i++) {
+        const int rotate = of->scenes[i].spec.rotate;
+        most = rotate > most ? rotate : most;
     }
     return most;
 }
 
 /* The first stamp of a group; groups end where the next begins. */
-static int64_t begin_of(const struct run *run, int group) {
-    int64_t units = (run->spec->stamps + run->unit - 1) / run->unit;
-    int64_t at = units * group / run->groups * run->unit;
-    return at < run->spec->stamps ? at : run->spec->stamps;
+static int64_t begin_of(const grouped *g, int group) {
+    const int64_t units = (g->stamps + g->unit - 1) / g->unit;
+    const int64_t at = units * group / g->groups * g->unit;
+    return at < g->stamps ? at : g->stamps;
 }
 
-static int prepare(struct run *run, shear_error *err) {
-    if (run->sampler != NULL) {
-        return SHEAR_OK;
-    }
-    int64_t most = run->unit * (run->spec->stamps / run->unit / run->groups + 2);
-    run->rows = calloc((size_t)most * (size_t)run->spec->n_series, sizeof *run->rows);
-    if (run->rows == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, "use more groups",
-                          "out of memory for the rows of a group");
-    }
-    return sampler_new(&run->sampler, run->spec, err);
+static void prepare(grouped *g) {
+    const int64_t most = g->unit * (g->stamps / g->unit / g->groups + 2);
+    const size_t n = (size_t)most * (size_t)g->of->n_series;
+    g->rows = must_allocate(n, sizeof *g->rows, "the rows of a group");
+    g->sampler = sampler_new(g->of, g->stamps, g->threads);
 }
 
-static int measure_group(void *context, int group, double *values, shear_error *err) {
-    struct run *run = context;
-    int64_t first = begin_of(run, group);
-    int count = (int)(begin_of(run, group + 1) - first);
-    int code = prepare(run, err);
-    code = code != SHEAR_OK ? code : sampler_rows(run->sampler, first, count, run->rows, err);
-    for (int i = 0; code == SHEAR_OK && i < run->spec->n_series; i++) {
+static void measure_group(void *context, int group, double *values) {
+    grouped *g = context;
+    const int64_t first = begin_of(g, group);
+    const int count = (int)(begin_of(g, group + 1) - first);
+    if (g->sampler == NULL) {
+        prepare(g);
+    }
+    sampler_rows(g->sampler, first, count, g->rows);
+    for (int i = 0; i < g->of->n_series; i++) {
         shear_block_sums sums;
         shear_block_sums_init(&sums);
         for (int k = 0; k < count; k++) {
-            shear_block_sums_add(&sums, &run->rows[(size_t)i * (size_t)count + (size_t)k]);
+            shear_block_sums_add(&sums, &g->rows[(size_t)i * (size_t)count + (size_t)k]);
         }
-        tally_pack(&sums, values + i * TALLY_PACKED);
+        jackknife_pack(&sums, values + i * JACKKNIFE_PACKED);
     }
-    return code;
 }
 
-static int fill_tally(struct tally *t, const double *values) {
-    for (int group = 0; group < t->groups; group++) {
-        for (int i = 0; i < t->n_series; i++) {
-            tally_unpack(values + (group * t->n_series + i) * TALLY_PACKED, tally_at(t, i, group));
-        }
-    }
-    return SHEAR_OK;
-}
-
-int sample_measure(const sample_spec *spec, struct ledger *ledger, struct tally **tally,
-                   shear_error *err) {
-    struct run run = {.spec = spec, .groups = spec->groups, .unit = copies(spec)};
-    int64_t units = (spec->stamps + run.unit - 1) / run.unit;
-    run.groups = units < run.groups ? (int)units : run.groups;
-    int values = spec->n_series * TALLY_PACKED;
-    double *packed = calloc((size_t)run.groups * (size_t)values, sizeof *packed);
-    struct task task = {.name = spec->name,
-                        .chunks = run.groups,
-                        .values = values,
-                        .stamps_of_chunk = spec->stamps / run.groups * spec->n_scenes,
-                        .work = measure_group,
-                        .context = &run};
-    int code = packed != NULL
-                   ? tally_new(tally, spec->n_series, run.groups, err)
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the sums of a sample");
-    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, packed, err);
-    code = code != SHEAR_OK ? code : fill_tally(*tally, packed);
-    if (code != SHEAR_OK && packed != NULL) {
-        tally_free(*tally);
-        *tally = NULL;
+jackknife_sums *sample_measure(const options *o, cache *c, const sample *what) {
+    grouped g = {.of = what,
+                 .stamps = what->stamps > 0 ? what->stamps : o->galaxies,
+                 .unit = copies(what),
+                 .threads = o->threads};
+    const int64_t units = (g.stamps + g.unit - 1) / g.unit;
+    g.groups = units < o->groups ? (int)units : o->groups;
+    const cache_task task = {.name = what->name,
+                             .chunks = g.groups,
+                             .values = what->n_series * JACKKNIFE_PACKED,
+                             .stamps_of_chunk = g.stamps / g.groups * what->n_scenes,
+                             .work = measure_group,
+                             .context = &g};
+    double *packed = cache_run(c, &task);
+    jackknife_sums *sums = jackknife_sums_new(what->n_series, g.groups);
+    for (int i = 0; i < g.groups * what->n_series; i++) {
+        jackknife_unpack(packed + i * JACKKNIFE_PACKED,
+                         jackknife_sums_at(sums, i % what->n_series, i / what->n_series));
     }
     free(packed);
-    free(run.rows);
-    sampler_free(run.sampler);
-    return code;
+    free(g.rows);
+    sampler_free(g.sampler);
+    return sums;
 }

@@ -1,37 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/scratch.h"
 
+#include "engine/must.h"
+
+#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static const char *const file = "/stamps.fits";
+enum { FOLDER = 480 };
+static char folder[FOLDER];
+static char path[FOLDER + 16];
 
-int scratch_new(char path[SCRATCH_PATH], shear_error *err) {
-    const char *base = getenv("TMPDIR");
-    base = base != NULL && base[0] ? base : "/tmp";
-    path[0] = '\0';
-    if (strlen(base) + 64 > SCRATCH_PATH) {
-        return shear_fail(err, SHEAR_E_IO, NULL, "TMPDIR is too long a name");
+/* A file that could not be written to its end has left its beginning under another name. */
+static void clean_up(void) {
+    DIR *d = opendir(folder);
+    for (struct dirent *e = NULL; d != NULL && (e = readdir(d)) != NULL;) {
+        unlinkat(dirfd(d), e->d_name, 0);
     }
-    snprintf(path, SCRATCH_PATH, "%s/shear-paper-XXXXXX", base);
-    if (mkdtemp(path) == NULL) {
-        const int code = shear_fail(err, SHEAR_E_IO, "set TMPDIR to a folder with room",
-                                    "cannot make a folder in %s: %s", base, strerror(errno));
-        path[0] = '\0';
-        return code;
+    if (d != NULL) {
+        closedir(d);
     }
-    strcat(path, file);
-    return SHEAR_OK;
+    rmdir(folder);
 }
 
-void scratch_free(const char *path) {
-    char folder[SCRATCH_PATH];
-    if (path[0]) {
-        unlink(path);
-        snprintf(folder, sizeof folder, "%.*s", (int)(strlen(path) - strlen(file)), path);
-        rmdir(folder);
+const char *scratch_path(void) {
+    if (folder[0] != '\0') {
+        return path;
     }
+    const char *base = getenv("TMPDIR");
+    base = base != NULL && base[0] != '\0' ? base : "/tmp";
+    if (snprintf(folder, sizeof folder, "%s/shear-paper-XXXXXX", base) >= FOLDER) {
+        must_fail(SHEAR_E_IO, NULL, "TMPDIR is too long a name");
+    }
+    if (mkdtemp(folder) == NULL) {
+        must_fail(SHEAR_E_IO, "set TMPDIR to a folder with room", "cannot make a folder in %s: %s",
+                  base, strerror(errno));
+    }
+    snprintf(path, sizeof path, "%s/stamps.fits", folder);
+    atexit(clean_up);
+    return path;
 }

@@ -3,82 +3,75 @@
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_eigen.h>
-#include <gsl/gsl_errno.h>
 #include <gsl/gsl_matrix.h>
 #include <math.h>
-#include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 
-struct verdict verdict_of_pulls(const double *pulls, int n) {
-    struct verdict v = {0};
-    for (int i = 0; i < n; i++) {
-        if (isfinite(pulls[i])) {
-            v.chi2 += pulls[i] * pulls[i];
-            v.dof++;
-        }
-    }
-    v.p = v.dof > 0 ? gsl_cdf_chisq_Q(v.chi2, v.dof) : NAN;
-    return v;
-}
-
-/* Hotelling's T^2 in the eigenvectors of the correlation matrix. */
-static struct verdict hotelling(gsl_matrix *correlation, const gsl_vector *pull, gsl_vector *values,
-                                gsl_matrix *vectors, gsl_eigen_symmv_workspace *w, int groups) {
+/* In the eigenvectors of the correlation matrix: T^2 is the sum of squares of the pulls along them,
+ * over the eigenvalues. */
+static chi_square hotelling(const gsl_matrix *vectors, const gsl_vector *values,
+                            const gsl_vector *pull, int groups) {
     static const double floor_of_eigenvalues = 1e-10;
-    struct verdict v = {.p = NAN};
-    gsl_eigen_symmv(correlation, values, vectors, w);
+    chi_square test = {.p = NAN};
     for (size_t k = 0; k < values->size; k++) {
-        double value = gsl_vector_get(values, k);
+        const double value = gsl_vector_get(values, k);
         double dot = 0.0;
         for (size_t i = 0; i < pull->size; i++) {
             dot += gsl_matrix_get(vectors, i, k) * gsl_vector_get(pull, i);
         }
         if (value > floor_of_eigenvalues) {
-            v.chi2 += dot * dot / value;
-            v.dof++;
+            test.chi2 += dot * dot / value;
+            test.dof++;
         }
     }
-    double n = groups - 1.0;
-    double p = v.dof;
-    if (v.dof > 0 && n > p) {
-        v.p = gsl_cdf_fdist_Q(v.chi2 * (n - p + 1.0) / (n * p), p, n - p + 1.0);
+    const double n = groups - 1.0;
+    const double p = test.dof;
+    if (test.dof > 0 && n > p) {
+        test.p = gsl_cdf_fdist_Q(test.chi2 * (n - p + 1.0) / (n * p), p, n - p + 1.0);
     }
-    return v;
+    return test;
 }
 
-int verdict_of_covariance(const double *d, const double *cov, int n, int groups,
-                          struct verdict *out, shear_error *err) {
-    size_t size = (size_t)n;
-    gsl_set_error_handler_off();
+/* GSL ends the program itself where memory is out. */
+chi_square chi_square_of_covariance(const double *d, const double *cov, int n, int groups) {
+    const size_t size = (size_t)n;
     gsl_matrix *correlation = gsl_matrix_alloc(size, size);
     gsl_matrix *vectors = gsl_matrix_alloc(size, size);
     gsl_vector *values = gsl_vector_alloc(size);
     gsl_vector *pull = gsl_vector_alloc(size);
     gsl_eigen_symmv_workspace *w = gsl_eigen_symmv_alloc(size);
-    bool made =
-        correlation != NULL && vectors != NULL && values != NULL && pull != NULL && w != NULL;
-    for (int i = 0; made && i < n; i++) {
+    for (int i = 0; i < n; i++) {
         gsl_vector_set(pull, (size_t)i, d[i] / sqrt(cov[i * n + i]));
         for (int j = 0; j < n; j++) {
-            double scale = sqrt(cov[i * n + i] * cov[j * n + j]);
+            const double scale = sqrt(cov[i * n + i] * cov[j * n + j]);
             gsl_matrix_set(correlation, (size_t)i, (size_t)j, cov[i * n + j] / scale);
         }
     }
-    if (made) {
-        *out = hotelling(correlation, pull, values, vectors, w, groups);
-    }
+    gsl_eigen_symmv(correlation, values, vectors, w);
+    const chi_square test = hotelling(vectors, values, pull, groups);
     gsl_matrix_free(correlation);
     gsl_matrix_free(vectors);
     gsl_vector_free(values);
     gsl_vector_free(pull);
     gsl_eigen_symmv_free(w);
-    return made ? SHEAR_OK : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a covariance");
+    return test;
+}
+
+char *chi_square_text(const chi_square *test, char *buf, size_t size) {
+    if (isnan(test->p)) {
+        snprintf(buf, size, "chi2 = %.1f for %d (too few groups for a probability)", test->chi2,
+                 test->dof);
+    } else {
+        snprintf(buf, size, "chi2 = %.1f for %d (p = %.2g)", test->chi2, test->dof, test->p);
+    }
+    return buf;
 }
 
 /* ---- distributions ---- */
 
-struct spread spread_of(const double *v, size_t n) {
-    struct spread m = {.mean = 0.0};
+spread spread_of(const double *v, size_t n) {
+    spread m = {.mean = 0.0};
     double m2 = 0.0;
     double m4 = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -98,8 +91,8 @@ struct spread spread_of(const double *v, size_t n) {
 }
 
 static int by_value(const void *a, const void *b) {
-    double x = *(const double *)a;
-    double y = *(const double *)b;
+    const double x = *(const double *)a;
+    const double y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
@@ -115,7 +108,7 @@ static double kolmogorov_q(double lambda) {
         return lambda > 0.0 ? 1.0 - sqrt(2.0 * M_PI) / lambda * sum : 1.0;
     }
     for (int k = 1; k < 20; k++) {
-        sum += (k % 2 ? 2.0 : -2.0) * exp(-2.0 * k * k * lambda * lambda);
+        sum += (k % 2 != 0 ? 2.0 : -2.0) * exp(-2.0 * k * k * lambda * lambda);
     }
     return sum;
 }

@@ -1,104 +1,86 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/trial.h"
+
 #include "engine/must.h"
 #include "engine/scratch.h"
 #include "engine/trial_stamps.h"
 #include "engine/trial_sums.h"
-
 #include "shear/run.h"
 #include "sheard/advice.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *const trial_fixed[] = {"size",
-                                   "rotate",
-                                   "no-shift",
-                                   "offset",
-                                   "share-shift",
-                                   "share-noise",
-                                   "turn-stamps",
-                                   "galaxy",
-                                   "r-gal",
-                                   "points",
-                                   "bulge-fraction",
-                                   "disk-scale",
-                                   "bulge-ratio",
-                                   "inclination",
-                                   "steps",
-                                   "step-size",
-                                   "psf",
-                                   "r-psf",
-                                   "psf-angle",
-                                   "oversamp",
-                                   "psf-size",
-                                   "psf-per-stamp",
-                                   "psf-ids",
-                                   "noise-ratio",
-                                   "noise-density",
-                                   "white",
-                                   "photons",
-                                   "photon-snr",
-                                   "subtract-background",
-                                   "estimator",
-                                   NULL};
+const char trial_fixed[] =
+    "size rotate no-shift offset share-shift share-noise turn-stamps galaxy r-gal points "
+    "bulge-fraction disk-scale bulge-ratio inclination steps step-size psf r-psf psf-angle "
+    "oversamp psf-size psf-per-stamp psf-ids noise-ratio noise-density white photons photon-snr "
+    "subtract-background estimator";
 
 char *trial_told_text(const trial_outcome *o, char *buf, size_t size) {
     static const char *const names[] = {"no", "warned", "flagged", "no shear", "refused"};
-    const int told = (int)o->told;
-    snprintf(buf, size, "%s", names[told]);
-    if (told == TOLD_REFUSED) {
+    snprintf(buf, size, "%s", names[(int)o->told]);
+    if ((int)o->told == TOLD_REFUSED) {
         snprintf(buf, size, "refused (%s)", shear_code_name((int)o->code));
     }
     return buf;
 }
 
+trial trial_of_options(const options *o, int copies) {
+    return (trial){.flaw = &flaws[0],
+                   .seed = o->mock.seed,
+                   .stamps = o->galaxies,
+                   .groups = o->groups,
+                   .threads = o->threads,
+                   .copies = copies,
+                   .g = {o->mock.g1, o->mock.g2}};
+}
+
 /* A trial under way. */
-struct run {
-    const struct trial *trial;
+typedef struct running {
+    const trial *of;
     int groups; /* files at each sign */
-    struct studio *studio;
-    harvest *harvests;     /* [n_levels][n_ways] */
+    trial_stamps *stamps;
+    trial_sums **sums;     /* [n_levels][n_ways] */
     shear_plan_info *plan; /* the same */
-    trial_outcome *out;
-    char path[SCRATCH_PATH];
-};
+    trial_outcome *out;    /* the same */
+} running;
+
+/* Small files (flaw.stamps) are fields of their own. */
+static int groups_of(const trial *t) {
+    return t->flaw->stamps > 0 ? (int)(t->stamps / t->flaw->stamps) : t->groups;
+}
 
 /* The first stamp of a group; whole galaxies stay together. */
-static int64_t begin_of(const struct run *run, int group) {
-    const struct trial *t = run->trial;
-    const int64_t galaxies = t->stamps / t->copies;
+static int64_t begin_of(const trial *t, int group) {
     if (t->flaw->stamps > 0) {
         return (int64_t)group * t->flaw->stamps;
     }
-    return galaxies * group / run->groups * t->copies;
+    return t->stamps / t->copies * group / t->groups * t->copies;
 }
 
-/* ---- telling ---- */
+/* ---- what was told ---- */
 
-static void tell(trial_outcome *out, int told) {
+static void tell(trial_outcome *out, enum trial_told told) {
     out->told = fmax(out->told, told);
 }
 
-static void tell_advice(trial_outcome *out, const shear_result *r, const shear_plan_info *plan) {
-    sheard_advice_list list;
-    sheard_advice_all(&list, r, plan, NULL);
-    for (size_t i = 0; i < list.n; i++) {
-        tell(out, TOLD_WARNED);
-        out->edge = strstr(list.lines[i], "filter edge") != NULL ? 1.0 : out->edge;
-    }
-}
-
 static void tell_result(trial_outcome *out, const shear_result *r, const shear_plan_info *plan) {
+    sheard_advice_list list;
     if (!r->valid) {
         tell(out, TOLD_NO_SHEAR);
     }
     if (r->n_flagged > 0) {
         tell(out, TOLD_FLAGGED);
     }
-    tell_advice(out, r, plan);
+    sheard_advice_all(&list, r, plan, NULL);
+    for (size_t i = 0; i < list.n; i++) {
+        tell(out, TOLD_WARNED);
+        out->edge = strstr(list.lines[i], "filter edge") != NULL ? 1.0 : out->edge;
+    }
 }
 
 /* ---- measuring ---- */
@@ -108,118 +90,117 @@ static bool is_refusal(int code) {
            code == SHEAR_E_FORMAT;
 }
 
-/* One file by one way. Small files (flaw.stamps) are fields of their own: each is told about. */
-static int measure(struct run *run, int level, int way, int at, shear_error *err) {
-    const struct trial *t = run->trial;
-    const int index = level * t->n_ways + way;
-    harvest *h = &run->harvests[index];
-    trial_outcome *out = &run->out[index];
+/* One file by one way. Of small files each is told about. */
+static void measure(running *s, int i, int sign, int group) {
+    const flaw *f = s->of->flaw;
+    trial_outcome *out = &s->out[i];
     shear_run_report report;
-    shear_settings settings = t->ways[way];
-    if (t->flaw->core_px > 0.0) {
+    shear_settings settings = s->of->ways[i % s->of->n_ways];
+    if (f->core_px > 0.0) {
         settings.filter = SHEAR_FILTER_AUTO;
-        settings.core_px = t->flaw->core_px;
+        settings.core_px = f->core_px;
     }
-    const shear_run_options options = {.threads = t->threads, .terms = h->terms[at]};
+    const shear_run_options how = {.threads = s->of->threads,
+                                   .terms = *trial_sums_terms(s->sums[i], sign, group)};
     const int code =
-        shear_run_file(run->path, &settings, &options, h->sums[at], NULL, &report, err);
+        shear_run_file(scratch_path(), &settings, &how, *trial_sums_at(s->sums[i], sign, group),
+                       NULL, &report, &must_error);
     if (is_refusal(code)) {
-        h->refused = true;
+        trial_sums_refuse(s->sums[i]);
         tell(out, TOLD_REFUSED);
         out->code = code;
-        return SHEAR_OK;
+        return;
     }
-    if (code == SHEAR_OK && (t->flaw->stamps > 0 || at == 0)) {
-        run->plan[index] = report.plan;
+    must(code);
+    if (f->stamps > 0 || (sign == 0 && group == 0)) {
+        s->plan[i] = report.plan;
     }
-    if (code == SHEAR_OK && t->flaw->stamps > 0) {
+    if (f->stamps > 0) {
         tell_result(out, &report.result, &report.plan);
     }
-    return code;
 }
 
-static void count_spoilt(struct run *run, int64_t first, int count) {
-    const struct trial *t = run->trial;
-    for (int i = 0; i < t->n_levels * t->n_ways; i++) {
-        for (int k = 0; k < count; k++) {
-            run->out[i].spoilt += 2.0 * flaw_spoils(t->flaw, t->seed, first + k);
-        }
+static void do_group(running *s, int group) {
+    const trial *t = s->of;
+    const int64_t first = begin_of(t, group);
+    const int count = (int)(begin_of(t, group + 1) - first);
+    double spoilt = 0.0;
+    trial_stamps_draw(s->stamps, first, count);
+    for (int k = 0; k < count; k++) {
+        spoilt += 2.0 * flaw_spoils(t->flaw, t->seed, first + k);
     }
-}
-
-static int do_group(struct run *run, int group, shear_error *err) {
-    const struct trial *t = run->trial;
-    const int64_t first = begin_of(run, group);
-    const int count = (int)(begin_of(run, group + 1) - first);
-    int code = studio_draw(run->studio, first, count, err);
-    count_spoilt(run, first, count);
     for (int level = 0; level < t->n_levels; level++) {
-        for (int sign = 0; code == SHEAR_OK && sign < 2; sign++) {
-            code = studio_write(run->studio, &t->levels[level], sign, run->path, err);
-            for (int way = 0; code == SHEAR_OK && way < t->n_ways; way++) {
-                code = measure(run, level, way, sign * run->groups + group, err);
+        for (int sign = 0; sign < 2; sign++) {
+            trial_stamps_write(s->stamps, &t->levels[level], sign, scratch_path());
+            for (int i = level * t->n_ways; i < (level + 1) * t->n_ways; i++) {
+                measure(s, i, sign, group);
             }
         }
     }
-    return code;
+    for (int i = 0; i < t->n_levels * t->n_ways; i++) {
+        s->out[i].spoilt += spoilt;
+    }
 }
 
 /* ---- the whole ---- */
 
-static int judge(struct run *run, int index, shear_error *err) {
-    const harvest *h = &run->harvests[index];
-    trial_outcome *out = &run->out[index];
-    shear_result r;
-    int code = harvest_judge(h, run->trial, out, err);
-    for (int sign = 0; code == SHEAR_OK && !h->refused && sign < 2; sign++) {
-        code = harvest_result(h, sign, &r, err);
-        if (code == SHEAR_OK) {
-            tell_result(out, &r, &run->plan[index]);
-        }
+static void conclude(const running *s, int i) {
+    trial_outcome *out = &s->out[i];
+    trial_sums_conclude(s->sums[i], s->of, out);
+    for (int sign = 0; sign < 2 && out->told < TOLD_REFUSED; sign++) {
+        const shear_result r = trial_sums_result(s->sums[i], sign);
+        tell_result(out, &r, &s->plan[i]);
     }
-    return code;
 }
 
-static int prepare(struct run *run, shear_error *err) {
-    const struct trial *t = run->trial;
+static void prepare(running *s) {
+    const trial *t = s->of;
     const int n = t->n_levels * t->n_ways;
-    int code = SHEAR_OK;
     int64_t most = 0;
-    run->groups = t->flaw->stamps > 0 ? (int)(t->stamps / t->flaw->stamps) : t->groups;
-    if (run->groups < 2 || run->groups > t->stamps / t->copies) {
-        return shear_fail(err, SHEAR_E_SETTING, "ask for more galaxies",
-                          "%s: %lld stamps are too few for %d groups", t->flaw->name,
-                          (long long)t->stamps, run->groups);
+    s->groups = groups_of(t);
+    if (s->groups < 2 || s->groups > t->stamps / t->copies) {
+        must_fail(SHEAR_E_SETTING, "ask for more galaxies",
+                  "%s: %lld stamps are too few for %d groups", t->flaw->name, (long long)t->stamps,
+                  s->groups);
     }
-    for (int i = 0; i < run->groups; i++) {
-        const int64_t count = begin_of(run, i + 1) - begin_of(run, i);
+    for (int i = 0; i < s->groups; i++) {
+        const int64_t count = begin_of(t, i + 1) - begin_of(t, i);
         most = count > most ? count : most;
     }
-    run->harvests = memory_new((size_t)n, sizeof *run->harvests, "sums", &code, err);
-    run->plan = memory_new((size_t)n, sizeof *run->plan, "plans", &code, err);
-    for (int i = 0; code == SHEAR_OK && i < n; i++) {
-        code = harvest_init(&run->harvests[i], run->groups, t->ways[i % t->n_ways].estimator, err);
-        run->out[i] = (trial_outcome){0};
+    s->sums = must_allocate((size_t)n, sizeof(trial_sums *), "sums");
+    s->plan = must_allocate((size_t)n, sizeof *s->plan, "plans");
+    for (int i = 0; i < n; i++) {
+        s->sums[i] = trial_sums_new(s->groups, t->ways[i % t->n_ways].estimator);
+        s->out[i] = (trial_outcome){0};
     }
-    code = code != SHEAR_OK ? code : studio_new(&run->studio, t, (int)most, err);
-    return code != SHEAR_OK ? code : scratch_new(run->path, err);
+    s->stamps = trial_stamps_new(t, (int)most);
 }
 
-int trial_run(const struct trial *t, trial_outcome *out, shear_error *err) {
-    struct run run = {.trial = t, .out = out};
-    int code = prepare(&run, err);
-    for (int group = 0; code == SHEAR_OK && group < run.groups; group++) {
-        code = do_group(&run, group, err);
+static void work(void *context, int chunk, double *values) {
+    const trial *t = context;
+    running s = {.of = t, .out = (trial_outcome *)values};
+    assert(chunk == 0);
+    (void)chunk;
+    prepare(&s);
+    for (int group = 0; group < s.groups; group++) {
+        do_group(&s, group);
     }
-    for (int i = 0; code == SHEAR_OK && i < t->n_levels * t->n_ways; i++) {
-        code = judge(&run, i, err);
+    for (int i = 0; i < t->n_levels * t->n_ways; i++) {
+        conclude(&s, i);
+        trial_sums_free(s.sums[i]);
     }
-    for (int i = 0; run.harvests != NULL && i < t->n_levels * t->n_ways; i++) {
-        harvest_deinit(&run.harvests[i]);
-    }
-    free(run.harvests);
-    free(run.plan);
-    studio_free(run.studio);
-    scratch_free(run.path);
-    return code;
+    free(s.sums);
+    free(s.plan);
+    trial_stamps_free(s.stamps);
+}
+
+trial_outcome *trial_run(const trial *t, cache *c, const char *name) {
+    trial copy = *t;
+    const cache_task task = {.name = name,
+                             .chunks = 1,
+                             .values = t->n_levels * t->n_ways * TRIAL_VALUES,
+                             .stamps_of_chunk = 2 * t->stamps,
+                             .work = work,
+                             .context = &copy};
+    return (trial_outcome *)cache_run(c, &task);
 }

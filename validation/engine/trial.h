@@ -4,14 +4,14 @@
  * error of one galaxy, and whether anything was said.
  *
  * All levels of signal-to-noise and all ways of measuring share their galaxies and noise. Errors
- * are the jackknife's over the groups, or those of independent fields (harvest.h). m is that along
- * the shear: (g(+) - g(-)) . g / (2 |g|^2) - 1.
+ * are the jackknife's over the groups, or those of independent fields (trial_sums.h). m is that
+ * along the shear: (g(+) - g(-)) . g / (2 |g|^2) - 1.
  */
 #ifndef VALIDATION_TRIAL_H
 #define VALIDATION_TRIAL_H
 
+#include "engine/cache.h"
 #include "engine/flaw.h"
-
 #include "shear/settings.h"
 
 enum { TRIAL_MAX_LEVELS = 8, TRIAL_MAX_WAYS = 16 };
@@ -24,8 +24,8 @@ typedef struct trial_level {
     double slope; /* 0 = 2.5 */
 } trial_level;
 
-struct trial {
-    const struct flaw *flaw;
+typedef struct trial {
+    const flaw *flaw;
     uint64_t seed;
     int64_t stamps; /* at each sign of the shear */
     int groups, threads;
@@ -35,11 +35,12 @@ struct trial {
     trial_level levels[TRIAL_MAX_LEVELS];
     int n_ways;
     shear_settings ways[TRIAL_MAX_WAYS];
-};
+} trial;
 
 /* From the quietest on; a refusal is told before anything is measured. */
 enum trial_told { TOLD_NOTHING, TOLD_WARNED, TOLD_FLAGGED, TOLD_NO_SHEAR, TOLD_REFUSED };
 
+/* Doubles only, for the cache. */
 typedef struct trial_outcome {
     double m, m_err;
     double m_of[2], m_of_err[2], c[2], c_err[2]; /* by component */
@@ -52,15 +53,20 @@ typedef struct trial_outcome {
     double code;             /* of the refusal: enum shear_code */
     double edge;             /* 1: `filter edge` was advised */
 } trial_outcome;
-/* In words: "refused (psf)", ... Returns buf. */
-char *trial_told_text(const trial_outcome *o, char *buf, size_t size);
 enum { TRIAL_VALUES = sizeof(trial_outcome) / sizeof(double) };
 
-/* Files are made in a folder of their own in $TMPDIR (else /tmp), and removed. out
- * [n_levels][n_ways]. A file that the library refuses is no error: told is TOLD_REFUSED. */
-int trial_run(const struct trial *trial, trial_outcome *out, shear_error *err);
+/* In words: "refused (psf)", ... Returns buf. */
+char *trial_told_text(const trial_outcome *o, char *buf, size_t size);
 
-/* Options of the mocks that trials do not use, ended by NULL: all but seed and shear. */
-extern const char *const trial_fixed[];
+/* A trial with what the options say of it: seed, galaxies, groups, threads and shear; of galaxies
+ * in `copies` without a flaw, levels and ways to be filled in. */
+trial trial_of_options(const options *o, int copies);
+
+/* Run it, through the cache, as a task of this name: [n_levels][n_ways], for free(). A file that
+ * the library refuses is no error: told is TOLD_REFUSED. */
+trial_outcome *trial_run(const trial *t, cache *c, const char *name);
+
+/* Options of the mocks and settings that trials do not use: all but seed and shear. */
+extern const char trial_fixed[];
 
 #endif

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/trial_stamps.h"
+
 #include "engine/brightness.h"
 #include "engine/must.h"
 #include "engine/population.h"
-
 #include "shear/field.h"
 
+#include <assert.h>
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -17,82 +18,70 @@ enum {
     PSF_NUMBERS = 64     /* PSFs of a file that tells them apart */
 };
 
-struct studio {
-    const struct trial *trial;
+struct trial_stamps {
+    const trial *of;
     size_t pixels;
     int threads;
-    struct light **lights; /* [threads] */
+    light **lights; /* [threads] */
     int64_t first;
-    int count;
-    double *bare[2];              /* [most][pixels] noise-free, at +g and -g, of unit square sum */
+    int count, capacity;
+    double *bare[2];              /* [capacity][pixels] noise-free, +g and -g, of unit square sum */
     double *noise[2];             /* the same: unit noise of the galaxy and of the noise stamp */
     double *stamps[2];            /* the same: what is written */
-    double *weight, *r_gal, *psf; /* [most], [most], one image */
-    int32_t *psf_id;              /* [most] */
+    double *weight, *r_gal, *psf; /* [capacity], [capacity], one image */
+    int32_t *psf_id;              /* [capacity] */
     int psf_side;
 };
 
-static int reach_of(const struct flaw *f) {
+static light *new_light(const flaw *f, int side, int reach, double scale) {
+    light *l = NULL;
+    must(light_new(&l, &f->psf, side, reach, scale, &must_error));
+    return l;
+}
+
+static int reach_of(const flaw *f) {
     return f->psf.kind == LIGHT_MOFFAT ? 2 : 8;
 }
 
-static int draw_psf(struct studio *s, shear_error *err) {
-    const struct flaw *f = s->trial->flaw;
-    struct light *light = NULL;
+static void draw_psf(trial_stamps *s) {
+    const flaw *f = s->of->flaw;
     s->psf_side = f->psf_side > 0 ? f->psf_side : f->oversample > 1 ? PSF_FINE_SIDE : PSF_SIDE;
-    int code = SHEAR_OK;
-    s->psf =
-        memory_new((size_t)s->psf_side * (size_t)s->psf_side, sizeof *s->psf, "a PSF", &code, err);
-    code = code != SHEAR_OK ? code
-                            : light_new(&light, &f->psf, s->psf_side,
-                                        f->oversample > 1 ? 2 : reach_of(f), f->oversample, err);
-    if (code == SHEAR_OK) {
-        light_draw_psf(light, s->psf);
-        light_free(light);
-    }
-    for (int i = 0; code == SHEAR_OK && i < s->psf_side * s->psf_side; i++) {
+    const size_t n = (size_t)s->psf_side * (size_t)s->psf_side;
+    light *l = new_light(f, s->psf_side, f->oversample > 1 ? 2 : reach_of(f), f->oversample);
+    s->psf = must_allocate(n, sizeof *s->psf, "a PSF");
+    light_draw_psf(l, s->psf);
+    light_free(l);
+    for (size_t i = 0; i < n; i++) {
         s->psf[i] = fmax(s->psf[i], 0.0); /* the transform's rounding */
     }
-    return code;
 }
 
-static int allocate(struct studio *s, int most, shear_error *err) {
-    int code = SHEAR_OK;
-    const size_t n = (size_t)most * s->pixels;
-    for (int i = 0; i < 2; i++) {
-        s->bare[i] = memory_new(n, sizeof(double), "stamps", &code, err);
-        s->noise[i] = memory_new(n, sizeof(double), "stamps", &code, err);
-        s->stamps[i] = memory_new(n, sizeof(double), "stamps", &code, err);
-    }
-    s->weight = memory_new((size_t)most, sizeof(double), "stamps", &code, err);
-    s->r_gal = memory_new((size_t)most, sizeof(double), "stamps", &code, err);
-    s->psf_id = memory_new((size_t)most, sizeof(int32_t), "stamps", &code, err);
-    s->lights = memory_new((size_t)s->threads, sizeof(struct light *), "threads", &code, err);
-    return code;
-}
-
-int studio_new(struct studio **studio, const struct trial *t, int most, shear_error *err) {
-    int code = SHEAR_OK;
-    struct studio *s = memory_new(1, sizeof *s, "a trial", &code, err);
-    *studio = s;
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    s->trial = t;
-    s->pixels = (size_t)t->flaw->side * (size_t)t->flaw->side;
+trial_stamps *trial_stamps_new(const trial *t, int most) {
+    const flaw *f = t->flaw;
+    const size_t count = (size_t)most;
+    trial_stamps *s = must_allocate(1, sizeof *s, "stamps");
+    s->of = t;
+    s->capacity = most;
+    s->pixels = (size_t)f->side * (size_t)f->side;
     s->threads = t->threads > 0 ? t->threads : omp_get_max_threads();
-    code = allocate(s, most, err);
-    for (int i = 0; code == SHEAR_OK && i < s->threads; i++) {
-        code = light_new(&s->lights[i], &t->flaw->psf, t->flaw->side, reach_of(t->flaw), 1.0, err);
+    s->lights = must_allocate((size_t)s->threads, sizeof(light *), "threads");
+    for (int i = 0; i < 2; i++) {
+        s->bare[i] = must_allocate(count * s->pixels, sizeof(double), "stamps");
+        s->noise[i] = must_allocate(count * s->pixels, sizeof(double), "stamps");
+        s->stamps[i] = must_allocate(count * s->pixels, sizeof(double), "stamps");
     }
-    return code != SHEAR_OK ? code : draw_psf(s, err);
+    s->weight = must_allocate(count, sizeof(double), "stamps");
+    s->r_gal = must_allocate(count, sizeof(double), "stamps");
+    s->psf_id = must_allocate(count, sizeof(int32_t), "stamps");
+    for (int i = 0; i < s->threads; i++) {
+        s->lights[i] = new_light(f, f->side, reach_of(f), 1.0);
+    }
+    draw_psf(s);
+    return s;
 }
 
-void studio_free(struct studio *s) {
-    if (s == NULL) {
-        return;
-    }
-    for (int i = 0; s->lights != NULL && i < s->threads; i++) {
+void trial_stamps_free(trial_stamps *s) {
+    for (int i = 0; i < s->threads; i++) {
         light_free(s->lights[i]);
     }
     for (int i = 0; i < 2; i++) {
@@ -119,41 +108,39 @@ static double norm_of(const double *image, size_t n) {
 }
 
 /* The flux that makes the square sum of the unsheared galaxy 1; copies have the same. */
-static double unit_flux(struct studio *s, struct light *light, const population *p, int64_t stamp,
+static double unit_flux(const trial_stamps *s, light *l, const population *p, int64_t stamp,
                         double *scratch) {
     const light_galaxy bare = population_bare(p, stamp);
-    light_draw(light, &bare, 0.0, 0.0, scratch);
+    light_draw(l, &bare, 0.0, 0.0, scratch);
     return 1.0 / norm_of(scratch, s->pixels);
 }
 
 /* All copies of one galaxy, at both signs. */
-static void draw_galaxy(struct studio *s, struct light *light, int at, int copies) {
-    const struct trial *t = s->trial;
+static void draw_galaxy(trial_stamps *s, light *l, int at, int copies) {
+    const trial *t = s->of;
     population p = {.seed = t->seed, .bulges = t->flaw->bulges, .copies = t->copies};
     double *first = s->bare[0] + (size_t)at * s->pixels;
-    const double flux = unit_flux(s, light, &p, s->first + at, first);
+    const double flux = unit_flux(s, l, &p, s->first + at, first);
+    const double r_gal = 3.0 * population_radius(&p, s->first + at);
     for (int i = 0; i < 2 * copies; i++) {
         const int k = at + i / 2;
         double *image = s->bare[i % 2] + (size_t)k * s->pixels;
         double x, y;
-        p.shear[0] = i % 2 ? -t->g[0] : t->g[0];
-        p.shear[1] = i % 2 ? -t->g[1] : t->g[1];
+        p.shear[0] = i % 2 != 0 ? -t->g[0] : t->g[0];
+        p.shear[1] = i % 2 != 0 ? -t->g[1] : t->g[1];
         const light_galaxy g = population_galaxy(&p, s->first + k);
         population_centre(&p, s->first + k, &x, &y);
-        light_draw(light, &g, x, y, image);
+        light_draw(l, &g, x, y, image);
         for (size_t j = 0; j < s->pixels; j++) {
             image[j] *= flux;
         }
-    }
-    s->r_gal[at] = 3.0 * population_radius(&p, s->first + at);
-    for (int k = at + 1; k < at + copies; k++) {
-        s->r_gal[k] = s->r_gal[at];
+        s->r_gal[k] = r_gal;
     }
 }
 
-int studio_draw(struct studio *s, int64_t first, int count, shear_error *err) {
-    const struct trial *t = s->trial;
-    (void)err;
+void trial_stamps_draw(trial_stamps *s, int64_t first, int count) {
+    const trial *t = s->of;
+    assert(count <= s->capacity && count % t->copies == 0);
     s->first = first;
     s->count = count;
 #pragma omp parallel for schedule(dynamic) num_threads(s->threads)
@@ -165,24 +152,23 @@ int studio_draw(struct studio *s, int64_t first, int count, shear_error *err) {
                             s->noise[1] + offset);
         }
     }
-    return SHEAR_OK;
 }
 
 /* ---- writing ---- */
 
-double studio_snr(const struct studio *s, const trial_level *level, int k) {
-    const struct trial *t = s->trial;
+double trial_stamps_snr(const trial_stamps *s, const trial_level *level, int k) {
     const brightness fluxes = {.range = level->range,
                                .slope = level->slope != 0.0 ? level->slope : 2.5};
-    return level->snr * brightness_flux(&fluxes, t->seed, (s->first + k) / t->copies);
+    const int64_t galaxy = (s->first + k) / s->of->copies;
+    return level->snr * brightness_flux(&fluxes, s->of->seed, galaxy);
 }
 
-static void compose(struct studio *s, const trial_level *level, int sign) {
-    const struct trial *t = s->trial;
+static void compose(trial_stamps *s, const trial_level *level, int sign) {
+    const trial *t = s->of;
 #pragma omp parallel for schedule(static) num_threads(s->threads)
     for (int k = 0; k < s->count; k++) {
         const size_t offset = (size_t)k * s->pixels;
-        const double snr = studio_snr(s, level, k);
+        const double snr = trial_stamps_snr(s, level, k);
         double *galaxy = s->stamps[0] + offset;
         for (size_t i = 0; i < s->pixels; i++) {
             galaxy[i] = snr * s->bare[sign][offset + i];
@@ -194,40 +180,21 @@ static void compose(struct studio *s, const trial_level *level, int sign) {
     }
 }
 
-static int write_psfs(const struct studio *s, shear_field_writer *w, int n, shear_error *err) {
-    const size_t size = (size_t)s->psf_side * (size_t)s->psf_side;
-    int code = SHEAR_OK;
-    double *psf = memory_new(size, sizeof *psf, "a PSF", &code, err);
-    for (int i = 0; code == SHEAR_OK && i < n; i++) {
-        memcpy(psf, s->psf, size * sizeof *psf);
-        flaw_spoil_psf(s->trial->flaw, s->trial->seed, i, s->psf_side, psf);
-        code = shear_field_write_psf(w, i, psf, err);
+static void write_psfs(const trial_stamps *s, shear_field_writer *w, int64_t n) {
+    const size_t size = (size_t)s->psf_side * (size_t)s->psf_side * sizeof(double);
+    double *psf = must_allocate(1, size, "a PSF");
+    for (int64_t i = 0; i < n; i++) {
+        memcpy(psf, s->psf, size);
+        flaw_spoil_psf(s->of->flaw, s->of->seed, i, s->psf_side, psf);
+        must(shear_field_write_psf(w, i, psf, &must_error));
     }
     free(psf);
-    return code;
 }
 
-static unsigned columns_of(const struct flaw *f) {
-    unsigned columns = f->r_gal ? SHEAR_COL_R_GAL : 0;
-    columns |= f->mistake == FLAW_WEIGHTLESS ? SHEAR_COL_WEIGHT : 0;
-    return columns | (f->psf_flaw == FLAW_PSF_FLAT_ONE ? SHEAR_COL_PSF_ID : 0);
-}
-
-static int write_all(const struct studio *s, shear_field_writer *w, unsigned columns, int n_psf,
-                     shear_error *err) {
-    const shear_catalog_columns rows = {.weight = columns & SHEAR_COL_WEIGHT ? s->weight : NULL,
-                                        .r_gal = columns & SHEAR_COL_R_GAL ? s->r_gal : NULL,
-                                        .psf_id = columns & SHEAR_COL_PSF_ID ? s->psf_id : NULL};
-    int code = write_psfs(s, w, n_psf, err);
-    return code != SHEAR_OK
-               ? code
-               : shear_field_write(w, 0, s->count, s->stamps[0], s->stamps[1], &rows, err);
-}
-
-int studio_write(struct studio *s, const trial_level *level, int sign, const char *path,
-                 shear_error *err) {
-    const struct flaw *f = s->trial->flaw;
-    const int n_psf = f->psf_flaw == FLAW_PSF_FLAT_ONE ? PSF_NUMBERS : 1;
+void trial_stamps_write(trial_stamps *s, const trial_level *level, int sign, const char *path) {
+    const flaw *f = s->of->flaw;
+    const bool weightless = f->mistake == FLAW_WEIGHTLESS;
+    const bool many_psfs = f->psf_flaw == FLAW_PSF_FLAT_ONE;
     const int oversample = f->mistake == FLAW_OVERSAMP ? 1 : f->oversample;
     shear_field_writer *w = NULL;
     const shear_field_spec spec = {
@@ -235,23 +202,22 @@ int studio_write(struct studio *s, const trial_level *level, int sign, const cha
         .pixscale = NAN,
         .geometry = {f->side, f->side, s->psf_side, s->psf_side, oversample},
         .n_stamps = s->count,
-        .n_psf = n_psf,
-        .columns = columns_of(f),
+        .n_psf = many_psfs ? PSF_NUMBERS : 1,
+        .columns = (f->r_gal ? SHEAR_COL_R_GAL : 0u) | (weightless ? SHEAR_COL_WEIGHT : 0u) |
+                   (many_psfs ? SHEAR_COL_PSF_ID : 0u),
         .bitpix = -32,
         .overwrite = true};
+    const shear_catalog_columns rows = {.weight = weightless ? s->weight : NULL,
+                                        .r_gal = f->r_gal ? s->r_gal : NULL,
+                                        .psf_id = many_psfs ? s->psf_id : NULL};
     compose(s, level, sign);
-    int code = shear_field_create(&w, path, &spec, err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
-    code = write_all(s, w, spec.columns, n_psf, err);
-    if (code != SHEAR_OK) {
-        shear_field_abort(w);
-        return code;
-    }
-    return shear_field_finish(w, err);
+    must(shear_field_create(&w, path, &spec, &must_error));
+    write_psfs(s, w, spec.n_psf);
+    must(shear_field_write(w, 0, s->count, s->stamps[0], s->stamps[1], &rows, &must_error));
+    must(shear_field_finish(w, &must_error));
 }
 
-studio_view studio_look(const struct studio *s, int sign) {
-    return (studio_view){.galaxy = s->stamps[0], .noise = s->stamps[1], .bare = s->bare[sign]};
+trial_stamps_view trial_stamps_look(const trial_stamps *s, int sign) {
+    return (trial_stamps_view){
+        .galaxy = s->stamps[0], .noise = s->stamps[1], .bare = s->bare[sign]};
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/trial_sums.h"
+
 #include "engine/must.h"
 
 #include <math.h>
@@ -8,65 +9,89 @@
 /* m along the shear, m by component, c by component, g(+) and g(-). */
 enum { N_VALUES = 9, FIELDS = 16 };
 
-int harvest_init(harvest *h, int groups, enum shear_estimator estimator, shear_error *err) {
-    int code = SHEAR_OK;
+struct trial_sums {
+    int groups;
+    enum shear_estimator estimator;
+    shear_field_sums **sums; /* [2][groups]: +g, -g */
+    shear_symmetry **terms;  /* the same; NULL for the mean */
+    bool refused;
+};
+
+trial_sums *trial_sums_new(int groups, enum shear_estimator estimator) {
+    trial_sums *s = must_allocate(1, sizeof *s, "sums");
     const size_t n = 2 * (size_t)groups;
-    *h = (harvest){.groups = groups, .estimator = estimator};
-    h->sums = memory_new(n, sizeof *h->sums, "sums", &code, err);
-    h->terms = memory_new(n, sizeof *h->terms, "terms", &code, err);
-    for (size_t i = 0; code == SHEAR_OK && i < n; i++) {
-        code = shear_field_sums_new(&h->sums[i], err);
-        if (code == SHEAR_OK && shear_estimator_is_symmetric(estimator)) {
-            code = shear_symmetry_new(&h->terms[i], err);
+    s->groups = groups;
+    s->estimator = estimator;
+    s->sums = must_allocate(n, sizeof(shear_field_sums *), "sums");
+    s->terms = must_allocate(n, sizeof(shear_symmetry *), "terms");
+    for (size_t i = 0; i < n; i++) {
+        must(shear_field_sums_new(&s->sums[i], &must_error));
+        if (shear_estimator_is_symmetric(estimator)) {
+            must(shear_symmetry_new(&s->terms[i], &must_error));
         }
     }
-    return code;
+    return s;
 }
 
-void harvest_deinit(harvest *h) {
-    for (int i = 0; i < 2 * h->groups; i++) {
-        if (h->sums != NULL) {
-            shear_field_sums_free(h->sums[i]);
-        }
-        if (h->terms != NULL) {
-            shear_symmetry_free(h->terms[i]);
-        }
+void trial_sums_free(trial_sums *s) {
+    for (int i = 0; i < 2 * s->groups; i++) {
+        shear_field_sums_free(s->sums[i]);
+        shear_symmetry_free(s->terms[i]);
     }
-    free(h->sums);
-    free(h->terms);
-    *h = (harvest){0};
+    free(s->sums);
+    free(s->terms);
+    free(s);
+}
+
+shear_field_sums **trial_sums_at(trial_sums *s, int sign, int group) {
+    return &s->sums[sign * s->groups + group];
+}
+
+shear_symmetry **trial_sums_terms(trial_sums *s, int sign, int group) {
+    return &s->terms[sign * s->groups + group];
+}
+
+void trial_sums_refuse(trial_sums *s) {
+    s->refused = true;
 }
 
 /* The groups [from, to), or all but them. */
-struct choice {
+typedef struct part {
     int from, to;
     bool without;
-};
+} part;
 
-static int result_of(const harvest *h, int sign, struct choice c, shear_result *result,
-                     shear_error *err) {
-    shear_field_sums *sums = NULL;
-    shear_symmetry *terms = NULL;
-    int code = shear_field_sums_new(&sums, err);
-    if (code == SHEAR_OK && h->terms[0] != NULL) {
-        code = shear_symmetry_new(&terms, err);
-    }
-    for (int i = 0; code == SHEAR_OK && i < h->groups; i++) {
-        const int at = sign * h->groups + i;
-        const bool inside = i >= c.from && i < c.to;
-        if (inside != c.without) {
-            shear_field_sums_join(sums, h->sums[at]);
-            code = terms != NULL ? shear_symmetry_join(terms, h->terms[at], 0, err) : SHEAR_OK;
-        }
-    }
-    code = code != SHEAR_OK ? code : shear_estimate(h->estimator, sums, terms, result, err);
-    shear_symmetry_free(terms);
-    shear_field_sums_free(sums);
-    return code;
+static part whole(const trial_sums *s) {
+    return (part){0, s->groups, false};
 }
 
-int harvest_result(const harvest *h, int sign, shear_result *result, shear_error *err) {
-    return result_of(h, sign, (struct choice){0, h->groups, false}, result, err);
+static shear_result result_of(const trial_sums *s, int sign, part p) {
+    shear_field_sums *sums = NULL;
+    shear_symmetry *terms = NULL;
+    shear_result result;
+    must(shear_field_sums_new(&sums, &must_error));
+    if (s->terms[0] != NULL) {
+        must(shear_symmetry_new(&terms, &must_error));
+    }
+    for (int i = 0; i < s->groups; i++) {
+        const int at = sign * s->groups + i;
+        const bool inside = i >= p.from && i < p.to;
+        if (inside == p.without) {
+            continue;
+        }
+        shear_field_sums_join(sums, s->sums[at]);
+        if (terms != NULL) {
+            must(shear_symmetry_join(terms, s->terms[at], 0, &must_error));
+        }
+    }
+    must(shear_estimate(s->estimator, sums, terms, &result, &must_error));
+    shear_symmetry_free(terms);
+    shear_field_sums_free(sums);
+    return result;
+}
+
+shear_result trial_sums_result(const trial_sums *s, int sign) {
+    return result_of(s, sign, whole(s));
 }
 
 static void combine(const double g[2], const shear_result *plus, const shear_result *minus,
@@ -85,33 +110,28 @@ static void combine(const double g[2], const shear_result *plus, const shear_res
     }
 }
 
-static int values_of(const harvest *h, const struct trial *t, struct choice c, double v[N_VALUES],
-                     shear_error *err) {
-    shear_result plus, minus;
-    int code = result_of(h, 0, c, &plus, err);
-    code = code != SHEAR_OK ? code : result_of(h, 1, c, &minus, err);
-    if (code == SHEAR_OK) {
-        combine(t->g, &plus, &minus, v);
-    }
-    return code;
+static void values_of(const trial_sums *s, const trial *t, part p, double v[N_VALUES]) {
+    const shear_result plus = result_of(s, 0, p);
+    const shear_result minus = result_of(s, 1, p);
+    combine(t->g, &plus, &minus, v);
 }
 
 /* How many pieces there are, and what makes an error of their scatter. The mean: a jackknife of the
  * groups. The symmetry: independent fields, for its answer moves in small steps, and a jackknife
  * would take these for the root of the groups' number times as much as they are. */
-static int pieces_of(const harvest *h, double *factor) {
-    const int fields = h->groups < FIELDS ? h->groups : FIELDS;
-    const int n = h->terms[0] != NULL ? fields : h->groups;
-    *factor = h->terms[0] != NULL ? 1.0 / (n * (n - 1.0)) : (n - 1.0) / n;
+static int pieces_of(const trial_sums *s, double *factor) {
+    const int fields = s->groups < FIELDS ? s->groups : FIELDS;
+    const int n = s->terms[0] != NULL ? fields : s->groups;
+    *factor = s->terms[0] != NULL ? 1.0 / (n * (n - 1.0)) : (n - 1.0) / n;
     return n;
 }
 
-static struct choice piece(const harvest *h, int n, int i) {
-    return (struct choice){h->groups * i / n, h->groups * (i + 1) / n, h->terms[0] == NULL};
+static part piece(const trial_sums *s, int n, int i) {
+    return (part){s->groups * i / n, s->groups * (i + 1) / n, s->terms[0] == NULL};
 }
 
-/* Scatter of the values v [n][N_VALUES]. */
-static double spread(const double *v, int n, int which, double factor) {
+/* The error of value number `which` by the scatter of v [n][N_VALUES]. */
+static double error_of(const double *v, int n, int which, double factor) {
     double mean = 0.0;
     double sum = 0.0;
     for (int i = 0; i < n; i++) {
@@ -125,28 +145,22 @@ static double spread(const double *v, int n, int which, double factor) {
 
 static void fill_errors(const double *v, int n, double factor, int64_t stamps, trial_outcome *out) {
     double square = 0.0;
-    out->m_err = spread(v, n, 0, factor);
+    out->m_err = error_of(v, n, 0, factor);
     for (int i = 0; i < 2; i++) {
-        out->m_of_err[i] = spread(v, n, 1 + i, factor);
-        out->c_err[i] = spread(v, n, 3 + i, factor);
+        out->m_of_err[i] = error_of(v, n, 1 + i, factor);
+        out->c_err[i] = error_of(v, n, 3 + i, factor);
     }
     for (int i = 5; i < N_VALUES; i++) {
-        square += 0.25 * pow(spread(v, n, i, factor), 2.0);
+        square += 0.25 * pow(error_of(v, n, i, factor), 2.0);
     }
     out->error = sqrt(square * (double)stamps);
     /* Two components; the two signs hardly differ. */
     out->error_err = out->error / sqrt(4.0 * (n - 1.0));
 }
 
-static int fill_values(const harvest *h, const struct trial *t, trial_outcome *out,
-                       shear_error *err) {
-    shear_result r[2];
+static void fill_values(const trial_sums *s, const trial *t, trial_outcome *out) {
+    const shear_result r[2] = {trial_sums_result(s, 0), trial_sums_result(s, 1)};
     double v[N_VALUES];
-    int code = harvest_result(h, 0, &r[0], err);
-    code = code != SHEAR_OK ? code : harvest_result(h, 1, &r[1], err);
-    if (code != SHEAR_OK) {
-        return code;
-    }
     combine(t->g, &r[0], &r[1], v);
     out->m = v[0];
     out->quoted = 0.0;
@@ -159,60 +173,45 @@ static int fill_values(const harvest *h, const struct trial *t, trial_outcome *o
         out->flagged += (double)r[i].n_flagged;
         out->quoted += 0.25 * (r[i].g1_err + r[i].g2_err) * sqrt((double)t->stamps);
     }
-    return SHEAR_OK;
 }
 
-int harvest_judge(const harvest *h, const struct trial *t, trial_outcome *out, shear_error *err) {
-    int code = SHEAR_OK;
-    out->m = out->m_err = out->error = out->error_err = out->quoted = NAN;
-    out->level = out->level_err = NAN;
-    for (int i = 0; i < 2; i++) {
-        out->m_of[i] = out->m_of_err[i] = out->c[i] = out->c_err[i] = NAN;
-    }
-    if (h->refused) {
-        return SHEAR_OK;
+void trial_sums_conclude(const trial_sums *s, const trial *t, trial_outcome *out) {
+    if (s->refused) {
+        out->m = out->m_err = out->error = out->error_err = out->quoted = NAN;
+        out->level = out->level_err = NAN;
+        for (int i = 0; i < 2; i++) {
+            out->m_of[i] = out->m_of_err[i] = out->c[i] = out->c_err[i] = NAN;
+        }
+        return;
     }
     double factor;
-    const int n = pieces_of(h, &factor);
-    double *v = memory_new((size_t)n * N_VALUES, sizeof *v, "errors", &code, err);
-    for (int i = 0; code == SHEAR_OK && i < n; i++) {
-        code = values_of(h, t, piece(h, n, i), v + (size_t)i * N_VALUES, err);
+    const int n = pieces_of(s, &factor);
+    double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
+    for (int i = 0; i < n; i++) {
+        values_of(s, t, piece(s, n, i), v + (size_t)i * N_VALUES);
     }
-    if (code == SHEAR_OK) {
-        fill_errors(v, n, factor, t->stamps, out);
-        code = fill_values(h, t, out, err);
-    }
+    fill_errors(v, n, factor, t->stamps, out);
+    fill_values(s, t, out);
     free(v);
-    return code;
 }
 
-/* v[0] += sign m */
-static int add_m(const harvest *h, const struct trial *t, struct choice c, double sign, double *v,
-                 shear_error *err) {
-    double values[N_VALUES];
-    const int code = values_of(h, t, c, values, err);
-    *v += code != SHEAR_OK ? 0.0 : sign * values[0];
-    return code;
+static double shift_of(const trial_sums *s, const trial_sums *reference, const trial *t, part p) {
+    double v[N_VALUES];
+    double w[N_VALUES];
+    values_of(s, t, p, v);
+    values_of(reference, t, p, w);
+    return v[0] - w[0];
 }
 
-static int shift_of(const harvest *h, const harvest *reference, const struct trial *t,
-                    struct choice c, double *v, shear_error *err) {
-    *v = 0.0;
-    const int code = add_m(h, t, c, 1.0, v, err);
-    return code != SHEAR_OK ? code : add_m(reference, t, c, -1.0, v, err);
-}
-
-int harvest_shift(const harvest *h, const harvest *reference, const struct trial *t, double *shift,
-                  double *shift_err, shear_error *err) {
+void trial_sums_shift(const trial_sums *s, const trial_sums *reference, const trial *t,
+                      double *shift, double *shift_err) {
     double factor;
-    const int n = pieces_of(h, &factor);
-    int code = SHEAR_OK;
-    double *v = memory_new((size_t)n * N_VALUES, sizeof *v, "errors", &code, err);
-    for (int i = 0; code == SHEAR_OK && i < n; i++) {
-        code = shift_of(h, reference, t, piece(h, n, i), &v[(size_t)i * N_VALUES], err);
+    const int n = pieces_of(s, &factor);
+    double *v = must_allocate((size_t)n * N_VALUES, sizeof *v, "errors");
+    for (int i = 0; i < n; i++) {
+        v[(size_t)i * N_VALUES] = shift_of(s, reference, t, piece(s, n, i));
     }
-    *shift_err = code != SHEAR_OK ? NAN : spread(v, n, 0, factor);
+    *shift = shift_of(s, reference, t, whole(s));
+    *shift_err = error_of(v, n, 0, factor);
     free(v);
-    const struct choice all = {0, h->groups, false};
-    return code != SHEAR_OK ? code : shift_of(h, reference, t, all, shift, err);
 }

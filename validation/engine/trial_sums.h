@@ -1,34 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* harvest.h: what the files of a trial came to: sums and terms of each group, at +g and -g, and
- * from them m, c and errors: a jackknife of the groups for the mean, the scatter of 16 independent
- * fields for pdf-sym. */
-#ifndef VALIDATION_HARVEST_H
-#define VALIDATION_HARVEST_H
+/* trial_sums.h: what the files of a trial came to, by one way at one level: sums and terms of each
+ * group, at +g and -g, and from them m, c and errors: a jackknife of the groups for the mean, the
+ * scatter of 16 independent fields for pdf-sym. */
+#ifndef VALIDATION_TRIAL_SUMS_H
+#define VALIDATION_TRIAL_SUMS_H
 
 #include "engine/trial.h"
-
 #include "shear/sums.h"
 #include "shear/symmetry.h"
 
-/* One way at one level. */
-typedef struct harvest {
-    int groups;
-    enum shear_estimator estimator;
-    shear_field_sums **sums; /* [2][groups]: +g, -g */
-    shear_symmetry **terms;  /* the same; NULL for the mean */
-    bool refused;
-} harvest;
+typedef struct trial_sums trial_sums;
+trial_sums *trial_sums_new(int groups, enum shear_estimator estimator);
+void trial_sums_free(trial_sums *s);
 
-int harvest_init(harvest *h, int groups, enum shear_estimator estimator, shear_error *err);
-void harvest_deinit(harvest *h);
+/* The sums of a group at one sign (0: +g), and its terms: NULL for the mean. */
+shear_field_sums **trial_sums_at(trial_sums *s, int sign, int group);
+shear_symmetry **trial_sums_terms(trial_sums *s, int sign, int group);
+/* A file was refused: there will be no shear. */
+void trial_sums_refuse(trial_sums *s);
 
 /* Fills m, c, errors, used, flagged; NaN where a file was refused or there is no shear. */
-int harvest_judge(const harvest *h, const struct trial *t, trial_outcome *out, shear_error *err);
+void trial_sums_conclude(const trial_sums *s, const trial *t, trial_outcome *out);
 /* m less that of a reference, which has other stamps of the same groups, and its error: what both
  * share is no error. NaN where there is no shear. */
-int harvest_shift(const harvest *h, const harvest *reference, const struct trial *t, double *shift,
-                  double *shift_err, shear_error *err);
-/* The result of all groups at one sign (0: +g). */
-int harvest_result(const harvest *h, int sign, shear_result *result, shear_error *err);
+void trial_sums_shift(const trial_sums *s, const trial_sums *reference, const trial *t,
+                      double *shift, double *shift_err);
+/* The result of all groups at one sign. */
+shear_result trial_sums_result(const trial_sums *s, int sign);
 
 #endif

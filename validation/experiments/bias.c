@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Beyond the paper: m and c from very many galaxies, and the terms beyond the first order. */
-#include "engine/bias_fit.h"
-#include "engine/experiment.h"
 #include "engine/methods.h"
+#include "engine/must.h"
 #include "experiments/bias_report.h"
+#include "experiments/list.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const struct knob knobs[] = {
+static const parameter parameters[] = {
     {"kinds", "0,1", 0, 1, true, "galaxies: 0 regular, 1 irregular"},
     {"psfs", "0,1", 0, 1, true, "0 W_A, 1 W_B"},
     {"noises", "0,1,2", 0, 2, true, "0 none, 1 white, 2 point sources"},
@@ -22,11 +22,8 @@ static const struct knob knobs[] = {
     {"fewer", "10", 1, 1e6, false, "slow cases have so many times fewer galaxies"},
     {0}};
 
-static const char *const fixed[] = {"galaxy",  "psf",           "shear",       "white",
-                                    "photons", "interpolation", "noise-ratio", NULL};
-
-static void defaults(struct request *r) {
-    shear_mock_spec *m = &r->mock;
+static void defaults(options *o) {
+    shear_mock_spec *m = &o->mock;
     m->rotate = 4;
     m->turn_stamps = true;
     m->nx = m->ny = 48;
@@ -35,153 +32,201 @@ static void defaults(struct request *r) {
     m->r_gal_px = 6.0;
     m->step_px = 1.0;
     m->r_psf_px = 1.5;
-    r->settings.filter = SHEAR_FILTER_NONE;
-    r->settings.zeros = SHEAR_ZEROS_FLOOR;
-    r->galaxies = 1000000;
-    r->groups = 200;
+    o->settings.filter = SHEAR_FILTER_NONE;
+    o->settings.zeros = SHEAR_ZEROS_FLOOR;
+    o->galaxies = 1000000;
+    o->groups = 200;
 }
 
-/* ---- one case ---- */
+/* ---- the cases ---- */
+
+typedef struct bias_cases {
+    int n;
+    bias_case of[MAX_CASES];
+} bias_cases;
+
+/* Logarithms and white noise do not go together: some pixels are negative. */
+static bool is_sound(const bias_case *b) {
+    return !(b->interpolated && b->noise == WHITE) &&
+           !(b->large && (b->interpolated || b->noise != CLEAN));
+}
+
+static bias_cases list_cases(const options *o) {
+    const parameter_values *of_kinds = options_list(o, "kinds");
+    const parameter_values *of_psfs = options_list(o, "psfs");
+    const parameter_values *of_noises = options_list(o, "noises");
+    const parameter_values *of_ways = options_list(o, "ways");
+    const bool asks_large = options_list(o, "large")->v[0] > 0.0;
+    bias_cases all = {0};
+    for (int i = 0; i < 2 * of_ways->n * of_noises->n * of_psfs->n * of_kinds->n; i++) {
+        int rest = i / 2;
+        bias_case b = {.large = i % 2 == 1};
+        b.noise = (enum bias_noise)of_noises->v[rest % of_noises->n];
+        rest /= of_noises->n;
+        b.interpolated = (int)of_ways->v[rest % of_ways->n] > 0;
+        rest /= of_ways->n;
+        b.psf = (enum shear_mock_psf)of_psfs->v[rest % of_psfs->n];
+        b.kind = (enum shear_mock_galaxy)of_kinds->v[rest / of_psfs->n];
+        if (is_sound(&b) && all.n < MAX_CASES && (!b.large || asks_large)) {
+            all.of[all.n++] = b;
+        }
+    }
+    return all;
+}
+
+static int n_ways(const bias_case *b) {
+    return b->interpolated ? 2 : 1;
+}
 
 /* Interpolation costs much, and the point sources of W_B with their long spikes do too. */
-static int64_t stamps_of(const struct request *r, const bias_case *b) {
-    bool slow = b->way > 0 || b->large || (b->noise == BIAS_SOURCES && b->psf == SHEAR_MOCK_PSF_B);
-    double n = (double)r->galaxies / (slow ? request_number(r, "fewer") : 1.0);
-    return (int64_t)ceil(n / r->mock.rotate) * r->mock.rotate;
+static int64_t stamps_of(const options *o, const bias_case *b) {
+    const bool slow =
+        b->interpolated || b->large || (b->noise == SOURCES && b->psf == SHEAR_MOCK_PSF_B);
+    const double n = (double)o->galaxies / (slow ? options_number(o, "fewer") : 1.0);
+    return (int64_t)ceil(n / o->mock.rotate) * o->mock.rotate;
 }
 
-static shear_mock_spec spec_of(const struct request *r, const bias_case *b) {
-    shear_mock_spec m = r->mock;
+/* +g and -g along g1, then along g2, of each size; then no shear. Without interpolation there is a
+ * series for each shear, else two. */
+static shear_set shears_of(const options *o, const bias_case *b, int way) {
+    const parameter_values *large = options_list(o, "large");
+    shear_set set = {.n = b->large ? 4 * large->n : 5};
+    for (int i = 0; i < set.n; i++) {
+        const double small = i < 4 ? options_number(o, "reach") : 0.0;
+        const double size = b->large ? large->v[i / 4] : small;
+        set.g[i][i % 4 / 2] = i % 2 != 0 ? -size : size;
+        set.series[i] = n_ways(b) * i + way;
+    }
+    return set;
+}
+
+static int64_t stamps(const options *o) {
+    const bias_cases all = list_cases(o);
+    int64_t total = 0;
+    if (4 * options_list(o, "large")->n > BIAS_MAX_SHEARS) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--large': at most %d", BIAS_MAX_SHEARS / 4);
+    }
+    for (int i = 0; i < all.n; i++) {
+        total += stamps_of(o, &all.of[i]) * shears_of(o, &all.of[i], 0).n;
+    }
+    return total;
+}
+
+/* ---- measuring ---- */
+
+static shear_mock_spec spec_of(const options *o, const bias_case *b) {
+    shear_mock_spec m = o->mock;
     m.galaxy = b->kind;
     m.psf = b->psf;
     m.g1 = m.g2 = 0.0;
-    m.white_sigma = b->noise == BIAS_WHITE ? request_number(r, "sigma") : 0.0;
-    if (b->way > 0) {
-        double scale = request_number(r, "r-psf-log") / m.r_psf_px;
+    m.white_sigma = b->noise == WHITE ? options_number(o, "sigma") : 0.0;
+    if (b->interpolated) {
+        const double scale = options_number(o, "r-psf-log") / m.r_psf_px;
         m.r_psf_px *= scale;
         m.r_gal_px *= scale;
         m.step_px *= scale;
         m.nx = good_side(m.nx * scale);
         m.ny = good_side(m.ny * scale);
-        m.noise_ratio = b->noise == BIAS_SOURCES ? request_number(r, "ratio") : 0.0;
+        m.noise_ratio = b->noise == SOURCES ? options_number(o, "ratio") : 0.0;
     }
     return m;
 }
 
-static int n_shears(const struct request *r, const bias_case *b) {
-    return b->large ? 4 * request_list(r, "large")->n : 5;
-}
-
-/* +g and -g along g1, then along g2, of each size; then no shear. */
-static void shear_of(const struct request *r, const bias_case *b, int i, double g[2]) {
-    double size = b->large ? request_list(r, "large")->v[i / 4]
-                  : i < 4  ? request_number(r, "reach")
-                           : 0.0;
-    g[0] = g[1] = 0.0;
-    g[i % 4 / 2] = i % 2 ? -size : size;
-}
-
-/* Series: shear, or 2 shear + method. Without interpolation the noise is drawn once for all shears.
- */
-int bias_measure(const struct request *r, struct ledger *ledger, const bias_case *b,
-                 struct tally **tally, shear_error *err) {
-    struct scene scenes[BIAS_MAX_SHEARS];
-    struct series series[2 * BIAS_MAX_SHEARS];
+/* Without interpolation the noise is drawn once for all shears. */
+static jackknife_sums *measure(const options *o, cache *c, const bias_case *b) {
+    const shear_set set = shears_of(o, b, 0);
+    const bool shares = b->noise == SOURCES && !b->interpolated;
+    scene scenes[BIAS_MAX_SHEARS];
+    series all[2 * BIAS_MAX_SHEARS];
+    shear_mock_spec noise = spec_of(o, b);
     char name[64];
-    shear_mock_spec noise = spec_of(r, b);
-    bool shares = b->noise == BIAS_SOURCES && b->way == 0;
-    int n = n_shears(r, b);
-    int methods_of_way = b->way > 0 ? 2 : 1;
-    noise.noise_ratio = request_number(r, "ratio");
-    for (int i = 0; i < n; i++) {
-        double g[2];
-        shear_of(r, b, i, g);
-        scenes[i] = (struct scene){.spec = spec_of(r, b), .shared = shares ? 1.0 : 0.0};
-        scenes[i].spec.g1 = g[0];
-        scenes[i].spec.g2 = g[1];
-        for (int k = 0; k < methods_of_way; k++) {
-            struct series *s = &series[methods_of_way * i + k];
-            *s = method_series(i, N_METHODS - 2 + k, PSF_FINE, noise.r_psf_px, &r->settings);
-            if (b->way == 0) {
-                s->settings.interpolation = SHEAR_INTERP_NONE;
-                s->settings.oversample = r->settings.oversample;
-            }
-        }
-    }
-    const sample_spec spec = {.name = bias_case_name(b, name, sizeof name),
-                              .stamps = stamps_of(r, b),
-                              .groups = r->groups,
-                              .threads = r->threads,
-                              .n_scenes = n,
-                              .scenes = scenes,
-                              .n_series = methods_of_way * n,
-                              .series = series,
-                              .noise = shares ? &noise : NULL,
-                              .exchange = true};
-    return sample_measure(&spec, ledger, tally, err);
-}
-
-shear_set bias_shears(const struct request *r, const bias_case *b, int method) {
-    shear_set set = {.n = n_shears(r, b)};
+    noise.noise_ratio = options_number(o, "ratio");
     for (int i = 0; i < set.n; i++) {
-        set.series[i] = b->way > 0 ? 2 * i + method : i;
-        shear_of(r, b, i, set.g[i]);
+        scenes[i] = (scene){.spec = spec_of(o, b), .shared = shares ? 1.0 : 0.0};
+        scenes[i].spec.g1 = set.g[i][0];
+        scenes[i].spec.g2 = set.g[i][1];
     }
-    return set;
-}
-
-/* ---- all cases ---- */
-
-static bool asks_large(const struct request *r) {
-    return request_list(r, "large")->v[0] > 0.0;
-}
-
-/* Logarithms and white noise do not go together: some pixels are negative. */
-static bool is_sound(const bias_case *b) {
-    return !(b->way > 0 && b->noise == BIAS_WHITE) && !(b->large && (b->way > 0 || b->noise > 0));
-}
-
-static int list_cases(const struct request *r, bias_case *cases) {
-    const knob_values *kinds = request_list(r, "kinds");
-    const knob_values *psfs = request_list(r, "psfs");
-    const knob_values *noises = request_list(r, "noises");
-    const knob_values *ways = request_list(r, "ways");
-    int n = 0;
-    for (int i = 0; i < 2 * ways->n * noises->n * psfs->n * kinds->n; i++) {
-        int rest = i / 2;
-        bias_case b = {.large = i % 2 == 1};
-        b.noise = (int)noises->v[rest % noises->n];
-        rest /= noises->n;
-        b.way = (int)ways->v[rest % ways->n];
-        rest /= ways->n;
-        b.psf = (int)psfs->v[rest % psfs->n];
-        b.kind = (int)kinds->v[rest / psfs->n];
-        if (is_sound(&b) && n < BIAS_MAX_CASES && (!b.large || asks_large(r))) {
-            cases[n++] = b;
+    for (int i = 0; i < n_ways(b) * set.n; i++) {
+        all[i] =
+            method_series(N_METHODS - 2 + i % n_ways(b), PSF_FINE, noise.r_psf_px, &o->settings);
+        all[i].scene = i / n_ways(b);
+        if (!b->interpolated) {
+            all[i].settings.interpolation = SHEAR_INTERP_NONE;
+            all[i].settings.oversample = o->settings.oversample;
         }
     }
-    return n;
+    snprintf(name, sizeof name, "%s,W_%s,noise=%s%s%s", bias_kinds[b->kind], bias_psfs[b->psf],
+             bias_noises[b->noise], b->interpolated ? ",log" : "", b->large ? ",large" : "");
+    return sample_measure(o, c,
+                          &(sample){name, stamps_of(o, b), .n_scenes = set.n, .scenes = scenes,
+                                    .n_series = n_ways(b) * set.n, .series = all,
+                                    .noise = shares ? &noise : NULL, .exchange = true});
 }
 
-static int exec(const struct request *r, shear_error *err) {
-    bias_case cases[BIAS_MAX_CASES];
-    struct ledger *ledger = NULL;
-    int64_t total = 0;
-    int n = list_cases(r, cases);
-    for (int i = 0; i < n; i++) {
-        total += stamps_of(r, &cases[i]) * n_shears(r, &cases[i]);
+/* Half the difference between +g and -g, over g: what is odd in the shear. Both axes are averaged.
+ */
+static void relative(const jackknife_total *totals, const void *context, double *out) {
+    const shear_set *set = context;
+    for (int k = 0; k < set->n / 4; k++) {
+        const jackknife_total *along1 = &totals[set->series[4 * k]];
+        const jackknife_total *along2 = &totals[set->series[4 * k + 2]];
+        const double g1 = 0.5 * (along1[0].g[0] - along1[1].g[0]);
+        const double g2 = 0.5 * (along2[0].g[1] - along2[1].g[1]);
+        out[k] = 0.5 * (g1 + g2) / set->g[4 * k][0] - 1.0;
     }
-    if (4 * request_list(r, "large")->n > BIAS_MAX_SHEARS) {
-        return shear_fail(err, SHEAR_E_SETTING, NULL, "option '--large': at most %d",
-                          BIAS_MAX_SHEARS / 4);
-    }
-    int code = ledger_open(&ledger, r, total, err);
-    code = code != SHEAR_OK ? code : bias_report(r, ledger, cases, n, err);
-    ledger_close(ledger);
-    return code;
 }
 
-const experiment exp_bias = {
+static void add_large_curve(lines *all, const bias_case *b, const jackknife_sums *sums,
+                            const shear_set *set) {
+    enum { MOST = BIAS_MAX_SHEARS / 4 };
+    double v[MOST];
+    double cov[MOST * MOST];
+    const int n = set->n / 4;
+    jackknife_covariance(sums, relative, set, n, v, cov);
+    if (all->n_large == MAX_LARGE) {
+        return;
+    }
+    char *label = all->large_label[all->n_large];
+    curve *c = &all->large[all->n_large++];
+    *c = (curve){label, (enum shear_hue)all->n_large,
+                 .marker = (enum shear_marker)((all->n_large - 1) % 4)};
+    for (int k = 0; k < n; k++) {
+        curve_add(c, set->g[4 * k][0], v[k], sqrt(cov[k * n + k]));
+    }
+    snprintf(label, sizeof all->large_label[0], "%s W_{%s}", bias_kinds[b->kind],
+             bias_psfs[b->psf]);
+}
+
+static void do_case(run *r, const bias_case *b, lines *all) {
+    jackknife_sums *sums = measure(r->options, r->cache, b);
+    for (int k = 0; k < n_ways(b); k++) {
+        const shear_set set = shears_of(r->options, b, k);
+        line *l = &all->of[all->n++];
+        *l = (line){.of = *b, .way = b->interpolated ? 1 + k : 0};
+        for (int group = 0; group < sums->groups; group++) {
+            l->n += (double)jackknife_sums_at(sums, set.series[0], group)->n_used;
+        }
+        if (b->large) {
+            l->cubic = bias_fit_cubic(sums, &set);
+            add_large_curve(all, b, sums, &set);
+        } else {
+            l->bias = bias_fit_lines(sums, &set);
+        }
+    }
+    jackknife_sums_free(sums);
+}
+
+static void run_bias(run *r) {
+    const bias_cases cases = list_cases(r->options);
+    lines *all = must_allocate(1, sizeof *all, "results");
+    for (int i = 0; i < cases.n; i++) {
+        do_case(r, &cases.of[i], all);
+    }
+    bias_report(r, all);
+    free(all);
+}
+
+const experiment experiment_bias = {
     .name = "bias",
     .summary = "beyond the paper: m and c from a million galaxies, and shears up to 0.1",
     .about = "Galaxies in fours (0, 45, 90, 135 degrees; --galaxies counts all stamps), the\n"
@@ -191,8 +236,9 @@ const experiment exp_bias = {
              "= 1 pixel. Then, without noise, shears up to 0.1 for the next order: measured -\n"
              "true = m g + a |g|^2 g. Slow cases (interpolation, large shears, point sources\n"
              "under W_B) have a tenth of the galaxies.",
-    .knobs = knobs,
-    .fixed = fixed,
+    .parameters = parameters,
+    .fixed = "galaxy psf shear white photons interpolation noise-ratio",
     .defaults = defaults,
-    .exec = exec,
+    .stamps = stamps,
+    .run = run_bias,
 };

@@ -1,32 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bias_report.h: the cases of the experiment `bias`, its table and figure. */
+/* bias_report.h: what the experiment `bias` measured; its table and figure. */
 #ifndef VALIDATION_BIAS_REPORT_H
 #define VALIDATION_BIAS_REPORT_H
 
 #include "engine/bias_fit.h"
-#include "engine/cache.h"
+#include "report/chart.h"
+#include "report/run.h"
 
-enum { BIAS_MAX_CASES = 48 };
-enum bias_noise { BIAS_CLEAN = 0, BIAS_WHITE, BIAS_SOURCES };
+enum { MAX_CASES = 48, MAX_LINES = 2 * MAX_CASES, MAX_LARGE = 8 };
+enum bias_noise { CLEAN = 0, WHITE, SOURCES };
 
 typedef struct bias_case {
-    int kind;   /* enum shear_mock_galaxy */
-    int psf;    /* enum shear_mock_psf */
-    int noise;  /* enum bias_noise */
-    int way;    /* 0: no interpolation; 1: Log-Bicubic and Log-Spline */
-    bool large; /* of the shears that test the higher orders */
+    enum shear_mock_galaxy kind;
+    enum shear_mock_psf psf;
+    enum bias_noise noise;
+    bool interpolated; /* by Log-Bicubic and Log-Spline */
+    bool large;        /* of the shears that test the higher orders */
 } bias_case;
 
-/* The ledger's name of a case. Returns buf. */
-char *bias_case_name(const bias_case *b, char *buf, size_t size);
+/* A line of the table. */
+typedef struct line {
+    bias_case of;
+    int way; /* 0: none, 1: Log-Bicubic, 2: Log-Spline */
+    double n;
+    bias_fit bias;
+    bias_cubic cubic; /* of large shears */
+} line;
 
-int bias_measure(const struct request *r, struct ledger *ledger, const bias_case *b,
-                 struct tally **tally, shear_error *err);
-/* Which series of its tally show which shear; `method` 0 or 1 where it has two. */
-shear_set bias_shears(const struct request *r, const bias_case *b, int method);
+typedef struct lines {
+    int n;
+    line of[MAX_LINES];
+    int n_large; /* relative deviation against |g|, by kind and PSF */
+    curve large[MAX_LARGE];
+    char large_label[MAX_LARGE][64];
+} lines;
 
-/* Measure all cases, table, figure. */
-int bias_report(const struct request *r, struct ledger *ledger, const bias_case *cases, int n,
-                shear_error *err);
+/* In words. */
+extern const char *const bias_kinds[]; /* enum shear_mock_galaxy */
+extern const char *const bias_psfs[];  /* enum shear_mock_psf */
+extern const char *const bias_noises[];
+
+void bias_report(run *r, const lines *all);
 
 #endif

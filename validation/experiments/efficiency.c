@@ -1,27 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Beyond the paper: the ratio of means against PDF symmetrization: errors against the Cramer-Rao
  * bound, and bias at low signal-to-noise. */
-#include "engine/experiment.h"
 #include "engine/must.h"
 #include "experiments/efficiency_fields.h"
+#include "experiments/list.h"
 #include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const struct knob knobs[] = {
+static const parameter parameters[] = {
     {"ranges", "1,3,10,30,100", 1, 1e6, true, "largest flux over the smallest"},
     {"slope", "2.5", 0, 10, false, "of the fluxes' power law, dn/dF ~ F^-slope"},
     {"snr", "10", 0.1, 1e6, false, "signal-to-noise of the faintest, where there is noise"},
     {"bias-snr", "5,7,10,20,40", 0.1, 1e6, true, "of equal galaxies, for the bias"},
     {0}};
 
-static const char *const fixed[] = {"white",     "photons", "photon-snr", "noise-ratio",
-                                    "estimator", "rotate",  NULL};
-
-static void defaults(struct request *r) {
-    shear_mock_spec *m = &r->mock;
+static void defaults(options *o) {
+    shear_mock_spec *m = &o->mock;
     m->nx = m->ny = 48;
     m->g1 = 0.03;
     m->g2 = -0.03;
@@ -31,174 +28,122 @@ static void defaults(struct request *r) {
     m->r_psf_px = 1.5;
     m->steps = 300;
     m->step_px = 0.6;
-    r->galaxies = 400000;
-    r->groups = 40;
-    r->settings.interpolation = SHEAR_INTERP_NONE;
-    r->settings.filter = SHEAR_FILTER_NONE;
+    o->galaxies = 400000;
+    o->groups = 40;
+    o->settings.interpolation = SHEAR_INTERP_NONE;
+    o->settings.filter = SHEAR_FILTER_NONE;
 }
 
-/* ---- table and figure ---- */
-
-static void add_columns(struct table *t) {
-    table_column(t, "flux_range", TABLE_NUMBER, 0, "", "largest flux over the smallest");
-    table_column(t, "snr", TABLE_NUMBER, 0, "", "signal-to-noise of the faintest; nan = no noise");
-    table_column(t, "estimator", TABLE_TEXT, 0, "", "mean, pdf-sym, or pdf-sym-cross");
-    table_column(t, "error", TABLE_NUMBER, 4, "", "scatter of the fields times sqrt(galaxies)");
-    table_column(t, "error_err", TABLE_NUMBER, 4, "", "its 1-sigma error");
-    table_column(t, "quoted", TABLE_NUMBER, 4, "", "mean quoted error times sqrt(galaxies)");
-    table_column(t, "pull_width", TABLE_NUMBER, 3, "", "width of (measured - true) / error");
-    table_column(t, "over_bound", TABLE_NUMBER, 3, "",
-                 "quoted error over the bound of one component; nan with noise");
-    table_column(t, "m", TABLE_NUMBER, 5, "", "multiplicative bias, from opposite shears");
-    table_column(t, "m_err", TABLE_NUMBER, 5, "", "its 1-sigma error");
-    table_column(t, "failed", TABLE_INTEGER, 0, "", "fields without a shear");
+static int64_t stamps(const options *o) {
+    return 2 * (int64_t)efficiency_fields_count(o) * o->groups;
 }
 
-/* Panels: errors without and with noise, bias; curves by estimator. */
-struct curves {
-    struct curve error[2][N_KINDS], bias[N_KINDS];
-};
+/* ---- table ---- */
 
-struct summary {
+static const column columns[] = {
+    {"flux_range", TABLE_NUMBER, 0, .help = "largest flux over the smallest"},
+    {"snr", TABLE_NUMBER, 0, .help = "signal-to-noise of the faintest; nan = no noise"},
+    {"estimator", TABLE_TEXT, 0, .help = "mean, pdf-sym, or pdf-sym-cross"},
+    {"error", TABLE_NUMBER, 4, .help = "scatter of the fields times sqrt(galaxies)",
+     .with_error = true},
+    {"quoted", TABLE_NUMBER, 4, .help = "mean quoted error times sqrt(galaxies)"},
+    {"pull_width", TABLE_NUMBER, 3, .help = "width of (measured - true) / error"},
+    {"over_bound", TABLE_NUMBER, 3,
+     .help = "quoted error over the bound of one component; nan with noise"},
+    {"m", TABLE_NUMBER, 5, .help = "multiplicative bias, from opposite shears", .with_error = true},
+    {"failed", TABLE_INTEGER, 0, .help = "fields without a shear"},
+    {0}};
+
+enum { N_PANELS = 3 }; /* errors without and with noise, bias */
+
+typedef struct summary {
+    curve curves[N_PANELS][N_ESTIMATORS];
     double line, plane; /* bounds */
     double worst;       /* largest error of pdf-sym over the mean's */
     double broad;       /* over the bound, noise-free, at the broadest */
-};
+} summary;
 
-static void add_row(struct table *t, const struct cases *cases, int c, int kind, double bound,
-                    const struct outcome *o) {
-    table_number(t, cases->c[c].range);
-    table_number(t, cases->snr[c]);
-    table_text(t, shear_estimator_name((enum shear_estimator)kind));
-    table_number(t, o->error.width);
-    table_number(t, o->error.width_err);
-    table_number(t, o->quoted);
-    table_number(t, o->pull_width);
-    table_number(t, isnan(cases->snr[c]) ? o->quoted / bound : NAN);
-    table_number(t, o->m.mean);
-    table_number(t, o->m.mean_err);
-    table_number(t, o->failed);
-}
-
-static void add_point(struct curves *curves, const struct cases *cases, int c, int kind,
-                      const struct outcome *o) {
+static void add_row(table *t, const brightness_cases *cases, int c, int estimator,
+                    const efficiency_outcome *o, summary *s) {
+    const bool noiseless = isnan(cases->snr[c]);
+    table_numbers(t, cases->c[c].range, cases->snr[c]);
+    table_text(t, shear_estimator_name((enum shear_estimator)estimator));
+    table_numbers(t, o->error.width, o->error.width_err, o->quoted, o->pull_width,
+                  noiseless ? o->quoted / s->line : NAN, o->m.mean, o->m.mean_err, o->failed);
     if (c < 2 * cases->n_ranges) {
-        curve_add(&curves->error[c % 2][kind], cases->c[c].range, o->quoted, o->error.width_err);
+        curve_add(&s->curves[c % 2][estimator], cases->c[c].range, o->quoted, o->error.width_err);
     } else {
-        curve_add(&curves->bias[kind], cases->snr[c], 100.0 * o->m.mean, 100.0 * o->m.mean_err);
+        curve_add(&s->curves[2][estimator], cases->snr[c], 100.0 * o->m.mean,
+                  100.0 * o->m.mean_err);
     }
 }
 
-static void tabulate(const struct fields *fields, const double *values, struct table *t,
-                     struct curves *curves, struct summary *s) {
-    shape_counts counts;
-    fields_shapes(fields, values, &counts);
+static void add_case(table *t, const efficiency_fields *f, int c, summary *s) {
+    const efficiency_outcome mean = efficiency_fields_outcome(f, c, MEAN);
+    const efficiency_outcome pdf = efficiency_fields_outcome(f, c, SYMMETRY);
+    add_row(t, &f->cases, c, MEAN, &mean, s);
+    add_row(t, &f->cases, c, SYMMETRY, &pdf, s);
+    if (!isnan(f->cases.snr[c])) {
+        const efficiency_outcome crossed = efficiency_fields_outcome(f, c, CROSSED);
+        add_row(t, &f->cases, c, CROSSED, &crossed, s);
+    }
+    s->worst = fmax(s->worst, pdf.quoted / mean.quoted);
+    s->broad = c == 2 * f->cases.n_ranges - 2 ? pdf.quoted / s->line : s->broad;
+}
+
+static void tabulate(table *t, const efficiency_fields *f, summary *s) {
+    const shape_counts counts = efficiency_fields_shapes(f);
     s->line = shape_bound_line(&counts);
     s->plane = shape_bound_plane(&counts);
-    add_columns(t);
-    for (int c = 0; c < fields->cases.n; c++) {
-        double mean = NAN;
-        for (int kind = 0; kind < N_KINDS; kind++) {
-            if (kind == CROSSED && isnan(fields->cases.snr[c])) {
-                continue;
-            }
-            const struct outcome o = fields_outcome(fields, values, c, kind);
-            add_row(t, &fields->cases, c, kind, s->line, &o);
-            add_point(curves, &fields->cases, c, kind, &o);
-            mean = kind == MEAN ? o.quoted : mean;
-            if (kind == SYMMETRY) {
-                s->worst = fmax(s->worst, o.quoted / mean);
-                s->broad = c == 2 * fields->cases.n_ranges - 2 ? o.quoted / s->line : s->broad;
-            }
-        }
+    table_columns(t, columns);
+    for (int c = 0; c < f->cases.n; c++) {
+        add_case(t, f, c, s);
     }
     table_meta(t, "bound_one_component", "%.5f", s->line);
     table_meta(t, "bound_both_components", "%.5f", s->plane);
-    table_meta(t, "verdict",
-               "Cramer-Rao bound for one galaxy %.4f (both components together: %.4f); pdf-sym "
-               "without noise at the broadest fluxes: %.3f times that; its error is at most %.3f "
-               "times that of the ratio of means",
-               s->line, s->plane, s->broad, s->worst);
+    table_conclude(t,
+                   "Cramer-Rao bound for one galaxy %.4f (both components together: %.4f); pdf-sym "
+                   "without noise at the broadest fluxes: %.3f times that; its error is at most "
+                   "%.3f times that of the ratio of means",
+                   s->line, s->plane, s->broad, s->worst);
 }
 
-static int draw(struct curves *curves, const struct summary *s, shear_figure **figure,
-                shear_error *err) {
-    static const int hues[N_KINDS] = {SHEAR_BLUE, SHEAR_VERMILION, SHEAR_GREEN};
-    static const int markers[N_KINDS] = {SHEAR_SQUARE, SHEAR_DISC, SHEAR_TRIANGLE};
-    const shear_grid grid = {.area = {8, 8, 744, 824}, .rows = 3, .columns = 1, .gap_y = 8};
-    const int code = shear_figure_new(figure, 760, 840, err);
-    struct curve *const panels[] = {curves->error[0], curves->error[1], curves->bias};
-    for (int p = 0; code == SHEAR_OK && p < 3; p++) {
-        for (int kind = 0; kind < N_KINDS; kind++) {
-            panels[p][kind].hue = hues[kind];
-            panels[p][kind].marker = markers[kind];
-            panels[p][kind].label =
-                p == 0 && kind == CROSSED ? NULL : shear_estimator_name((enum shear_estimator)kind);
+static void draw(run *r, summary *s) {
+    static const enum shear_hue hues[N_ESTIMATORS] = {SHEAR_BLUE, SHEAR_VERMILION, SHEAR_GREEN};
+    static const enum shear_marker markers[N_ESTIMATORS] = {SHEAR_SQUARE, SHEAR_DISC,
+                                                            SHEAR_TRIANGLE};
+    static const char *const titles[N_PANELS] = {"without noise; dotted: Cramer-Rao bound",
+                                                 "with noise", "bias of equal galaxies"};
+    const double truths[N_PANELS] = {s->line, NAN, 0.0};
+    const panels p =
+        run_panels(r, NULL, 760, 840, (shear_grid){.rows = N_PANELS, .columns = 1, .gap_y = 8});
+    for (int i = 0; i < N_PANELS; i++) {
+        const bool of_error = i < 2;
+        for (int k = 0; k < N_ESTIMATORS; k++) {
+            s->curves[i][k].hue = hues[k];
+            s->curves[i][k].marker = markers[k];
+            s->curves[i][k].label = shear_estimator_name((enum shear_estimator)k);
         }
-        chart_draw(*figure, &(struct chart){
-                                .cell = shear_grid_cell(&grid, p, 0, 1, 1),
-                                .title = p == 0   ? "without noise; dotted: Cramer-Rao bound"
-                                         : p == 1 ? "with noise"
-                                                  : "bias of equal galaxies",
-                                .x_label = p < 2 ? "largest over smallest flux" : "signal-to-noise",
-                                .y_label = p < 2 ? "error of one galaxy" : "m, percent",
-                                .log_x = true,
-                                .legend = p < 2 ? SHEAR_TOP_LEFT : SHEAR_BOTTOM_RIGHT,
-                                .truth = p == 0   ? s->line
-                                         : p == 1 ? NAN
-                                                  : 0.0,
-                                .spread = 0.01,
-                                .n_curves = p == 0 ? 2 : N_KINDS,
-                                .curves = panels[p]});
+        chart_draw(p.figure, panels_cell(&p, i),
+                   &(chart){titles[i], of_error ? "largest over smallest flux" : "signal-to-noise",
+                            of_error ? "error of one galaxy" : "m, percent", .log_x = true,
+                            .legend = of_error ? SHEAR_TOP_LEFT : SHEAR_BOTTOM_RIGHT,
+                            .truth = truths[i], .spread = 0.01,
+                            .n_curves = i == 0 ? 2 : N_ESTIMATORS, .curves = s->curves[i]});
     }
-    return code;
 }
 
-static int finish(const struct fields *fields, const struct ledger *ledger, const double *values,
-                  shear_error *err) {
-    struct table *t = table_new(fields->r);
-    struct summary s = {0};
-    shear_figure *f = NULL;
-    int code = SHEAR_OK;
-    struct curves *curves = memory_new(1, sizeof *curves, "the figure", &code, err);
-    if (code == SHEAR_OK) {
-        tabulate(fields, values, t, curves, &s);
-        code = draw(curves, &s, &f, err);
-    }
-    code = code != SHEAR_OK ? code : report_save(fields->r, ledger, t, f, err);
-    shear_figure_free(f);
-    free(curves);
-    table_free(t);
-    return code;
+static void run_efficiency(run *r) {
+    efficiency_fields f;
+    summary *s = must_allocate(1, sizeof *s, "results");
+    efficiency_fields_init(&f, r->options, r->cache);
+    tabulate(r->table, &f, s);
+    draw(r, s);
+    efficiency_fields_deinit(&f);
+    free(s);
 }
 
-static int exec(const struct request *r, shear_error *err) {
-    struct ledger *ledger = NULL;
-    struct fields fields;
-    double *values = NULL;
-    int code = fields_init(&fields, r, err);
-    const int per_field = fields_values(&fields);
-    if (code == SHEAR_OK) {
-        values = calloc((size_t)r->groups * (size_t)per_field, sizeof *values);
-        code = values != NULL
-                   ? ledger_open(&ledger, r, 2 * (int64_t)fields.count * r->groups, err)
-                   : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the fields' shears");
-    }
-    const struct task task = {.name = "fields",
-                              .chunks = r->groups,
-                              .values = per_field,
-                              .stamps_of_chunk = 2 * fields.count,
-                              .work = fields_work,
-                              .context = &fields};
-    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, values, err);
-    code = code != SHEAR_OK ? code : finish(&fields, ledger, values, err);
-    ledger_close(ledger);
-    free(values);
-    fields_deinit(&fields);
-    return code;
-}
-
-const experiment exp_efficiency = {
+const experiment experiment_efficiency = {
     .name = "efficiency",
     .summary = "beyond the paper: the ratio of means against PDF symmetrization",
     .about =
@@ -208,8 +153,9 @@ const experiment exp_efficiency = {
         "the Cramer-Rao bound of the galaxies' shapes; and the bias of both against the\n"
         "signal-to-noise of equal galaxies, with the same galaxies and noise at opposite\n"
         "shears.",
-    .knobs = knobs,
-    .fixed = fixed,
+    .parameters = parameters,
+    .fixed = "white photons photon-snr noise-ratio estimator rotate",
     .defaults = defaults,
-    .exec = exec,
+    .stamps = stamps,
+    .run = run_efficiency,
 };

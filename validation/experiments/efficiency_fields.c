@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "experiments/efficiency_fields.h"
-#include "engine/must.h"
 
+#include "engine/must.h"
 #include "shear/symmetry.h"
 
 #include <math.h>
@@ -12,72 +12,72 @@ _Static_assert(sizeof(shape_counts) == SHAPE_VALUES * sizeof(double), "plain dou
 
 /* ---- the cases ---- */
 
-static void cases_add(struct cases *cases, double range, double slope, double sigma, double snr) {
-    cases->c[cases->n] = (brightness){.range = range, .slope = slope, .sigma = sigma};
-    cases->snr[cases->n++] = snr;
+static void add_case(brightness_cases *all, double range, double slope, double sigma, double snr) {
+    all->c[all->n] = (brightness){.range = range, .slope = slope, .sigma = sigma};
+    all->snr[all->n++] = snr;
 }
 
-static int cases_init(struct cases *cases, const struct request *r, shear_error *err) {
-    const knob_values *ranges = request_list(r, "ranges");
-    const knob_values *bias = request_list(r, "bias-snr");
-    const double slope = request_number(r, "slope");
-    const double snr = request_number(r, "snr");
-    double unit;
-    const int code = brightness_sigma(&r->mock, 1.0, &unit, err);
-    *cases = (struct cases){.n_ranges = ranges->n};
+static brightness_cases list_cases(const options *o) {
+    const parameter_values *ranges = options_list(o, "ranges");
+    const parameter_values *bias = options_list(o, "bias-snr");
+    const double slope = options_number(o, "slope");
+    const double snr = options_number(o, "snr");
+    const double unit = brightness_sigma(&o->mock, 1.0);
+    brightness_cases all = {.n_ranges = ranges->n};
     for (int i = 0; i < ranges->n; i++) {
-        cases_add(cases, ranges->v[i], slope, 0.0, NAN);
-        cases_add(cases, ranges->v[i], slope, unit / snr, snr);
+        add_case(&all, ranges->v[i], slope, 0.0, NAN);
+        add_case(&all, ranges->v[i], slope, unit / snr, snr);
     }
     for (int i = 0; i < bias->n; i++) {
-        cases_add(cases, 1.0, slope, unit / bias->v[i], bias->v[i]);
+        add_case(&all, 1.0, slope, unit / bias->v[i], bias->v[i]);
     }
-    return code;
+    return all;
 }
 
 /* ---- drawing and estimating ---- */
 
+/* Fields being measured. */
+typedef struct measuring {
+    const efficiency_fields *of;
+    brightness_stamps *stamps[2]; /* at the shear, and at its opposite */
+    double beta_px;
+    double typical_d; /* of a galaxy of flux 1 without noise */
+    shear_row *rows;  /* [cases.n][count] */
+} measuring;
+
 /* The median D of the first galaxies. */
-static int set_typical(struct fields *fields, shear_error *err) {
+static double find_typical_d(brightness_stamps *s) {
     enum { N = 64 };
     shear_row rows[N];
     const brightness one = {.range = 1.0};
-    const int code = bright_stamps_rows(fields->stamps[0], 0, N, 1, &one, rows, err);
+    double median = 0.0;
+    brightness_stamps_rows(s, 0, N, 1, &one, rows);
     for (int i = 0; i < N; i++) {
         int below = 0;
         for (int k = 0; k < N; k++) {
             below += rows[k].d < rows[i].d;
         }
-        fields->typical_d = below == N / 2 ? rows[i].d : fields->typical_d;
+        median = below == N / 2 ? rows[i].d : median;
     }
-    return code;
+    return median;
 }
 
-int fields_init(struct fields *fields, const struct request *r, shear_error *err) {
-    *fields = (struct fields){.r = r, .count = (int)(r->galaxies / r->groups)};
-    shear_settings settings = r->settings;
+static void prepare(measuring *m) {
+    const efficiency_fields *f = m->of;
+    const options *o = f->options;
+    const size_t n = (size_t)f->cases.n * (size_t)f->count;
+    shear_settings settings = o->settings;
     settings.estimator = SHEAR_ESTIMATOR_PDF_SYM_CROSS; /* its rows have all that the others need */
-    int code = cases_init(&fields->cases, r, err);
-    if (code == SHEAR_OK && fields->count < 100) {
-        return shear_fail(err, SHEAR_E_SETTING, "ask for more galaxies or fewer groups",
-                          "a field has %d galaxies; 100 are needed", fields->count);
+    for (int k = 0; k < 2; k++) {
+        shear_mock_spec mock = o->mock;
+        mock.n_stamps = (int64_t)f->count * o->groups;
+        mock.g1 = k != 0 ? -mock.g1 : mock.g1;
+        mock.g2 = k != 0 ? -mock.g2 : mock.g2;
+        m->stamps[k] = brightness_stamps_new(&mock, &settings, o->threads);
     }
-    for (int k = 0; code == SHEAR_OK && k < 2; k++) {
-        shear_mock_spec m = r->mock;
-        m.n_stamps = (int64_t)fields->count * r->groups;
-        m.g1 = k != 0 ? -m.g1 : m.g1;
-        m.g2 = k != 0 ? -m.g2 : m.g2;
-        code = bright_stamps_new(&fields->stamps[k], &m, &settings, r->threads, err);
-    }
-    const size_t n = (size_t)fields->cases.n * (size_t)fields->count;
-    fields->rows = memory_new(n, sizeof *fields->rows, "a field's rows", &code, err);
-    return code != SHEAR_OK ? code : set_typical(fields, err);
-}
-
-void fields_deinit(struct fields *fields) {
-    bright_stamps_free(fields->stamps[0]);
-    bright_stamps_free(fields->stamps[1]);
-    free(fields->rows);
+    m->rows = must_allocate(n, sizeof *m->rows, "a field's rows");
+    m->beta_px = brightness_stamps_beta_px(m->stamps[0]);
+    m->typical_d = find_typical_d(m->stamps[0]);
 }
 
 static shear_row without_cross(const shear_row *row) {
@@ -86,102 +86,123 @@ static shear_row without_cross(const shear_row *row) {
     return plain;
 }
 
-/* One field's shear by one estimator, into out[EFFICIENCY_PER_KIND]. */
-static int estimate(const shear_row *rows, int count, double beta, int kind, double *out,
-                    shear_error *err) {
-    const bool symmetric = kind != MEAN;
+/* One field's shear by one estimator. */
+static void estimate(const shear_row *rows, int count, double beta_px, int estimator,
+                     double out[EFFICIENCY_PER_ESTIMATE]) {
     shear_field_sums *sums = NULL;
     shear_symmetry *terms = NULL;
     shear_result s = {0};
-    int code = shear_field_sums_new(&sums, err);
-    code = code != SHEAR_OK || !symmetric ? code : shear_symmetry_new(&terms, err);
-    for (int i = 0; code == SHEAR_OK && i < count; i++) {
+    must(shear_field_sums_new(&sums, &must_error));
+    if (estimator != MEAN) {
+        must(shear_symmetry_new(&terms, &must_error));
+    }
+    for (int i = 0; i < count; i++) {
+        const shear_row row = estimator == CROSSED ? rows[i] : without_cross(&rows[i]);
         shear_block_sums block;
-        const shear_row row = kind == CROSSED ? rows[i] : without_cross(&rows[i]);
         shear_block_sums_init(&block);
         shear_block_sums_add(&block, &row);
         shear_field_sums_add(sums, &block);
-        code = symmetric ? shear_symmetry_add(terms, &row, beta, err) : SHEAR_OK;
-    }
-    code =
-        code != SHEAR_OK ? code : shear_estimate((enum shear_estimator)kind, sums, terms, &s, err);
-    const double values[EFFICIENCY_PER_KIND] = {s.g1, s.g2, s.g1_err, s.g2_err};
-    memcpy(out, values, sizeof values);
-    shear_symmetry_free(terms);
-    shear_field_sums_free(sums);
-    return code;
-}
-
-static double *slot(double *values, int c, int kind, int sign) {
-    return values + c * EFFICIENCY_PER_CASE + (kind * 2 + sign) * EFFICIENCY_PER_KIND;
-}
-
-static int estimate_all(const struct fields *fields, int sign, double *values, shear_error *err) {
-    const double beta = bright_stamps_plan(fields->stamps[0])->beta_px;
-    int code = SHEAR_OK;
-    for (int c = 0; code == SHEAR_OK && c < fields->cases.n; c++) {
-        const shear_row *rows = fields->rows + (size_t)c * (size_t)fields->count;
-        for (int kind = 0; code == SHEAR_OK && kind < N_KINDS; kind++) {
-            code = estimate(rows, fields->count, beta, kind, slot(values, c, kind, sign), err);
+        if (terms != NULL) {
+            must(shear_symmetry_add(terms, &row, beta_px, &must_error));
         }
     }
-    return code;
+    must(shear_estimate((enum shear_estimator)estimator, sums, terms, &s, &must_error));
+    out[0] = s.g1;
+    out[1] = s.g2;
+    out[2] = s.g1_err;
+    out[3] = s.g2_err;
+    shear_symmetry_free(terms);
+    shear_field_sums_free(sums);
+}
+
+/* Where in a field's values an estimate stands. */
+static size_t place(int i_case, int estimator, int sign) {
+    return (size_t)(i_case * EFFICIENCY_PER_CASE +
+                    (estimator * 2 + sign) * EFFICIENCY_PER_ESTIMATE);
 }
 
 /* Shapes of the galaxies without noise, the shear taken off. */
-static void count_shapes(const struct fields *fields, int64_t first, double *values) {
-    const double beta = bright_stamps_plan(fields->stamps[0])->beta_px;
-    const double g1 = fields->r->mock.g1;
-    const double g2 = fields->r->mock.g2;
+static void count_shapes(const measuring *m, int64_t first, double *values) {
+    const efficiency_fields *f = m->of;
+    const double beta2 = m->beta_px * m->beta_px;
+    const double g1 = f->options->mock.g1;
+    const double g2 = f->options->mock.g2;
     shape_counts counts = {0};
-    for (int i = 0; i < fields->count; i++) {
-        const shear_row *row = &fields->rows[i];
-        const double u = -0.5 * beta * beta * row->u;
-        const double v = -2.0 * beta * beta * row->v;
-        const double flux = brightness_flux(&fields->cases.c[0], fields->r->mock.seed, first + i);
-        shape_counts_add(&counts, row->d / (flux * flux * fields->typical_d),
+    for (int i = 0; i < f->count; i++) {
+        const shear_row *row = &m->rows[i];
+        const double u = -0.5 * beta2 * row->u;
+        const double v = -2.0 * beta2 * row->v;
+        const double flux = brightness_flux(&f->cases.c[0], f->options->mock.seed, first + i);
+        shape_counts_add(&counts, row->d / (flux * flux * m->typical_d),
                          (row->n1 - g2 * v) / (row->d + u) - g1,
                          (row->n2 - g1 * v) / (row->d - u) - g2);
     }
     memcpy(values, &counts, sizeof counts);
 }
 
-int fields_values(const struct fields *fields) {
-    return fields->cases.n * EFFICIENCY_PER_CASE + SHAPE_VALUES;
+static int values_of_field(const efficiency_fields *f) {
+    return f->cases.n * EFFICIENCY_PER_CASE + SHAPE_VALUES;
 }
 
-int fields_work(void *context, int field, double *values, shear_error *err) {
-    struct fields *fields = context;
-    int code = SHEAR_OK;
-    for (int sign = 0; code == SHEAR_OK && sign < 2; sign++) {
-        code =
-            bright_stamps_rows(fields->stamps[sign], (int64_t)field * fields->count, fields->count,
-                               fields->cases.n, fields->cases.c, fields->rows, err);
-        code = code != SHEAR_OK ? code : estimate_all(fields, sign, values, err);
-        if (code == SHEAR_OK && sign == 0) {
-            count_shapes(fields, (int64_t)field * fields->count,
-                         values + fields->cases.n * EFFICIENCY_PER_CASE);
+static void measure_field(void *context, int field, double *values) {
+    const measuring *m = context;
+    const efficiency_fields *f = m->of;
+    const int64_t first = (int64_t)field * f->count;
+    for (int sign = 0; sign < 2; sign++) {
+        brightness_stamps_rows(m->stamps[sign], first, f->count, f->cases.n, f->cases.c, m->rows);
+        for (int i = 0; i < f->cases.n * N_ESTIMATORS; i++) {
+            const int c = i / N_ESTIMATORS;
+            estimate(m->rows + (size_t)c * (size_t)f->count, f->count, m->beta_px, i % N_ESTIMATORS,
+                     values + place(c, i % N_ESTIMATORS, sign));
+        }
+        if (sign == 0) {
+            count_shapes(m, first, values + f->cases.n * EFFICIENCY_PER_CASE);
         }
     }
-    return code;
+}
+
+int efficiency_fields_count(const options *o) {
+    const int count = (int)(o->galaxies / o->groups);
+    if (count < 100) {
+        must_fail(SHEAR_E_SETTING, "ask for more galaxies or fewer groups",
+                  "a field has %d galaxies; 100 are needed", count);
+    }
+    return count;
+}
+
+void efficiency_fields_init(efficiency_fields *f, const options *o, cache *c) {
+    *f = (efficiency_fields){
+        .options = o, .cases = list_cases(o), .count = efficiency_fields_count(o)};
+    measuring m = {.of = f};
+    prepare(&m);
+    f->values = cache_run(c, &(cache_task){"fields", o->groups, values_of_field(f),
+                                           .stamps_of_chunk = 2 * f->count, .work = measure_field,
+                                           .context = &m});
+    brightness_stamps_free(m.stamps[0]);
+    brightness_stamps_free(m.stamps[1]);
+    free(m.rows);
+}
+
+void efficiency_fields_deinit(efficiency_fields *f) {
+    free(f->values);
 }
 
 /* ---- what comes out ---- */
 
-struct outcome fields_outcome(const struct fields *fields, const double *values, int c, int kind) {
-    const int n_fields = fields->r->groups;
-    const int per_field = fields_values(fields);
-    const double truth[2] = {fields->r->mock.g1, fields->r->mock.g2};
-    const double root = sqrt((double)fields->count);
-    struct outcome o = {.failed = 0};
-    double *error = calloc(8 * (size_t)n_fields, sizeof *error);
+efficiency_outcome efficiency_fields_outcome(const efficiency_fields *f, int i_case,
+                                             int estimator) {
+    const int n_fields = f->options->groups;
+    const double truth[2] = {f->options->mock.g1, f->options->mock.g2};
+    const double root = sqrt((double)f->count);
+    efficiency_outcome o = {.failed = 0};
+    double *error = must_allocate(6 * (size_t)n_fields, sizeof *error, "errors");
     double *pull = error + 2 * n_fields;
     double *m = error + 4 * n_fields;
-    int n = 0;
-    for (int f = 0; error != NULL && f < n_fields; f++) {
-        double *field = (double *)values + (size_t)f * (size_t)per_field;
-        const double *plus = slot(field, c, kind, 0);
-        const double *minus = slot(field, c, kind, 1);
+    size_t n = 0;
+    for (int i = 0; i < n_fields; i++) {
+        const double *field = f->values + (size_t)i * (size_t)values_of_field(f);
+        const double *plus = field + place(i_case, estimator, 0);
+        const double *minus = field + place(i_case, estimator, 1);
         if (!isfinite(plus[0] + plus[1] + minus[0] + minus[1])) {
             o.failed++;
             continue;
@@ -193,24 +214,24 @@ struct outcome fields_outcome(const struct fields *fields, const double *values,
             o.quoted += plus[2 + k] * root;
         }
     }
-    if (error != NULL) {
-        o.error = spread_of(error, (size_t)n);
-        o.pull_width = spread_of(pull, (size_t)n).width;
-        o.m = spread_of(m, (size_t)n);
-        o.quoted /= n;
-    }
+    o.error = spread_of(error, n);
+    o.pull_width = spread_of(pull, n).width;
+    o.m = spread_of(m, n);
+    o.quoted /= (double)n;
     free(error);
     return o;
 }
 
-void fields_shapes(const struct fields *fields, const double *values, shape_counts *counts) {
-    const size_t per_field = (size_t)fields_values(fields);
+shape_counts efficiency_fields_shapes(const efficiency_fields *f) {
+    const size_t per_field = (size_t)values_of_field(f);
     double sum[SHAPE_VALUES] = {0.0};
-    for (int f = 0; f < fields->r->groups; f++) {
-        const double *shapes = values + (size_t)(f + 1) * per_field - SHAPE_VALUES;
-        for (int i = 0; i < SHAPE_VALUES; i++) {
-            sum[i] += shapes[i];
+    shape_counts counts;
+    for (int i = 0; i < f->options->groups; i++) {
+        const double *shapes = f->values + (size_t)(i + 1) * per_field - SHAPE_VALUES;
+        for (int k = 0; k < SHAPE_VALUES; k++) {
+            sum[k] += shapes[k];
         }
     }
-    memcpy(counts, sum, sizeof *counts);
+    memcpy(&counts, sum, sizeof counts);
+    return counts;
 }

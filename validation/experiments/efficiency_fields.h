@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* efficiency.h: the fields of experiment efficiency: galaxies at many brightnesses, in many fields,
- * each field's shear by every estimator.
+/* efficiency_fields.h: the fields of the experiment `efficiency`: galaxies at many brightnesses, in
+ * many fields, each field's shear by every estimator.
  *
- * A field yields a row of numbers for the ledger, EFFICIENCY_PER_CASE for each case, then the
- * counts of shapes (information.h).
+ * A field yields a row of numbers for the cache, EFFICIENCY_PER_CASE for each case, then the counts
+ * of shapes (information.h).
  */
-#ifndef VALIDATION_EFFICIENCY_H
-#define VALIDATION_EFFICIENCY_H
+#ifndef VALIDATION_EFFICIENCY_FIELDS_H
+#define VALIDATION_EFFICIENCY_FIELDS_H
 
 #include "engine/brightness.h"
+#include "engine/cache.h"
 #include "engine/information.h"
 #include "engine/statistics.h"
 
@@ -17,50 +18,46 @@ enum {
     MEAN = SHEAR_ESTIMATOR_MEAN,
     SYMMETRY = SHEAR_ESTIMATOR_PDF_SYM,
     CROSSED = SHEAR_ESTIMATOR_PDF_SYM_CROSS,
-    N_KINDS
+    N_ESTIMATORS
 };
 
 enum {
-    MAX_CASES = 3 * MAX_KNOB_VALUES,
-    EFFICIENCY_PER_KIND = 4, /* g1, g2 and their errors */
-    EFFICIENCY_PER_CASE = N_KINDS * 2 * EFFICIENCY_PER_KIND
+    MAX_CASES = 3 * MAX_VALUES,
+    EFFICIENCY_PER_ESTIMATE = 4, /* g1, g2 and their errors */
+    EFFICIENCY_PER_CASE = N_ESTIMATORS * 2 * EFFICIENCY_PER_ESTIMATE
 };
 
 /* Two for each range (without and with noise), then one for each signal-to-noise of the bias. */
-struct cases {
+typedef struct brightness_cases {
     int n, n_ranges;
     brightness c[MAX_CASES];
     double snr[MAX_CASES]; /* NaN = no noise */
-};
+} brightness_cases;
 
-struct fields {
-    const struct request *r;
-    struct cases cases;
-    bright_stamps *stamps[2]; /* at the shear, and at its opposite */
-    int count;                /* galaxies of a field */
-    double typical_d;         /* of a galaxy of flux 1 without noise */
-    shear_row *rows;          /* [cases.n][count] */
-};
+typedef struct efficiency_fields {
+    const options *options;
+    brightness_cases cases;
+    int count;      /* galaxies of a field */
+    double *values; /* [options->groups][efficiency_fields_values] */
+} efficiency_fields;
 
-int fields_init(struct fields *fields, const struct request *r, shear_error *err);
-void fields_deinit(struct fields *fields);
-/* How many numbers a field yields. */
-int fields_values(const struct fields *fields);
-/* One of them, as the ledger wants it; the context is a struct fields. */
-int fields_work(void *context, int field, double *values, shear_error *err);
+/* How many galaxies a field has; ends the program where they are too few. */
+int efficiency_fields_count(const options *o);
+/* Measure all, through the cache. */
+void efficiency_fields_init(efficiency_fields *f, const options *o, cache *c);
+void efficiency_fields_deinit(efficiency_fields *f);
 
 /* What a case came to, by one estimator. */
-struct outcome {
-    struct spread error; /* of (g - truth) sqrt(n), both components and signs */
-    double quoted;       /* mean quoted error times sqrt(n) */
+typedef struct efficiency_outcome {
+    spread error;  /* of (g - truth) sqrt(n), both components and signs */
+    double quoted; /* mean quoted error times sqrt(n) */
     double pull_width;
-    struct spread m; /* of the fields; of both components */
-    int failed;      /* fields without a shear */
-};
+    spread m;   /* of the fields; of both components */
+    int failed; /* fields without a shear */
+} efficiency_outcome;
+efficiency_outcome efficiency_fields_outcome(const efficiency_fields *f, int i_case, int estimator);
 
-/* values [r->groups][fields_values]. */
-struct outcome fields_outcome(const struct fields *fields, const double *values, int c, int kind);
 /* The galaxies' shapes, of all fields. */
-void fields_shapes(const struct fields *fields, const double *values, shape_counts *counts);
+shape_counts efficiency_fields_shapes(const efficiency_fields *f);
 
 #endif

@@ -1,53 +1,62 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Beyond the paper: under-sampled data, and why they need no logarithm. */
-#include "experiments/narrow.h"
 #include "engine/aliases.h"
-#include "engine/experiment.h"
+#include "engine/bias_fit.h"
 #include "engine/methods.h"
 #include "engine/must.h"
+#include "experiments/list.h"
+#include "report/chart.h"
+#include "report/run.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    SIGNS = 2,
-    SERIES = SIGNS * NARROW_WAYS, /* series 2 sign + way */
-    POWERS = 480,
-    POWER_GALAXIES = 32,
-    POWER_ANGLES = 8
-};
-const char *const narrow_ways[NARROW_WAYS] = {"defaults", "zhang2010"};
-const double narrow_disks_px[NARROW_DISKS] = {0.0, 0.5, 1.0, 2.0};
-static const double power_step = 0.05; /* of k, per px */
+enum { SIGNS = 2, N_WAYS = 2, N_DISKS = 4, POWERS = 480, POWER_GALAXIES = 32, POWER_ANGLES = 8 };
 
-static const struct knob knobs[] = {
+static const char *const ways[N_WAYS] = {"defaults", "zhang2010"};
+static const double disks_px[N_DISKS] = {0.0, 0.5, 1.0, 2.0}; /* half-light radii; 0: a point */
+static const double power_step = 0.05;                        /* of k, per px */
+
+static const parameter parameters[] = {
     {"radii", "0.3,0.35,0.4,0.45,0.5,0.6,0.7,0.8,0.9,1,1.2", 0.2, 4, true, "R_PSF, pixels"}, {0}};
 
-static const char *const fixed[] = {"size",     "galaxy",      "psf",           "r-psf",
-                                    "oversamp", "noise-ratio", "white",         "photons",
-                                    "preset",   "psf-size",    "psf-angle",     "beta",
-                                    "filter",   "psf-ids",     "interpolation", NULL};
-
-static void defaults(struct request *r) {
-    (void)shear_settings_set(&r->settings, "preset", "default", NULL);
-    r->settings.filter = SHEAR_FILTER_NONE;
-    r->mock.g1 = 0.03;
-    r->mock.g2 = -0.02;
-    r->mock.rotate = 4;
-    r->mock.galaxy = SHEAR_MOCK_IRREGULAR;
-    r->galaxies = 3200;
-    r->groups = 50;
+static void defaults(options *o) {
+    (void)shear_settings_set(&o->settings, "preset", "default", NULL);
+    o->settings.filter = SHEAR_FILTER_NONE;
+    o->mock.g1 = 0.03;
+    o->mock.g2 = -0.02;
+    o->mock.rotate = 4;
+    o->mock.galaxy = SHEAR_MOCK_IRREGULAR;
+    o->galaxies = 3200;
+    o->groups = 50;
 }
+
+static int64_t stamps(const options *o) {
+    return SIGNS * o->galaxies * options_list(o, "radii")->n;
+}
+
+typedef struct point {
+    double r_psf_px, beta_px[N_WAYS];
+    bias_fit bias[N_WAYS];
+    /* The aliases' share under the first way's target: of the mocks' galaxies, of disks. */
+    double own, disk[N_DISKS];
+} point;
+
+typedef struct points {
+    double limit_px; /* R_PSF at which the aliases of the smallest disks are 10^-3 */
+    int n;
+    point of[MAX_VALUES];
+} points;
 
 /* ---- the aliases ---- */
 
 /* |f|^2 of the mocks' own galaxies, averaged over directions and some of them, in steps of k. */
-struct powers {
+typedef struct powers {
     double v[POWERS];
-};
+} powers;
 
 static double power_at(double k, const void *context) {
-    const struct powers *p = context;
+    const powers *p = context;
     const double at = fmin(k / power_step, POWERS - 1.001);
     const int i = (int)at;
     return p->v[i] + (at - i) * (p->v[i + 1] - p->v[i]);
@@ -69,123 +78,234 @@ static double power_of_points(int n, const double *x, const double *y, double k)
     return sum / POWER_ANGLES;
 }
 
-static int find_powers(const struct request *r, struct powers *p, shear_error *err) {
-    shear_mock_spec spec = r->mock;
+static powers find_powers(const options *o) {
+    shear_mock_spec spec = o->mock;
     shear_mock *mock = NULL;
-    int code = SHEAR_OK;
+    powers p = {0};
     spec.n_stamps = (int64_t)POWER_GALAXIES * spec.rotate;
-    code = shear_mock_new(&mock, &spec, err);
-    const int most = code != SHEAR_OK ? 0 : shear_mock_get_info(mock)->max_points;
-    double *x = memory_new(2 * (size_t)most, sizeof *x, "points", &code, err);
-    *p = (struct powers){0};
-    for (int galaxy = 0; code == SHEAR_OK && galaxy < POWER_GALAXIES; galaxy++) {
+    must(shear_mock_new(&mock, &spec, &must_error));
+    const int most = shear_mock_get_info(mock)->max_points;
+    double *x = must_allocate(2 * (size_t)most, sizeof *x, "points");
+    for (int galaxy = 0; galaxy < POWER_GALAXIES; galaxy++) {
         const int n = shear_mock_points(mock, galaxy, x, x + most);
 #pragma omp parallel for schedule(dynamic)
         for (int i = 0; i < POWERS; i++) {
-            p->v[i] += power_of_points(n, x, x + most, power_step * i);
+            p.v[i] += power_of_points(n, x, x + most, power_step * i);
         }
     }
     free(x);
     shear_mock_free(mock);
-    return code;
+    return p;
 }
 
-/* W_A is longer along y, eq. (Ws). */
+/* W_A is longer along y, Zhang (2010), eq. (9). */
 static double share_at(double r_psf_px, double beta_px, power_function *power,
                        const void *context) {
     const double sigma_px[] = {r_psf_px, r_psf_px / sqrt(0.8)};
     return aliases_share(beta_px, sigma_px, power, context);
 }
 
-/* ---- measuring ---- */
-
-static int settings_of(const struct request *r, double r_psf_px, shear_settings ways[NARROW_WAYS],
-                       shear_error *err) {
-    ways[0] = ways[1] = r->settings;
-    ways[0].interpolation = SHEAR_INTERP_NONE;
-    const int code = shear_settings_set(&ways[1], "preset", narrow_ways[1], err);
-    ways[1].filter = SHEAR_FILTER_NONE;
-    for (int i = 0; i < NARROW_WAYS; i++) {
-        ways[i].beta_px = fmax(ways[i].beta_ratio * r_psf_px, ways[i].beta_floor_px);
-    }
-    return code;
-}
-
-static int measure(const struct request *r, struct ledger *ledger, narrow_point *p,
-                   shear_error *err) {
-    struct scene scenes[SIGNS];
-    struct series series[SERIES];
-    shear_settings ways[NARROW_WAYS];
-    struct tally *tally = NULL;
-    char name[32];
-    int code = settings_of(r, p->r_psf_px, ways, err);
-    for (int i = 0; i < SERIES; i++) {
-        struct scene *s = &scenes[i / NARROW_WAYS];
-        *s = (struct scene){.spec = r->mock};
-        s->spec.g1 *= i / NARROW_WAYS ? -1.0 : 1.0;
-        s->spec.g2 *= i / NARROW_WAYS ? -1.0 : 1.0;
-        s->spec.r_psf_px = p->r_psf_px;
-        s->spec.nx = s->spec.ny = stamp_side(s->spec.r_gal_px, p->r_psf_px);
-        series[i] = (struct series){.scene = i / NARROW_WAYS,
-                                    .psf_oversample = psf_oversample(PSF_FINE, p->r_psf_px),
-                                    .settings = ways[i % NARROW_WAYS]};
-        p->beta_px[i % NARROW_WAYS] = ways[i % NARROW_WAYS].beta_px;
-    }
-    snprintf(name, sizeof name, "R_PSF=%g", p->r_psf_px);
-    const sample_spec spec = {.name = name,
-                              .stamps = r->galaxies,
-                              .groups = r->groups,
-                              .threads = r->threads,
-                              .n_scenes = SIGNS,
-                              .scenes = scenes,
-                              .n_series = SERIES,
-                              .series = series};
-    code = code != SHEAR_OK ? code : sample_measure(&spec, ledger, &tally, err);
-    for (int way = 0; code == SHEAR_OK && way < NARROW_WAYS; way++) {
-        const shear_set set = {.n = SIGNS,
-                               .series = {way, NARROW_WAYS + way},
-                               .g = {{r->mock.g1, r->mock.g2}, {-r->mock.g1, -r->mock.g2}}};
-        code = bias_fit(tally, &set, &p->bias[way], err);
-    }
-    tally_free(tally);
-    return code;
-}
-
-static double find_limit(const struct request *r) {
+static double find_limit(const options *o) {
     double lo = 0.1;
     double hi = 1.0;
     for (int i = 0; i < 30; i++) {
         const double middle = 0.5 * (lo + hi);
-        const double beta = fmax(r->settings.beta_ratio * middle, r->settings.beta_floor_px);
-        *(share_at(middle, beta, disk_power, &narrow_disks_px[1]) > 1e-3 ? &lo : &hi) = middle;
+        const double beta = fmax(o->settings.beta_ratio * middle, o->settings.beta_floor_px);
+        *(share_at(middle, beta, disk_power, &disks_px[1]) > 1e-3 ? &lo : &hi) = middle;
     }
     return lo;
 }
 
-/* ---- all ---- */
+/* ---- measuring ---- */
 
-static int exec(const struct request *r, shear_error *err) {
-    const knob_values *radii = request_list(r, "radii");
-    struct ledger *ledger = NULL;
-    struct powers powers;
-    struct narrow n = {.limit_px = find_limit(r)};
-    int code = ledger_open(&ledger, r, SIGNS * r->galaxies * radii->n, err);
-    code = code != SHEAR_OK ? code : find_powers(r, &powers, err);
-    for (int i = 0; code == SHEAR_OK && i < radii->n; i++) {
-        narrow_point *p = &n.points[n.n++];
-        p->r_psf_px = radii->v[i];
-        code = measure(r, ledger, p, err);
-        p->own = share_at(p->r_psf_px, p->beta_px[0], power_at, &powers);
-        for (int k = 0; k < NARROW_DISKS; k++) {
-            p->disk[k] = share_at(p->r_psf_px, p->beta_px[0], disk_power, &narrow_disks_px[k]);
-        }
+static shear_settings settings_of(const options *o, int way, double r_psf_px) {
+    shear_settings s = o->settings;
+    if (way == 0) {
+        s.interpolation = SHEAR_INTERP_NONE;
+    } else {
+        must(shear_settings_set(&s, "preset", ways[way], &must_error));
+        s.filter = SHEAR_FILTER_NONE;
     }
-    code = code != SHEAR_OK ? code : narrow_report(r, ledger, &n, err);
-    ledger_close(ledger);
-    return code;
+    s.beta_px = fmax(s.beta_ratio * r_psf_px, s.beta_floor_px);
+    return s;
 }
 
-const experiment exp_narrow = {
+/* Series: way + N_WAYS * sign. */
+static void measure(const options *o, cache *c, point *p) {
+    scene scenes[SIGNS];
+    series all[SIGNS * N_WAYS];
+    char name[32];
+    for (int i = 0; i < SIGNS; i++) {
+        scenes[i] = (scene){.spec = o->mock};
+        scenes[i].spec.g1 *= i != 0 ? -1.0 : 1.0;
+        scenes[i].spec.g2 *= i != 0 ? -1.0 : 1.0;
+        scenes[i].spec.r_psf_px = p->r_psf_px;
+        scenes[i].spec.nx = scenes[i].spec.ny = stamp_side(o->mock.r_gal_px, p->r_psf_px);
+    }
+    for (int i = 0; i < SIGNS * N_WAYS; i++) {
+        all[i] = (series){i / N_WAYS, psf_oversample(PSF_FINE, p->r_psf_px),
+                          settings_of(o, i % N_WAYS, p->r_psf_px)};
+        p->beta_px[i % N_WAYS] = all[i].settings.beta_px;
+    }
+    snprintf(name, sizeof name, "R_PSF=%g", p->r_psf_px);
+    jackknife_sums *sums = sample_measure(o, c,
+                                          &(sample){name, .n_scenes = SIGNS, .scenes = scenes,
+                                                    .n_series = SIGNS * N_WAYS, .series = all});
+    for (int way = 0; way < N_WAYS; way++) {
+        const shear_set set = {.n = SIGNS,
+                               .series = {way, N_WAYS + way},
+                               .g = {{o->mock.g1, o->mock.g2}, {-o->mock.g1, -o->mock.g2}}};
+        p->bias[way] = bias_fit_lines(sums, &set);
+    }
+    jackknife_sums_free(sums);
+}
+
+/* ---- table ---- */
+
+static const column columns[] = {
+    {"r_psf", TABLE_NUMBER, 2, .help = "R_PSF of eq. (Ws)", .unit = "pix"},
+    {"settings", TABLE_TEXT, 0, .help = "the defaults, or preset zhang2010"},
+    {"beta", TABLE_NUMBER, 2, .help = "scale radius of the target", .unit = "pix"},
+    {"m1", TABLE_NUMBER, 5, .help = "multiplicative bias", .with_error = true},
+    {"m2", TABLE_NUMBER, 5, .help = "multiplicative bias", .with_error = true},
+    {"c1", TABLE_NUMBER, 6, .help = "additive bias", .with_error = true},
+    {"c2", TABLE_NUMBER, 6, .help = "additive bias", .with_error = true},
+    {"aliases", TABLE_NUMBER, -2, .help = "their share, of these galaxies"},
+    {"points", TABLE_NUMBER, -2, .help = "of points"},
+    {"disks_half", TABLE_NUMBER, -2,
+     .help = "of exponential disks of this half-light radius, pixels"},
+    {"disks_1", TABLE_NUMBER, -2, .help = "of exponential disks of this half-light radius, pixels"},
+    {"disks_2", TABLE_NUMBER, -2, .help = "of exponential disks of this half-light radius, pixels"},
+    {0}};
+
+static void add_row(table *t, const point *p, int way) {
+    const bias_fit *b = &p->bias[way];
+    table_numbers(t, p->r_psf_px);
+    table_text(t, ways[way]);
+    table_numbers(t, p->beta_px[way], b->m[0], b->m_err[0], b->m[1], b->m_err[1], b->c[0],
+                  b->c_err[0], b->c[1], b->c_err[1]);
+    if (way == 0) {
+        table_numbers(t, p->own, p->disk[0], p->disk[1], p->disk[2], p->disk[3]);
+    } else {
+        table_numbers(t, NAN, NAN, NAN, NAN, NAN);
+    }
+}
+
+static void conclude(table *t, const points *all, int way) {
+    double worst = 0.0;
+    int good = 0;
+    int n = 0;
+    for (int i = 0; i < 2 * all->n; i++) {
+        const bias_fit *b = &all->of[i / 2].bias[way];
+        const int c = i % 2;
+        if (all->of[i / 2].r_psf_px > all->limit_px) {
+            worst = fmax(worst, fabs(b->m[c]));
+            n++;
+            good += fabs(b->m[c]) < 2e-3 + 2.0 * b->m_err[c];
+        }
+    }
+    table_conclude(t,
+                   "%s: |m| within 2 10^-3 beside two errors in %d of %d (m1 and m2 of every R_PSF "
+                   "above %.2f px), at most %.1f 10^-3",
+                   ways[way], good, n, all->limit_px, 1e3 * worst);
+}
+
+static void tabulate(table *t, const points *all) {
+    table_columns(t, columns);
+    for (int i = 0; i < N_WAYS * all->n; i++) {
+        add_row(t, &all->of[i % all->n], i / all->n);
+    }
+    for (int way = 0; way < N_WAYS; way++) {
+        conclude(t, all, way);
+    }
+    table_conclude(t,
+                   "the aliases of exponential disks of half-light radius 0.5 px are 10^-3 of the "
+                   "signal at R_PSF = %.2f px",
+                   all->limit_px);
+    table_meta(t, "limit", "%.4f", all->limit_px);
+}
+
+/* ---- figure ---- */
+
+static void draw_m(const panels *p, int i, const points *all, bool both) {
+    curve curves[2 * N_WAYS] = {
+        {"defaults, g_{1}", SHEAR_BLUE, .marker = SHEAR_DISC},
+        {"g_{2}", SHEAR_BLUE, .marker = SHEAR_CIRCLE},
+        {"log-bicubic (zhang2010), g_{1}", SHEAR_VERMILION, .marker = SHEAR_SQUARE},
+        {"g_{2}", SHEAR_VERMILION, .marker = SHEAR_CROSS}};
+    for (int k = 0; k < 2 * N_WAYS * all->n; k++) {
+        const point *at = &all->of[k % all->n];
+        const int which = k / all->n;
+        const bias_fit *b = &at->bias[which / 2];
+        curve_add(&curves[which], at->r_psf_px, 1e3 * b->m[which % 2], 1e3 * b->m_err[which % 2]);
+    }
+    chart_draw(p->figure, panels_cell(p, i),
+               &(chart){both ? "bias" : "the defaults alone", "R_{PSF}, px", "m, 10^{-3}",
+                        .legend = SHEAR_BOTTOM_RIGHT, .truth = 0.0, .limit = all->limit_px,
+                        .spread = 0.006, .n_curves = both ? 2 * N_WAYS : 2, .curves = curves});
+}
+
+static void draw_c(const panels *p, int i, const points *all) {
+    curve curves[N_WAYS] = {{"defaults", SHEAR_BLUE, .marker = SHEAR_DISC},
+                            {"log-bicubic (zhang2010)", SHEAR_VERMILION, .marker = SHEAR_SQUARE}};
+    for (int k = 0; k < all->n * N_WAYS; k++) {
+        const point *at = &all->of[k / N_WAYS];
+        const bias_fit *b = &at->bias[k % N_WAYS];
+        curve_add(&curves[k % N_WAYS], at->r_psf_px, hypot(b->c[0], b->c[1]),
+                  fmax(b->c_err[0], b->c_err[1]));
+    }
+    chart_draw(p->figure, panels_cell(p, i),
+               &(chart){"additive bias", "R_{PSF}, px", "|c|", .y = {1e-8, 1e-1}, .log_y = true,
+                        .truth = NAN, .limit = all->limit_px, .n_curves = N_WAYS,
+                        .curves = curves});
+}
+
+static void draw_aliases(const panels *p, int i, const points *all) {
+    curve curves[N_DISKS + 1] = {
+        {.label = "points", .hue = SHEAR_BLACK, .dash = SHEAR_DOTTED},
+        {.label = "disks of half-light radius 0.5 px", .hue = SHEAR_VERMILION},
+        {.label = "1 px", .hue = SHEAR_GREEN},
+        {.label = "2 px", .hue = SHEAR_SKY},
+        {.label = "the galaxies measured", .hue = SHEAR_BLUE, .dash = SHEAR_DASHED}};
+    for (int k = 0; k <= N_DISKS; k++) {
+        curves[k].line = true;
+        for (int at = 0; at < all->n; at++) {
+            const point *of = &all->of[at];
+            curve_add(&curves[k], of->r_psf_px, k < N_DISKS ? of->disk[k] : of->own, NAN);
+        }
+    }
+    chart_draw(p->figure, panels_cell(p, i),
+               &(chart){"aliases' part of the signal", "R_{PSF}, px", "A(\xce\xb2)",
+                        .y = {1e-8, 1.0}, .log_y = true, .truth = 1e-3, .limit = all->limit_px,
+                        .n_curves = N_DISKS + 1, .curves = curves});
+}
+
+static void run_narrow(run *r) {
+    const options *o = r->options;
+    const parameter_values *radii = options_list(o, "radii");
+    const powers own = find_powers(o);
+    points *all = must_allocate(1, sizeof *all, "results");
+    all->limit_px = find_limit(o);
+    for (; all->n < radii->n; all->n++) {
+        point *p = &all->of[all->n];
+        p->r_psf_px = radii->v[all->n];
+        measure(o, r->cache, p);
+        p->own = share_at(p->r_psf_px, p->beta_px[0], power_at, &own);
+        for (int k = 0; k < N_DISKS; k++) {
+            p->disk[k] = share_at(p->r_psf_px, p->beta_px[0], disk_power, &disks_px[k]);
+        }
+    }
+    tabulate(r->table, all);
+    const panels p = run_panels(r, NULL, 1100, 740,
+                                (shear_grid){.rows = 2, .columns = 2, .gap_x = 12, .gap_y = 8});
+    draw_m(&p, 0, all, true);
+    draw_m(&p, 1, all, false);
+    draw_aliases(&p, 2, all);
+    draw_c(&p, 3, all);
+    free(all);
+}
+
+const experiment experiment_narrow = {
     .name = "narrow",
     .summary = "beyond the paper: under-sampled data, R_PSF from 0.3 pixels on",
     .about = "Irregular galaxies in fours at +g and -g, without noise, behind W_A given finely\n"
@@ -193,8 +313,10 @@ const experiment exp_narrow = {
              "1.4 pixels) and by preset zhang2010 (log-bicubic where R_PSF is below 1 pixel).\n"
              "Beside it the part of the signal that aliases have under the target, by\n"
              "quadrature: of these galaxies, of points, and of exponential disks.",
-    .knobs = knobs,
-    .fixed = fixed,
+    .parameters = parameters,
+    .fixed = "size galaxy psf r-psf oversamp noise-ratio white photons preset psf-size psf-angle "
+             "beta filter psf-ids interpolation",
     .defaults = defaults,
-    .exec = exec,
+    .stamps = stamps,
+    .run = run_narrow,
 };

@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Section 4.3, last figure: the six interpolations against the size of the pixels. */
-#include "experiments/pixels.h"
-#include "engine/experiment.h"
 #include "engine/methods.h"
+#include "engine/must.h"
+#include "experiments/list.h"
+#include "report/chart.h"
+#include "report/run.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-static const struct knob knobs[] = {
+enum { MAX_SIZES = 3 };
+
+static const parameter parameters[] = {
     {"ratios", "0.25,0.5,0.75,1,1.25,1.5,2,2.5,3", 0.05, 8, true, "pixel size over R_PSF"},
     {"sizes", "6.67,3.33,1.67", 0.5, 50, true, "R_G over R_PSF, at most three"},
     {"step", "0.075", 0.001, 1, false, "step of the random walk over R_G"},
@@ -14,113 +19,267 @@ static const struct knob knobs[] = {
     {"coarse", "1", 0, 1, false, "1: also with the PSF as coarse as the pixels"},
     {0}};
 
-static const char *const fixed[] = {"size",       "r-gal",         "r-psf",    "step-size", "beta",
-                                    "beta-ratio", "interpolation", "oversamp", NULL};
-
-static void defaults(struct request *r) {
-    r->mock.g1 = -0.031;
-    r->mock.g2 = 0.018;
-    r->mock.rotate = 1;
-    r->mock.galaxy = SHEAR_MOCK_IRREGULAR;
-    r->mock.psf = SHEAR_MOCK_PSF_B;
-    r->settings.filter = SHEAR_FILTER_NONE;
-    r->settings.zeros = SHEAR_ZEROS_FLOOR;
+static void defaults(options *o) {
+    o->mock.g1 = -0.031;
+    o->mock.g2 = 0.018;
+    o->mock.rotate = 1;
+    o->mock.galaxy = SHEAR_MOCK_IRREGULAR;
+    o->mock.psf = SHEAR_MOCK_PSF_B;
+    o->settings.filter = SHEAR_FILTER_NONE;
+    o->settings.zeros = SHEAR_ZEROS_FLOOR;
 }
 
+static int64_t stamps(const options *o) {
+    const int sizes = options_list(o, "sizes")->n;
+    if (sizes > MAX_SIZES) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--sizes': at most %d", MAX_SIZES);
+    }
+    return o->galaxies * sizes * (options_list(o, "ratios")->n + 1);
+}
+
+/* How many of enum psf_sampling are measured. */
+static int samplings(const options *o) {
+    return options_number(o, "coarse") > 0.0 ? N_PSF_SAMPLINGS : 1;
+}
+
+/* ---- measuring ---- */
+
 /* Galaxies of R_G = size R_PSF at pixels of ratio R_PSF. */
-static struct scene scene_at(const struct request *r, double size, double ratio) {
-    struct scene s = {.spec = r->mock};
+static scene scene_at(const options *o, double size, double ratio) {
+    scene s = {.spec = o->mock};
     s.spec.r_psf_px = 1.0 / ratio;
     s.spec.r_gal_px = size / ratio;
-    s.spec.step_px = request_number(r, "step") * s.spec.r_gal_px;
+    s.spec.step_px = options_number(o, "step") * s.spec.r_gal_px;
     s.spec.nx = s.spec.ny = stamp_side(s.spec.r_gal_px, s.spec.r_psf_px);
     return s;
 }
 
-static int measure(const struct request *r, struct ledger *ledger, const char *name,
-                   const struct scene *scene, const struct series *series, int n,
-                   struct tally **tally, shear_error *err) {
-    const sample_spec spec = {.name = name,
-                              .stamps = r->galaxies,
-                              .groups = r->groups,
-                              .threads = r->threads,
-                              .n_scenes = 1,
-                              .scenes = scene,
-                              .n_series = n,
-                              .series = series};
-    return sample_measure(&spec, ledger, tally, err);
-}
-
-static shear_settings settings_at(const struct request *r, double ratio) {
-    shear_settings s = r->settings;
-    s.beta_px = request_number(r, "beta") / ratio;
+static shear_settings settings_at(const options *o, double ratio) {
+    shear_settings s = o->settings;
+    s.beta_px = options_number(o, "beta") / ratio;
     return s;
 }
 
 /* What the measurement gives where pixels do not matter: R_PSF = 4 pixels, not interpolated. */
-static int measure_reference(const struct request *r, struct ledger *ledger, double size,
-                             struct tally **tally, shear_error *err) {
+static jackknife_sums *measure_reference(const options *o, cache *c, double size) {
     static const double fine = 0.25;
     char name[48];
-    const struct scene scene = scene_at(r, size, fine);
-    struct series series = {.settings = settings_at(r, fine)};
-    series.settings.interpolation = SHEAR_INTERP_NONE;
-    series.settings.oversample = 0;
+    const scene only = scene_at(o, size, fine);
+    series one = {.settings = settings_at(o, fine)};
+    one.settings.interpolation = SHEAR_INTERP_NONE;
+    one.settings.oversample = 0;
     snprintf(name, sizeof name, "reference:R_G=%g", size);
-    return measure(r, ledger, name, &scene, &series, 1, tally, err);
+    return sample_measure(
+        o, c, &(sample){name, .n_scenes = 1, .scenes = &only, .n_series = 1, .series = &one});
 }
 
-static int measure_ratio(const struct request *r, struct ledger *ledger, double size, double ratio,
-                         struct tally *all, shear_error *err) {
+static jackknife_sums *measure_ratio(const options *o, cache *c, double size, double ratio) {
     char name[64];
-    struct series series[PIXELS_SERIES];
-    struct tally *tally = NULL;
-    const struct scene scene = scene_at(r, size, ratio);
-    const shear_settings settings = settings_at(r, ratio);
-    int n = pixels_samplings(r) * N_METHODS;
-    for (int i = 0; i < n; i++) {
-        series[i] = method_series(0, i % N_METHODS, (enum psf_sampling)(i / N_METHODS), 1.0 / ratio,
-                                  &settings);
-    }
+    series all[N_METHOD_SERIES];
+    const scene only = scene_at(o, size, ratio);
+    const shear_settings settings = settings_at(o, ratio);
+    method_series_all(all, 1.0 / ratio, &settings);
     snprintf(name, sizeof name, "R_G=%g,pixel=%g", size, ratio);
-    int code = measure(r, ledger, name, &scene, series, n, &tally, err);
-    code = code != SHEAR_OK ? code : tally_append(all, tally, err);
-    tally_free(tally);
-    return code;
+    return sample_measure(o, c,
+                          &(sample){name, .n_scenes = 1, .scenes = &only,
+                                    .n_series = samplings(o) * N_METHODS, .series = all});
 }
 
-/* One tally a size: the reference, then the series of each ratio. */
-static int measure_size(const struct request *r, struct ledger *ledger, double size,
-                        struct tally **tally, shear_error *err) {
-    const knob_values *ratios = request_list(r, "ratios");
-    int code = measure_reference(r, ledger, size, tally, err);
-    for (int k = 0; code == SHEAR_OK && k < ratios->n; k++) {
-        code = measure_ratio(r, ledger, size, ratios->v[k], *tally, err);
+/* The well-sampled reference (series 0), then, ratio by ratio, the six methods with each sampling
+ * of the PSF. */
+static jackknife_sums *measure_size(const options *o, cache *c, double size) {
+    const parameter_values *ratios = options_list(o, "ratios");
+    jackknife_sums *sums = measure_reference(o, c, size);
+    for (int k = 0; k < ratios->n; k++) {
+        jackknife_sums *at_ratio = measure_ratio(o, c, size, ratios->v[k]);
+        jackknife_sums_append(sums, at_ratio);
+        jackknife_sums_free(at_ratio);
     }
-    return code;
+    return sums;
 }
 
-static int exec(const struct request *r, shear_error *err) {
-    const knob_values *sizes = request_list(r, "sizes");
-    struct ledger *ledger = NULL;
-    struct tally *tallies[PIXELS_MAX_SIZES] = {0};
-    int64_t total = r->galaxies * sizes->n * (request_list(r, "ratios")->n + 1);
-    int code = sizes->n <= PIXELS_MAX_SIZES
-                   ? ledger_open(&ledger, r, total, err)
-                   : shear_fail(err, SHEAR_E_SETTING, NULL, "option '--sizes': at most %d",
-                                PIXELS_MAX_SIZES);
-    for (int i = 0; code == SHEAR_OK && i < sizes->n; i++) {
-        code = measure_size(r, ledger, sizes->v[i], &tallies[i], err);
+/* ---- one point ---- */
+
+typedef struct point {
+    double size, ratio;
+    int method;
+    double g[2], err[2], pull[2]; /* against the true shear */
+    double dev[2], dev_err[2];    /* from the well-sampled reference */
+    double gain, gain_err;        /* |dev| of the plain twin minus one's own */
+} point;
+
+/* Which series of a size's sums; `twin` is the one without the logarithm, or the same. */
+typedef struct pick {
+    int series, twin;
+} pick;
+
+/* g1, g2, dev1, dev2, |dev| of the twin minus |dev|. */
+static void estimate(const jackknife_total *totals, const void *context, double *out) {
+    const pick *p = context;
+    const double *reference = totals[0].g;
+    const double *own = totals[p->series].g;
+    const double *twin = totals[p->twin].g;
+    for (int c = 0; c < 2; c++) {
+        out[c] = own[c];
+        out[2 + c] = own[c] - reference[c];
     }
-    code = code != SHEAR_OK ? code : pixels_report(r, ledger, tallies, err);
-    for (int i = 0; i < PIXELS_MAX_SIZES; i++) {
-        tally_free(tallies[i]);
-    }
-    ledger_close(ledger);
-    return code;
+    out[4] = hypot(twin[0] - reference[0], twin[1] - reference[1]) - hypot(out[2], out[3]);
 }
 
-const experiment exp_pixels = {
+/* `first`: the series of the first method at the point's ratio and sampling. */
+static void fill_point(point *p, const jackknife_sums *sums, int first, const double truth[2]) {
+    enum { N = 5 };
+    double v[N];
+    double cov[N * N];
+    const int plain = methods[p->method].plain;
+    const pick which = {first + p->method, first + (plain >= 0 ? plain : p->method)};
+    jackknife_covariance(sums, estimate, &which, N, v, cov);
+    for (int c = 0; c < 2; c++) {
+        p->g[c] = v[c];
+        p->err[c] = sqrt(cov[c * N + c]);
+        p->pull[c] = (v[c] - truth[c]) / p->err[c];
+        p->dev[c] = v[2 + c];
+        p->dev_err[c] = sqrt(cov[(2 + c) * N + 2 + c]);
+    }
+    p->gain = plain >= 0 ? v[4] : NAN;
+    p->gain_err = plain >= 0 ? sqrt(cov[4 * N + 4]) : NAN;
+}
+
+/* ---- table ---- */
+
+static const column columns[] = {
+    {"size", TABLE_NUMBER, 2, .help = "R_G over R_PSF"},
+    {"ratio", TABLE_NUMBER, 2, .help = "pixel size over R_PSF"},
+    {"method", TABLE_TEXT, 0, .help = "interpolation"},
+    {"psf", TABLE_TEXT, 0,
+     .help = "PSF given finely sampled, or interpolated from the same pixels"},
+    {0}};
+static const column components[] = {
+    {"g#", TABLE_NUMBER, 5, .help = "measured shear"},
+    {"g#_err", TABLE_NUMBER, 5, .help = "its 1-sigma error (jackknife)"},
+    {"pull#", TABLE_NUMBER, 2, .help = "(measured - true) / error"},
+    {"dev#", TABLE_NUMBER, 5, .help = "measured, minus well sampled, the same galaxies",
+     .with_error = true},
+    {0}};
+static const column gain[] = {{"gain", TABLE_NUMBER, 5,
+                               .help = "|deviation| without the logarithm minus with it",
+                               .with_error = true},
+                              {0}};
+
+static void add_row(table *t, int psf, const point *p) {
+    table_numbers(t, p->size, p->ratio);
+    table_text(t, methods[p->method].label);
+    table_text(t, psf_sampling_names[psf]);
+    for (int c = 0; c < 2; c++) {
+        table_numbers(t, p->g[c], p->err[c], p->pull[c], p->dev[c], p->dev_err[c]);
+    }
+    table_numbers(t, p->gain, p->gain_err);
+}
+
+typedef struct score {
+    int best, best_good;      /* points of the two best methods up to ratio 2; within 3 errors */
+    double worst;             /* the largest pull among them */
+    int twins, better, worse; /* those with a plain twin; by 3 errors */
+} score;
+
+static void score_point(score *s, const point *p) {
+    for (int c = 0; c < 2 && p->method >= N_METHODS - 2 && p->ratio <= 2.0; c++) {
+        s->best++;
+        s->best_good += fabs(p->pull[c]) <= 3.0;
+        s->worst = fmax(s->worst, fabs(p->pull[c]));
+    }
+    if (methods[p->method].plain >= 0) {
+        s->twins++;
+        s->better += p->gain > 3.0 * p->gain_err;
+        s->worse += p->gain < -3.0 * p->gain_err;
+    }
+}
+
+static void conclude(table *t, const char *psf, const score *s) {
+    table_conclude(t,
+                   "%s PSF: Log-Bicubic and Log-Spline up to pixel/R_PSF = 2: %d of %d shears "
+                   "within 3 errors, largest pull %.1f",
+                   psf, s->best_good, s->best, s->worst);
+    table_conclude(t,
+                   "%s PSF: with the logarithm nearer to the well-sampled shear in %d of %d cases, "
+                   "farther in %d, alike in %d",
+                   psf, s->better, s->twins, s->worse, s->twins - s->better - s->worse);
+}
+
+/* ---- figures, one for each sampling ---- */
+
+typedef curve curves[MAX_SIZES][2][N_METHODS]; /* [size][component][method] */
+
+static void add_point(curves all, int size, const point *p) {
+    const method *m = &methods[p->method];
+    for (int c = 0; c < 2; c++) {
+        curve *of = &all[size][c][p->method];
+        of->hue = m->hue;
+        of->marker = m->marker;
+        of->label = size == 0 && c == 0 ? m->label : NULL;
+        curve_add(of, p->ratio, p->g[c], p->err[c]);
+    }
+}
+
+static void draw(run *r, const char *suffix, curves all) {
+    const parameter_values *sizes = options_list(r->options, "sizes");
+    const double truth[] = {r->options->mock.g1, r->options->mock.g2};
+    const panels p =
+        run_panels(r, suffix, 980, 250 * sizes->n + 40,
+                   (shear_grid){.rows = sizes->n, .columns = 2, .gap_x = 10, .gap_y = 4});
+    for (int i = 0; i < 2 * sizes->n; i++) {
+        const bool last = i / 2 + 1 == sizes->n;
+        char title[48];
+        snprintf(title, sizeof title, "R_{G} = %g R_{PSF}", sizes->v[i / 2]);
+        chart_draw(p.figure, panels_cell(&p, i),
+                   &(chart){title, last ? "pixel size / R_{PSF}" : NULL,
+                            i % 2 != 0 ? "g_{2}" : "g_{1}", .legend = SHEAR_TOP_LEFT,
+                            .truth = truth[i % 2], .spread = 0.008, .headroom = i == 0 ? 0.9 : 0.0,
+                            .n_curves = N_METHODS, .curves = all[i / 2][i % 2]});
+    }
+}
+
+/* ---- all ---- */
+
+static void do_sampling(run *r, jackknife_sums *const *sums, int psf) {
+    const options *o = r->options;
+    const parameter_values *sizes = options_list(o, "sizes");
+    const parameter_values *ratios = options_list(o, "ratios");
+    const double truth[] = {o->mock.g1, o->mock.g2};
+    curves *all = must_allocate(1, sizeof *all, "curves");
+    score s = {0};
+    for (int i = 0; i < sizes->n * ratios->n * N_METHODS; i++) {
+        const int k = i / N_METHODS % ratios->n;
+        const int size = i / N_METHODS / ratios->n;
+        point p = {.size = sizes->v[size], .ratio = ratios->v[k], .method = i % N_METHODS};
+        fill_point(&p, sums[size], 1 + (k * samplings(o) + psf) * N_METHODS, truth);
+        add_row(r->table, psf, &p);
+        add_point(*all, size, &p);
+        score_point(&s, &p);
+    }
+    conclude(r->table, psf_sampling_names[psf], &s);
+    draw(r, psf == PSF_FINE ? NULL : "coarse", *all);
+    free(all);
+}
+
+static void run_pixels(run *r) {
+    const parameter_values *sizes = options_list(r->options, "sizes");
+    jackknife_sums *sums[MAX_SIZES];
+    table_columns(r->table, columns);
+    table_components(r->table, components);
+    table_columns(r->table, gain);
+    for (int i = 0; i < sizes->n; i++) {
+        sums[i] = measure_size(r->options, r->cache, sizes->v[i]);
+    }
+    for (int psf = 0; psf < samplings(r->options); psf++) {
+        do_sampling(r, sums, psf);
+    }
+    for (int i = 0; i < sizes->n; i++) {
+        jackknife_sums_free(sums[i]);
+    }
+}
+
+const experiment experiment_pixels = {
     .name = "pixels",
     .summary = "section 4.3: shear against the size of the pixels, six interpolations",
     .about = "Irregular galaxies of 1000 steps under W_B, beta = 4/3 R_PSF, without noise, in "
@@ -132,8 +291,9 @@ const experiment exp_pixels = {
              "what the same galaxies give where pixels do not matter (R_PSF = 4 pixels): "
              "deviations from\n"
              "it are free of the scatter of the galaxies' shapes.",
-    .knobs = knobs,
-    .fixed = fixed,
+    .parameters = parameters,
+    .fixed = "size r-gal r-psf step-size beta beta-ratio interpolation oversamp",
     .defaults = defaults,
-    .exec = exec,
+    .stamps = stamps,
+    .run = run_pixels,
 };

@@ -1,133 +1,154 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Beyond the paper: what a cut does to the shear, by what it is made on. */
-#include "experiments/selection.h"
-#include "engine/experiment.h"
 #include "engine/must.h"
 #include "engine/scratch.h"
 #include "engine/trial_stamps.h"
 #include "engine/trial_sums.h"
-
+#include "experiments/list.h"
+#include "report/chart.h"
+#include "report/run.h"
 #include "shear/run.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
-const char *const selection_cuts[N_CUTS] = {"true S/N",     "FLUX",          "SNR",
-                                            "aperture S/N", "deep aperture", "D"};
-const char *const selection_estimators[SELECTION_ESTIMATORS] = {"mean", "pdf-sym"};
-static const enum shear_estimator estimators[SELECTION_ESTIMATORS] = {SHEAR_ESTIMATOR_MEAN,
-                                                                      SHEAR_ESTIMATOR_PDF_SYM};
+/* What is cut on, in the order of the figure. */
+enum cut_on {
+    CUT_TRUE, /* the signal-to-noise of the unsheared galaxy */
+    CUT_FLUX, /* FLUX, SNR and D of the result */
+    CUT_SNR,
+    CUT_APERTURE, /* flux under a round Gaussian about the stamp's centre, over its noise */
+    CUT_DEEP,     /* the same of the image without noise */
+    CUT_D,
+    N_CUTS
+};
+static const char *const cut_names[N_CUTS] = {"true S/N",     "FLUX",          "SNR",
+                                              "aperture S/N", "deep aperture", "D"};
+enum { N_ESTIMATORS = 2 };
+static const char *const estimator_names[N_ESTIMATORS] = {"mean", "pdf-sym"};
+static const enum shear_estimator estimators[N_ESTIMATORS] = {SHEAR_ESTIMATOR_MEAN,
+                                                              SHEAR_ESTIMATOR_PDF_SYM};
 
-static const struct knob knobs[] = {
+static const parameter parameters[] = {
     {"kept", "1,0.9,0.8,0.7,0.6,0.5,0.4,0.3", 0.05, 1, true, "parts of the stamps that are kept"},
     {"faintest", "3.2", 1, 1e6, false, "signal-to-noise of the faintest galaxies, as in GREAT3"},
     {"range", "10", 1, 1e6, false, "largest over smallest; even in the logarithm between"},
     {"aperture", "3", 0.5, 20, false, "sigma of the round Gaussian aperture, pixels"},
     {0}};
 
-static void defaults(struct request *r) {
-    (void)shear_settings_set(&r->settings, "preset", "default", NULL);
-    r->mock.g1 = 0.08;
-    r->mock.g2 = -0.05;
-    r->galaxies = 160000;
-    r->groups = 160;
+static void defaults(options *o) {
+    (void)shear_settings_set(&o->settings, "preset", "default", NULL);
+    o->mock.g1 = 0.08;
+    o->mock.g2 = -0.05;
+    o->galaxies = 160000;
+    o->groups = 160;
 }
+
+static int64_t stamps(const options *o) {
+    return 2 * o->galaxies;
+}
+
+/* Doubles only, for the cache: [N_CUTS][kept][N_ESTIMATORS]. */
+typedef struct outcome {
+    double m, m_err;
+    double shift, shift_err; /* m less that without a cut */
+    double kept, threshold;  /* part of the stamps; the least value that is kept */
+} outcome;
+enum { OUTCOME_VALUES = sizeof(outcome) / sizeof(double) };
 
 /* ---- drawing and measuring, once ---- */
 
-struct stamp {
+typedef struct stamp {
     shear_row row;
     double value[N_CUTS];
-};
+} stamp;
 
-struct run {
-    const struct request *request;
-    struct trial trial;
-    struct studio *studio;
-    struct stamp *stamps; /* [2][trial.stamps]: +g, -g */
-    shear_row *rows;      /* of a group */
-    double *aperture;     /* [side][side] */
+typedef struct measuring {
+    const options *options;
+    trial trial;
+    trial_stamps *drawn;
+    int side;
+    stamp *stamps;    /* [2][trial.stamps]: +g, -g */
+    shear_row *rows;  /* of a group */
+    double *aperture; /* [side][side] */
     double aperture_noise;
     double beta_px;
-    char path[SCRATCH_PATH];
-};
+} measuring;
 
-static int64_t begin_of(const struct run *run, int group) {
-    const struct trial *t = &run->trial;
+static int64_t begin_of(const trial *t, int group) {
     return t->stamps / t->copies * group / t->groups * t->copies;
 }
 
 /* A round Gaussian about the stamp's centre, and what noise of 1 a pixel scatters its sum by. */
-static void fill_aperture(struct run *run) {
-    const int side = run->trial.flaw->side;
-    const double sigma = request_number(run->request, "aperture");
+static void fill_aperture(measuring *m) {
+    const double sigma = options_number(m->options, "aperture");
     double square = 0.0;
-    for (int i = 0; i < side * side; i++) {
-        const double x = i % side - 0.5 * (side - 1);
-        const double y = (double)(i / side) - 0.5 * (side - 1);
-        run->aperture[i] = exp(-0.5 * (x * x + y * y) / (sigma * sigma));
-        square += run->aperture[i] * run->aperture[i];
+    for (int i = 0; i < m->side * m->side; i++) {
+        const double x = i % m->side - 0.5 * (m->side - 1);
+        const double y = (double)(i / m->side) - 0.5 * (m->side - 1);
+        m->aperture[i] = exp(-0.5 * (x * x + y * y) / (sigma * sigma));
+        square += m->aperture[i] * m->aperture[i];
     }
-    run->aperture_noise = sqrt(square);
+    m->aperture_noise = sqrt(square);
 }
 
-static double aperture_snr(const struct run *run, const double *image) {
+static double aperture_snr(const measuring *m, const double *image) {
     double sum = 0.0;
-    for (int i = 0; i < run->trial.flaw->side * run->trial.flaw->side; i++) {
-        sum += run->aperture[i] * image[i];
+    for (int i = 0; i < m->side * m->side; i++) {
+        sum += m->aperture[i] * image[i];
     }
-    return sum / run->aperture_noise;
+    return sum / m->aperture_noise;
 }
 
-static void take(const struct run *run, int k, int sign, struct stamp *s) {
-    const studio_view view = studio_look(run->studio, sign);
-    const int side = run->trial.flaw->side;
-    const size_t at = (size_t)k * (size_t)side * (size_t)side;
-    const double snr = studio_snr(run->studio, &run->trial.levels[0], k);
-    s->row = run->rows[k];
+static void keep_stamp(const measuring *m, int k, int sign, stamp *s) {
+    const trial_stamps_view view = trial_stamps_look(m->drawn, sign);
+    const size_t at = (size_t)k * (size_t)m->side * (size_t)m->side;
+    const double snr = trial_stamps_snr(m->drawn, &m->trial.levels[0], k);
+    s->row = m->rows[k];
     s->value[CUT_TRUE] = snr;
     s->value[CUT_FLUX] = s->row.flux;
     s->value[CUT_SNR] = s->row.snr;
-    s->value[CUT_APERTURE] = aperture_snr(run, view.galaxy + at);
-    s->value[CUT_DEEP] = snr * aperture_snr(run, view.bare + at);
+    s->value[CUT_APERTURE] = aperture_snr(m, view.galaxy + at);
+    s->value[CUT_DEEP] = snr * aperture_snr(m, view.bare + at);
     s->value[CUT_D] = s->row.d;
 }
 
 /* The plan that a user's file would have; the stamps as they were before they were written. */
-static int measure(struct run *run, int sign, int count, shear_error *err) {
-    const studio_view view = studio_look(run->studio, sign);
-    const int side = run->trial.flaw->side;
-    const shear_stamps stamps = {
-        .count = count, .nx = side, .ny = side, .galaxy = view.galaxy, .noise = view.noise};
+static void measure(measuring *m, int sign, int count) {
+    const trial_stamps_view view = trial_stamps_look(m->drawn, sign);
+    const shear_stamps pairs = {
+        .count = count, .nx = m->side, .ny = m->side, .galaxy = view.galaxy, .noise = view.noise};
     shear_field *field = NULL;
     shear_plan *plan = NULL;
-    int code = shear_field_open(&field, run->path, err);
-    code =
-        code != SHEAR_OK ? code : shear_plan_for_field(&plan, &run->request->settings, field, err);
-    if (code == SHEAR_OK) {
-        run->beta_px = shear_plan_get_info(plan)->beta_px;
-        code = shear_measure_batch(plan, &stamps, run->trial.threads, NULL, run->rows, err);
-    }
+    must(shear_field_open(&field, scratch_path(), &must_error));
+    must(shear_plan_for_field(&plan, &m->options->settings, field, &must_error));
+    m->beta_px = shear_plan_get_info(plan)->beta_px;
+    must(shear_measure_batch(plan, &pairs, m->trial.threads, NULL, m->rows, &must_error));
     shear_plan_free(plan);
     shear_field_close(field);
-    return code;
 }
 
-static int do_group(struct run *run, int group, shear_error *err) {
-    const int64_t first = begin_of(run, group);
-    const int count = (int)(begin_of(run, group + 1) - first);
-    int code = studio_draw(run->studio, first, count, err);
-    for (int sign = 0; code == SHEAR_OK && sign < 2; sign++) {
-        code = studio_write(run->studio, &run->trial.levels[0], sign, run->path, err);
-        code = code != SHEAR_OK ? code : measure(run, sign, count, err);
-        for (int k = 0; code == SHEAR_OK && k < count; k++) {
-            take(run, k, sign, &run->stamps[sign * run->trial.stamps + first + k]);
+static void do_group(measuring *m, int group) {
+    const trial *t = &m->trial;
+    const int64_t first = begin_of(t, group);
+    const int count = (int)(begin_of(t, group + 1) - first);
+    trial_stamps_draw(m->drawn, first, count);
+    for (int sign = 0; sign < 2; sign++) {
+        trial_stamps_write(m->drawn, &t->levels[0], sign, scratch_path());
+        measure(m, sign, count);
+        for (int k = 0; k < count; k++) {
+            keep_stamp(m, k, sign, &m->stamps[sign * t->stamps + first + k]);
         }
     }
-    return code;
 }
 
 /* ---- cutting ---- */
+
+typedef struct cut {
+    enum cut_on on;
+    double threshold;
+} cut;
 
 static int compare(const void *a, const void *b) {
     const double x = *(const double *)a;
@@ -135,174 +156,205 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The value that a part `kept` of the unflagged stamps of both signs reaches. */
-static int find_threshold(const struct run *run, int cut, double kept, double *threshold,
-                          shear_error *err) {
-    const size_t all = 2 * (size_t)run->trial.stamps;
-    int code = SHEAR_OK;
+/* At the value that a part `kept` of the unflagged stamps of both signs reaches. */
+static cut find_cut(const measuring *m, enum cut_on on, double kept) {
+    const size_t all = 2 * (size_t)m->trial.stamps;
+    cut found = {on, -INFINITY};
     size_t n = 0;
-    double *v = memory_new(all, sizeof *v, "a cut", &code, err);
-    for (size_t i = 0; code == SHEAR_OK && i < all; i++) {
-        if (run->stamps[i].row.flags == 0) {
-            v[n++] = run->stamps[i].value[cut];
+    double *v = must_allocate(all, sizeof *v, "a cut");
+    for (size_t i = 0; i < all; i++) {
+        if (m->stamps[i].row.flags == 0) {
+            v[n++] = m->stamps[i].value[on];
         }
     }
-    *threshold = -INFINITY;
     if (n > 0) {
         qsort(v, n, sizeof *v, compare);
-        *threshold = v[(size_t)fmin((1.0 - kept) * (double)n, (double)n - 1.0)];
+        found.threshold = v[(size_t)fmin((1.0 - kept) * (double)n, (double)n - 1.0)];
     }
     free(v);
-    return code;
+    return found;
 }
 
-struct cut {
-    int on; /* enum selection_cut */
-    double threshold;
-};
-
-/* The stamps [from, to) that are kept, in the library's blocks. *n += how many there are. */
-static int gather(const struct run *run, struct cut cut, const int64_t range[2],
-                  shear_field_sums *sums, shear_symmetry *terms, double *n, shear_error *err) {
-    int code = SHEAR_OK;
-    for (int64_t block = range[0]; code == SHEAR_OK && block < range[1]; block += SHEAR_BLOCK) {
+/* The stamps [from, to) that are kept, in the library's blocks. Returns how many there are. */
+static double gather(const measuring *m, cut c, int64_t from, int64_t to, shear_field_sums *sums,
+                     shear_symmetry *terms) {
+    double n = 0.0;
+    for (int64_t block = from; block < to; block += SHEAR_BLOCK) {
         shear_block_sums b;
         shear_block_sums_init(&b);
-        for (int64_t i = block; code == SHEAR_OK && i < block + SHEAR_BLOCK && i < range[1]; i++) {
-            const struct stamp *s = &run->stamps[i];
-            if (s->value[cut.on] >= cut.threshold) {
-                shear_block_sums_add(&b, &s->row);
-                code = terms != NULL ? shear_symmetry_add(terms, &s->row, run->beta_px, err)
-                                     : SHEAR_OK;
+        for (int64_t i = block; i < block + SHEAR_BLOCK && i < to; i++) {
+            const stamp *s = &m->stamps[i];
+            if (!(s->value[c.on] >= c.threshold)) {
+                continue;
+            }
+            shear_block_sums_add(&b, &s->row);
+            if (terms != NULL) {
+                must(shear_symmetry_add(terms, &s->row, m->beta_px, &must_error));
             }
         }
-        *n += (double)b.n_used;
+        n += (double)b.n_used;
         shear_field_sums_add(sums, &b);
     }
-    return code;
+    return n;
 }
 
 /* What is left by a cut, of all groups at both signs. */
-static int harvest_cut(const struct run *run, struct cut cut, enum shear_estimator estimator,
-                       harvest *h, double *kept, shear_error *err) {
-    const struct trial *t = &run->trial;
+static trial_sums *sum_kept(const measuring *m, cut c, enum shear_estimator estimator,
+                            double *kept) {
+    const trial *t = &m->trial;
+    trial_sums *sums = trial_sums_new(t->groups, estimator);
     double n = 0.0;
-    int code = harvest_init(h, t->groups, estimator, err);
-    for (int at = 0; code == SHEAR_OK && at < 2 * t->groups; at++) {
-        const int64_t from = at / t->groups * t->stamps;
-        const int64_t range[] = {from + begin_of(run, at % t->groups),
-                                 from + begin_of(run, at % t->groups + 1)};
-        code = gather(run, cut, range, h->sums[at], h->terms[at], &n, err);
+    for (int i = 0; i < 2 * t->groups; i++) {
+        const int sign = i / t->groups;
+        const int group = i % t->groups;
+        n += gather(m, c, sign * t->stamps + begin_of(t, group),
+                    sign * t->stamps + begin_of(t, group + 1), *trial_sums_at(sums, sign, group),
+                    *trial_sums_terms(sums, sign, group));
     }
     *kept = n / (2.0 * (double)t->stamps);
-    return code;
+    return sums;
 }
 
-static int judge(const struct run *run, struct cut cut, enum shear_estimator estimator,
-                 const harvest *reference, selection_outcome *out, shear_error *err) {
-    harvest h;
+static outcome outcome_of(const measuring *m, cut c, enum shear_estimator estimator,
+                          const trial_sums *reference) {
+    outcome out = {.threshold = c.threshold};
     trial_outcome o = {0};
-    int code = harvest_cut(run, cut, estimator, &h, &out->kept, err);
-    code = code != SHEAR_OK ? code : harvest_judge(&h, &run->trial, &o, err);
-    code = code != SHEAR_OK
-               ? code
-               : harvest_shift(&h, reference, &run->trial, &out->shift, &out->shift_err, err);
-    harvest_deinit(&h);
-    out->m = o.m;
-    out->m_err = o.m_err;
-    out->threshold = cut.threshold;
-    return code;
+    trial_sums *sums = sum_kept(m, c, estimator, &out.kept);
+    trial_sums_conclude(sums, &m->trial, &o);
+    trial_sums_shift(sums, reference, &m->trial, &out.shift, &out.shift_err);
+    trial_sums_free(sums);
+    out.m = o.m;
+    out.m_err = o.m_err;
+    return out;
 }
 
-static int cut_all(const struct run *run, selection_outcome *out, shear_error *err) {
-    const knob_values *kept = request_list(run->request, "kept");
-    const struct cut none = {CUT_TRUE, -INFINITY};
-    int code = SHEAR_OK;
-    for (int e = 0; code == SHEAR_OK && e < SELECTION_ESTIMATORS; e++) {
-        harvest reference;
-        double all;
-        code = harvest_cut(run, none, estimators[e], &reference, &all, err);
-        for (int i = 0; code == SHEAR_OK && i < N_CUTS * kept->n; i++) {
-            struct cut cut = {.on = i / kept->n};
-            code = find_threshold(run, cut.on, kept->v[i % kept->n], &cut.threshold, err);
-            code = code != SHEAR_OK ? code
-                                    : judge(run, cut, estimators[e], &reference,
-                                            &out[i * SELECTION_ESTIMATORS + e], err);
+static void cut_all(const measuring *m, outcome *out) {
+    const parameter_values *kept = options_list(m->options, "kept");
+    for (int e = 0; e < N_ESTIMATORS; e++) {
+        double all = 0.0;
+        trial_sums *reference = sum_kept(m, (cut){CUT_TRUE, -INFINITY}, estimators[e], &all);
+        for (int i = 0; i < N_CUTS * kept->n; i++) {
+            const cut c = find_cut(m, (enum cut_on)(i / kept->n), kept->v[i % kept->n]);
+            out[i * N_ESTIMATORS + e] = outcome_of(m, c, estimators[e], reference);
         }
-        harvest_deinit(&reference);
+        trial_sums_free(reference);
     }
-    return code;
 }
 
-/* ---- all ---- */
-
-static int prepare(struct run *run, shear_error *err) {
-    const struct request *r = run->request;
-    struct trial *t = &run->trial;
-    int code = SHEAR_OK;
-    *t = (struct trial){.flaw = &flaws[0],
-                        .seed = r->mock.seed,
-                        .stamps = r->galaxies / 4 * 4,
-                        .groups = r->groups,
-                        .threads = r->threads,
-                        .copies = 4,
-                        .g = {r->mock.g1, r->mock.g2},
-                        .n_levels = 1,
-                        .levels = {{.snr = request_number(r, "faintest"),
-                                    .range = request_number(r, "range"),
-                                    .slope = 1.0}}};
+static void prepare(measuring *m, const options *o) {
+    trial *t = &m->trial;
+    *m = (measuring){.options = o, .trial = trial_of_options(o, 4)};
+    t->stamps = o->galaxies / 4 * 4;
+    t->n_levels = 1;
+    t->levels[0] = (trial_level){options_number(o, "faintest"), options_number(o, "range"), 1.0};
     if (t->groups < 2 || t->stamps / t->copies < t->groups) {
-        return shear_fail(err, SHEAR_E_SETTING, "ask for more galaxies",
-                          "%lld stamps are too few for %d groups", (long long)t->stamps, t->groups);
+        must_fail(SHEAR_E_SETTING, "ask for more galaxies", "%lld stamps are too few for %d groups",
+                  (long long)t->stamps, t->groups);
     }
     const int64_t most = (t->stamps / t->copies / t->groups + 1) * t->copies;
-    run->stamps = memory_new(2 * (size_t)t->stamps, sizeof *run->stamps, "stamps", &code, err);
-    run->rows = memory_new((size_t)most, sizeof *run->rows, "rows", &code, err);
-    run->aperture =
-        memory_new((size_t)(t->flaw->side * t->flaw->side), sizeof(double), "pixels", &code, err);
-    if (code == SHEAR_OK) {
-        fill_aperture(run);
-    }
-    code = code != SHEAR_OK ? code : studio_new(&run->studio, t, (int)most, err);
-    return code != SHEAR_OK ? code : scratch_new(run->path, err);
+    m->side = t->flaw->side;
+    m->drawn = trial_stamps_new(t, (int)most);
+    m->stamps = must_allocate(2 * (size_t)t->stamps, sizeof *m->stamps, "stamps");
+    m->rows = must_allocate((size_t)most, sizeof *m->rows, "rows");
+    m->aperture = must_allocate((size_t)(m->side * m->side), sizeof *m->aperture, "pixels");
+    fill_aperture(m);
 }
 
-static int work(void *context, int chunk, double *values, shear_error *err) {
-    struct run run = {.request = context};
+static void work(void *context, int chunk, double *values) {
+    measuring m;
+    assert(chunk == 0);
     (void)chunk;
-    int code = prepare(&run, err);
-    for (int group = 0; code == SHEAR_OK && group < run.trial.groups; group++) {
-        code = do_group(&run, group, err);
+    prepare(&m, *(const options *const *)context);
+    for (int group = 0; group < m.trial.groups; group++) {
+        do_group(&m, group);
     }
-    code = code != SHEAR_OK ? code : cut_all(&run, (selection_outcome *)values, err);
-    free(run.stamps);
-    free(run.rows);
-    free(run.aperture);
-    studio_free(run.studio);
-    scratch_free(run.path);
-    return code;
+    cut_all(&m, (outcome *)values);
+    free(m.stamps);
+    free(m.rows);
+    free(m.aperture);
+    trial_stamps_free(m.drawn);
 }
 
-static int exec(const struct request *r, shear_error *err) {
-    const int n = N_CUTS * request_list(r, "kept")->n * SELECTION_ESTIMATORS;
-    struct request copy = *r;
-    struct ledger *ledger = NULL;
-    const struct task task = {.name = "galaxies",
-                              .chunks = 1,
-                              .values = n * SELECTION_VALUES,
-                              .stamps_of_chunk = 2 * r->galaxies,
-                              .work = work,
-                              .context = &copy};
-    int code = ledger_open(&ledger, r, 2 * r->galaxies, err);
-    selection_outcome *out = memory_new((size_t)n, sizeof *out, "results", &code, err);
-    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, (double *)out, err);
-    code = code != SHEAR_OK ? code : selection_report(r, ledger, out, err);
-    ledger_close(ledger);
+/* ---- table ---- */
+
+static const column columns[] = {
+    {"cut", TABLE_TEXT, 0, .help = "what is cut on"},
+    {"asked", TABLE_NUMBER, 2, .help = "part of the stamps that is to be kept"},
+    {"kept", TABLE_NUMBER, 3, .help = "part that is"},
+    {"threshold", TABLE_NUMBER, -4, .help = "the least value that is kept"},
+    {"estimator", TABLE_TEXT, 0, .help = "mean or pdf-sym"},
+    {"m", TABLE_NUMBER, 4, .help = "multiplicative bias along the shear", .with_error = true},
+    {"shift", TABLE_NUMBER, 4, .help = "m less that without a cut", .with_error = true},
+    {0}};
+
+/* At the part nearest to a half. `out` [kept][N_ESTIMATORS] */
+static void conclude(table *t, const parameter_values *kept, const outcome *out, int i_cut) {
+    int half = 0;
+    for (int i = 1; i < kept->n; i++) {
+        half = fabs(kept->v[i] - 0.5) < fabs(kept->v[half] - 0.5) ? i : half;
+    }
+    const outcome *mean = &out[half * N_ESTIMATORS];
+    const outcome *pdf = mean + 1;
+    table_conclude(t,
+                   "%s, %.2f of the stamps kept: m changes by %+.1f +- %.1f (mean), %+.1f +- %.1f "
+                   "(pdf-sym), 10^-3",
+                   cut_names[i_cut], mean->kept, 1e3 * mean->shift, 1e3 * mean->shift_err,
+                   1e3 * pdf->shift, 1e3 * pdf->shift_err);
+}
+
+static void tabulate(table *t, const parameter_values *kept, const outcome *out) {
+    const int n = kept->n * N_ESTIMATORS;
+    table_columns(t, columns);
+    for (int i = 0; i < N_CUTS * n; i++) {
+        const outcome *o = &out[i];
+        table_text(t, cut_names[i / n]);
+        table_numbers(t, kept->v[i % n / N_ESTIMATORS], o->kept, o->threshold);
+        table_text(t, estimator_names[i % N_ESTIMATORS]);
+        table_numbers(t, o->m, o->m_err, o->shift, o->shift_err);
+    }
+    for (int i = 0; i < N_CUTS; i++) {
+        conclude(t, kept, out + i * n, i);
+    }
+}
+
+/* ---- figure: a panel for each estimator ---- */
+
+static void draw_panel(const panels *p, int n_kept, const outcome *out, int estimator) {
+    curve curves[N_CUTS] = {{.hue = SHEAR_BLACK, .marker = SHEAR_DISC},
+                            {.hue = SHEAR_BLUE, .marker = SHEAR_SQUARE},
+                            {.hue = SHEAR_SKY, .marker = SHEAR_TRIANGLE},
+                            {.hue = SHEAR_GREEN, .marker = SHEAR_DISC},
+                            {.hue = SHEAR_PURPLE, .marker = SHEAR_CIRCLE},
+                            {.hue = SHEAR_VERMILION, .marker = SHEAR_CROSS}};
+    for (int i = 0; i < N_CUTS * n_kept; i++) {
+        const outcome *o = &out[i * N_ESTIMATORS + estimator];
+        curves[i / n_kept].label = cut_names[i / n_kept];
+        curve_add(&curves[i / n_kept], o->kept, 1e3 * o->shift, 1e3 * o->shift_err);
+    }
+    chart_draw(p->figure, panels_cell(p, estimator),
+               &(chart){estimator_names[estimator], "part of the stamps that is kept",
+                        "m less that without a cut, 10^{-3}", .legend = SHEAR_TOP_RIGHT,
+                        .truth = 0.0, .headroom = 0.45, .spread = 0.008, .n_curves = N_CUTS,
+                        .curves = curves});
+}
+
+static void run_selection(run *r) {
+    const options *o = r->options;
+    const parameter_values *kept = options_list(o, "kept");
+    outcome *out = (outcome *)cache_run(
+        r->cache,
+        &(cache_task){"galaxies", 1, .values = N_CUTS * kept->n * N_ESTIMATORS * OUTCOME_VALUES,
+                      .stamps_of_chunk = 2 * o->galaxies, .work = work, .context = &o});
+    tabulate(r->table, kept, out);
+    const panels p =
+        run_panels(r, NULL, 1000, 440, (shear_grid){.rows = 1, .columns = 2, .gap_x = 12});
+    for (int i = 0; i < N_ESTIMATORS; i++) {
+        draw_panel(&p, kept->n, out, i);
+    }
     free(out);
-    return code;
 }
 
-const experiment exp_selection = {
+const experiment experiment_selection = {
     .name = "selection",
     .summary = "beyond the paper: what cuts on signal-to-noise do to the shear",
     .about =
@@ -310,8 +362,9 @@ const experiment exp_selection = {
         "of a signal-to-noise that is even in the logarithm: measured once by the default\n"
         "settings, then cut on what is true of them, on columns of the result and on aperture\n"
         "fluxes. m of the mean and of pdf-sym, less that without a cut, against the part kept.",
-    .knobs = knobs,
+    .parameters = parameters,
     .fixed = trial_fixed,
     .defaults = defaults,
-    .exec = exec,
+    .stamps = stamps,
+    .run = run_selection,
 };

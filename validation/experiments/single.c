@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Section 4.3, second figure: the shear of one galaxy, placed at random positions on the grid. */
-#include "experiments/single.h"
-#include "engine/experiment.h"
 #include "engine/methods.h"
 #include "engine/must.h"
+#include "experiments/list.h"
+#include "report/run.h"
 
+#include <math.h>
 #include <stdlib.h>
 
+enum { MAX_RATIOS = 4, MAX_OBJECTS = 64, BINS = 60 };
 enum { CHUNK = 50 }; /* positions between two checkpoints */
 
-static const struct knob knobs[] = {
+static const parameter parameters[] = {
     {"ratios", "2,1.5,1,0.5", 0.05, 4, true, "pixel size over R_PSF, at most four"},
     {"objects", "8", 1, MAX_OBJECTS, false, "galaxies; the figure shows the first"},
     {"size", "5", 0.5, 50, false, "R_G over R_PSF"},
@@ -17,29 +19,50 @@ static const struct knob knobs[] = {
     {"beta", "1.33333333333333333", 0.5, 10, false, "beta over R_PSF"},
     {0}};
 
-static const char *const fixed[] = {
-    "size",   "r-gal", "r-psf",      "step-size",     "offset",   "no-shift", "rotate",
-    "groups", "beta",  "beta-ratio", "interpolation", "oversamp", NULL};
-
-static void defaults(struct request *r) {
-    r->mock.g1 = r->mock.g2 = 0.0;
-    r->mock.rotate = 1;
-    r->mock.galaxy = SHEAR_MOCK_IRREGULAR;
-    r->mock.psf = SHEAR_MOCK_PSF_B;
-    r->galaxies = 1000;
-    r->settings.filter = SHEAR_FILTER_NONE;
-    r->settings.zeros = SHEAR_ZEROS_FLOOR;
+static void defaults(options *o) {
+    o->mock.g1 = o->mock.g2 = 0.0;
+    o->mock.rotate = 1;
+    o->mock.galaxy = SHEAR_MOCK_IRREGULAR;
+    o->mock.psf = SHEAR_MOCK_PSF_B;
+    o->galaxies = 1000;
+    o->settings.filter = SHEAR_FILTER_NONE;
+    o->settings.zeros = SHEAR_ZEROS_FLOOR;
 }
 
-/* ---- one ratio ---- */
+static int64_t stamps(const options *o) {
+    const int ratios = options_list(o, "ratios")->n;
+    if (ratios > MAX_RATIOS) {
+        must_fail(SHEAR_E_SETTING, NULL, "option '--ratios': at most %d", MAX_RATIOS);
+    }
+    return o->galaxies * (int)options_number(o, "objects") * ratios;
+}
+
+/* ---- measuring ---- */
+
+/* Shears of every series (method + N_METHODS * psf_sampling) at every position. */
+typedef struct shears {
+    int64_t n;
+    double *g[2]; /* g1 and g2: [N_METHOD_SERIES][n], owned */
+} shears;
+
+typedef struct object {
+    double truth[2]; /* its shear where pixels do not matter */
+    shears at[MAX_RATIOS];
+} object;
+
+typedef struct objects {
+    const parameter_values *ratios;
+    int n;
+    object of[MAX_OBJECTS];
+} objects;
 
 /* A galaxy at a pixel size of `ratio` R_PSF. */
-static shear_mock_spec spec_at(const struct request *r, int object, double ratio) {
-    shear_mock_spec m = r->mock;
-    m.seed += (uint64_t)object;
+static shear_mock_spec spec_at(const options *o, int i_object, double ratio) {
+    shear_mock_spec m = o->mock;
+    m.seed += (uint64_t)i_object;
     m.r_psf_px = 1.0 / ratio;
-    m.r_gal_px = request_number(r, "size") * m.r_psf_px;
-    m.step_px = request_number(r, "step") * m.r_psf_px;
+    m.r_gal_px = options_number(o, "size") * m.r_psf_px;
+    m.step_px = options_number(o, "step") * m.r_psf_px;
     m.nx = m.ny = stamp_side(m.r_gal_px, m.r_psf_px);
     return m;
 }
@@ -50,170 +73,312 @@ static void place(const void *context, int64_t stamp, shear_mock_spec *spec) {
     spec->shift = false;
 }
 
-struct run {
-    struct sampler *sampler;
+typedef struct positions {
+    sampler *sampler;
     int64_t n;
-    shear_row rows[N_SERIES * CHUNK];
-};
+} positions;
 
-/* values [N_SERIES][CHUNK][2] */
-static int measure_chunk(void *context, int chunk, double *values, shear_error *err) {
-    struct run *run = context;
-    int64_t first = (int64_t)chunk * CHUNK;
-    int count = run->n - first < CHUNK ? (int)(run->n - first) : CHUNK;
-    int code = sampler_rows(run->sampler, first, count, run->rows, err);
-    for (int i = 0; code == SHEAR_OK && i < N_SERIES; i++) {
-        for (int k = 0; k < count; k++) {
-            const shear_row *row = &run->rows[i * count + k];
-            values[2 * (i * CHUNK + k)] = row->n1 / row->d;
-            values[2 * (i * CHUNK + k) + 1] = row->n2 / row->d;
+/* values [N_METHOD_SERIES][CHUNK][2] */
+static void measure_chunk(void *context, int chunk, double *values) {
+    const positions *p = context;
+    const int64_t first = (int64_t)chunk * CHUNK;
+    const int count = p->n - first < CHUNK ? (int)(p->n - first) : CHUNK;
+    static shear_row rows[N_METHOD_SERIES * CHUNK];
+    sampler_rows(p->sampler, first, count, rows);
+    for (int i = 0; i < N_METHOD_SERIES * count; i++) {
+        const int at = i / count * CHUNK + i % count;
+        values[2 * at] = rows[i].n1 / rows[i].d;
+        values[2 * at + 1] = rows[i].n2 / rows[i].d;
+    }
+}
+
+static shears unpack(const double *values, int64_t n) {
+    shears s = {.n = n};
+    for (int c = 0; c < 2; c++) {
+        s.g[c] = must_allocate((size_t)n * N_METHOD_SERIES, sizeof *s.g[c], "shears");
+        for (int64_t i = 0; i < n * N_METHOD_SERIES; i++) {
+            const int64_t k = i % n;
+            const int64_t at = (k / CHUNK * N_METHOD_SERIES + i / n) * CHUNK + k % CHUNK;
+            s.g[c][i] = values[2 * at + c];
         }
     }
-    return code;
+    return s;
 }
 
-static int shears_new(struct shears *s, int64_t n, shear_error *err) {
-    s->n = n;
-    s->g[0] = calloc((size_t)n * N_SERIES, sizeof *s->g[0]);
-    s->g[1] = calloc((size_t)n * N_SERIES, sizeof *s->g[1]);
-    return s->g[0] != NULL && s->g[1] != NULL
-               ? SHEAR_OK
-               : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
-}
-
-static void shears_free(struct shears *s) {
-    free(s->g[0]);
-    free(s->g[1]);
-}
-
-static void unpack(const double *values, struct shears *s) {
-    for (int64_t k = 0; k < s->n; k++) {
-        for (int i = 0; i < N_SERIES; i++) {
-            const double *v =
-                values + k / CHUNK * (2 * N_SERIES * CHUNK) + 2 * (i * CHUNK + k % CHUNK);
-            s->g[0][i * s->n + k] = v[0];
-            s->g[1][i * s->n + k] = v[1];
-        }
-    }
-}
-
-static int run_task(const struct request *r, struct ledger *ledger, struct run *run,
-                    const char *name, struct shears *out, shear_error *err) {
-    int chunks = (int)((r->galaxies + CHUNK - 1) / CHUNK);
-    const struct task task = {.name = name,
-                              .chunks = chunks,
-                              .values = 2 * N_SERIES * CHUNK,
-                              .stamps_of_chunk = CHUNK,
-                              .work = measure_chunk,
-                              .context = run};
-    int code = shears_new(out, r->galaxies, err);
-    size_t size = (size_t)chunks * (size_t)task.values;
-    double *values = memory_new(size, sizeof *values, "shears", &code, err);
-    code = code != SHEAR_OK ? code : ledger_run(ledger, &task, values, err);
-    if (code == SHEAR_OK) {
-        unpack(values, out);
-    }
-    free(values);
-    return code;
-}
-
-static int measure(const struct request *r, struct ledger *ledger, int object, double ratio,
-                   struct shears *out, shear_error *err) {
-    shear_mock *positions = NULL;
+static shears measure(const options *o, cache *c, int i_object, double ratio) {
     char name[40];
-    struct series series[N_SERIES];
-    const struct scene scene = {.spec = spec_at(r, object, ratio)};
-    shear_settings settings = r->settings;
-    settings.beta_px = request_number(r, "beta") / ratio;
-    for (int i = 0; i < N_SERIES; i++) {
-        series[i] = method_series(0, i % N_METHODS, (enum psf_sampling)(i / N_METHODS), 1.0 / ratio,
-                                  &settings);
-    }
-    shear_mock_spec draws = scene.spec;
-    draws.n_stamps = r->galaxies;
-    sample_spec spec = {.name = "single",
-                        .stamps = r->galaxies,
-                        .threads = r->threads,
-                        .n_scenes = 1,
-                        .scenes = &scene,
-                        .n_series = N_SERIES,
-                        .series = series,
-                        .vary = place};
-    struct run *run = calloc(1, sizeof *run);
-    int code = run != NULL ? shear_mock_new(&positions, &draws, err)
-                           : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for rows");
-    if (code == SHEAR_OK) {
-        spec.context = positions;
-        run->n = r->galaxies;
-        code = sampler_new(&run->sampler, &spec, err);
-    }
-    snprintf(name, sizeof name, "%d:pixel/R_PSF=%g", object, ratio);
-    code = code != SHEAR_OK ? code : run_task(r, ledger, run, name, out, err);
-    sampler_free(run != NULL ? run->sampler : NULL);
-    shear_mock_free(positions);
-    free(run);
-    return code;
+    series all[N_METHOD_SERIES];
+    const scene only = {.spec = spec_at(o, i_object, ratio)};
+    shear_settings settings = o->settings;
+    shear_mock_spec draws = only.spec;
+    shear_mock *centres = NULL;
+    settings.beta_px = options_number(o, "beta") / ratio;
+    method_series_all(all, 1.0 / ratio, &settings);
+    draws.n_stamps = o->galaxies;
+    must(shear_mock_new(&centres, &draws, &must_error));
+    const sample what = {
+        "single",      .n_scenes = 1, .scenes = &only,   .n_series = N_METHOD_SERIES,
+        .series = all, .vary = place, .context = centres};
+    positions p = {sampler_new(&what, o->galaxies, o->threads), o->galaxies};
+    snprintf(name, sizeof name, "%d:pixel/R_PSF=%g", i_object, ratio);
+    double *values =
+        cache_run(c, &(cache_task){name, .chunks = (int)((o->galaxies + CHUNK - 1) / CHUNK),
+                                   .values = 2 * N_METHOD_SERIES * CHUNK, .stamps_of_chunk = CHUNK,
+                                   .work = measure_chunk, .context = &p});
+    const shears s = unpack(values, o->galaxies);
+    free(values);
+    sampler_free(p.sampler);
+    shear_mock_free(centres);
+    return s;
 }
 
 /* The galaxy's shear where pixels do not matter: R_PSF = 8 pixels, not interpolated. */
-static int measure_truth(const struct request *r, int object, double truth[2], shear_error *err) {
+static void measure_truth(const options *o, int i_object, double truth[2]) {
     static const double fine = 0.125;
-    struct sampler *s = NULL;
     shear_row row = {0};
-    const struct scene scene = {.spec = spec_at(r, object, fine)};
-    struct series series = {.settings = r->settings};
-    series.settings.interpolation = SHEAR_INTERP_NONE;
-    series.settings.oversample = 0;
-    series.settings.beta_px = request_number(r, "beta") / fine;
-    const sample_spec spec = {.name = "truth",
-                              .stamps = 1,
-                              .threads = 1,
-                              .n_scenes = 1,
-                              .scenes = &scene,
-                              .n_series = 1,
-                              .series = &series};
-    int code = sampler_new(&s, &spec, err);
-    code = code != SHEAR_OK ? code : sampler_rows(s, 0, 1, &row, err);
+    const scene only = {.spec = spec_at(o, i_object, fine)};
+    series one = {.settings = o->settings};
+    one.settings.interpolation = SHEAR_INTERP_NONE;
+    one.settings.oversample = 0;
+    one.settings.beta_px = options_number(o, "beta") / fine;
+    sampler *s = sampler_new(
+        &(sample){"truth", .n_scenes = 1, .scenes = &only, .n_series = 1, .series = &one}, 1, 1);
+    sampler_rows(s, 0, 1, &row);
     truth[0] = row.n1 / row.d;
     truth[1] = row.n2 / row.d;
     sampler_free(s);
-    return code;
 }
 
-static int measure_all(const struct request *r, struct ledger *ledger, struct object *objects,
-                       shear_error *err) {
-    const knob_values *ratios = request_list(r, "ratios");
-    int code = SHEAR_OK;
-    for (int i = 0; code == SHEAR_OK && i < (int)request_number(r, "objects"); i++) {
-        code = measure_truth(r, i, objects[i].truth, err);
-        for (int k = 0; code == SHEAR_OK && k < ratios->n; k++) {
-            code = measure(r, ledger, i, ratios->v[k], &objects[i].at[k], err);
+/* ---- table ---- */
+
+/* Squared distance from the truth at one position. */
+static double square_of(const object *o, int ratio, int i_series, int64_t k) {
+    const shears *s = &o->at[ratio];
+    const double d1 = s->g[0][i_series * s->n + k] - o->truth[0];
+    const double d2 = s->g[1][i_series * s->n + k] - o->truth[1];
+    return d1 * d1 + d2 * d2;
+}
+
+/* Root mean square distance of a component from the truth. */
+static double rms_of(const object *o, int ratio, int i_series) {
+    double sum = 0.0;
+    for (int64_t k = 0; k < o->at[ratio].n; k++) {
+        sum += square_of(o, ratio, i_series, k);
+    }
+    return sqrt(sum / (2.0 * (double)o->at[ratio].n));
+}
+
+static double rms_of_all(const objects *all, int ratio, int i_series) {
+    double sum = 0.0;
+    for (int i = 0; i < all->n; i++) {
+        const double rms = rms_of(&all->of[i], ratio, i_series);
+        sum += rms * rms / all->n;
+    }
+    return sqrt(sum);
+}
+
+/* +1 where series `a` is nearer to the truth than `b` by 3 errors of their difference at the same
+ * positions, -1 where it is farther, 0 where they are alike. */
+static int nearer(const object *o, int ratio, int a, int b) {
+    const double n = (double)o->at[ratio].n;
+    double sum = 0.0;
+    double square = 0.0;
+    for (int64_t k = 0; k < o->at[ratio].n; k++) {
+        const double d = square_of(o, ratio, b, k) - square_of(o, ratio, a, k);
+        sum += d;
+        square += d * d;
+    }
+    const double err = sqrt(fmax(square - sum * sum / n, 0.0));
+    return sum > 3.0 * err ? 1 : sum < -3.0 * err ? -1 : 0;
+}
+
+/* Series i of the same PSF without the logarithm; -1 where i has none. */
+static int plain_of(int i_series) {
+    const int plain = methods[i_series % N_METHODS].plain;
+    return plain >= 0 ? i_series / N_METHODS * N_METHODS + plain : -1;
+}
+
+/* How many objects say that a series is nearer, and farther, than its plain twin. */
+typedef struct counts {
+    int near, far;
+} counts;
+
+static counts count(const objects *all, int ratio, int i_series) {
+    counts c = {0};
+    for (int i = 0; i < all->n; i++) {
+        const int sign = nearer(&all->of[i], ratio, i_series, plain_of(i_series));
+        c.near += sign > 0;
+        c.far += sign < 0;
+    }
+    return c;
+}
+
+static const column columns[] = {
+    {"ratio", TABLE_NUMBER, 2, .help = "pixel size over R_PSF"},
+    {"method", TABLE_TEXT, 0, .help = "interpolation"},
+    {"psf", TABLE_TEXT, 0,
+     .help = "PSF given finely sampled, or interpolated from the same pixels"},
+    {0}};
+static const column components[] = {
+    {"bias#", TABLE_NUMBER, 5, .help = "mean over positions, minus the well-sampled shear",
+     .with_error = true},
+    {"pull#", TABLE_NUMBER, 1, .help = "bias / error"},
+    {"scatter#", TABLE_NUMBER, 5, .help = "standard deviation over positions"},
+    {0}};
+static const column columns_of_all[] = {
+    {"rms", TABLE_NUMBER, 5, .help = "root mean square deviation of a component"},
+    {"rms_all", TABLE_NUMBER, 5, .help = "the same over all objects"},
+    {"nearer", TABLE_INTEGER, 0,
+     .help = "objects for which it is nearer to the truth than without the logarithm"},
+    {"farther", TABLE_INTEGER, 0, .help = "objects for which it is farther from it"},
+    {0}};
+
+static void add_row(table *t, const objects *all, int k, int i_series) {
+    const object *first = &all->of[0];
+    const shears *s = &first->at[k];
+    table_numbers(t, all->ratios->v[k]);
+    table_text(t, methods[i_series % N_METHODS].label);
+    table_text(t, psf_sampling_names[i_series / N_METHODS]);
+    for (int c = 0; c < 2; c++) {
+        const spread over = spread_of(s->g[c] + i_series * s->n, (size_t)s->n);
+        const double bias = over.mean - first->truth[c];
+        table_numbers(t, bias, over.mean_err, bias / over.mean_err, over.width);
+    }
+    table_numbers(t, rms_of(first, k, i_series), rms_of_all(all, k, i_series));
+    if (plain_of(i_series) >= 0) {
+        const counts c = count(all, k, i_series);
+        table_numbers(t, c.near, c.far);
+        return;
+    }
+    table_numbers(t, NAN, NAN);
+}
+
+/* Over all objects: in how many of the cases is the logarithm's root mean square smaller? */
+static void conclude(table *t, const objects *all, int psf) {
+    const int ratios = all->ratios->n;
+    int better = 0;
+    for (int i = psf * N_METHODS; i < (psf + 1) * N_METHODS; i++) {
+        for (int k = 0; k < ratios && plain_of(i) >= 0; k++) {
+            better += rms_of_all(all, k, i) < rms_of_all(all, k, plain_of(i));
         }
     }
-    return code;
+    table_conclude(
+        t, "%s PSF: over %d galaxies the logarithm is nearer to the truth in %d of %d cases",
+        psf_sampling_names[psf], all->n, better, ratios * N_METHODS / 2);
 }
 
-static int exec(const struct request *r, shear_error *err) {
-    int n = (int)request_number(r, "objects");
-    int ratios = request_list(r, "ratios")->n;
-    struct ledger *ledger = NULL;
-    int code = SHEAR_OK;
-    struct object *objects = memory_new((size_t)n, sizeof *objects, "galaxies", &code, err);
-    if (code == SHEAR_OK && ratios > MAX_RATIOS) {
-        code = shear_fail(err, SHEAR_E_SETTING, NULL, "option '--ratios': at most %d", MAX_RATIOS);
+static void add_count(table *t, const objects *all, int i_series) {
+    counts sum = {0};
+    for (int k = 0; k < all->ratios->n; k++) {
+        const counts c = count(all, k, i_series);
+        sum.near += c.near;
+        sum.far += c.far;
     }
-    code = code != SHEAR_OK ? code : ledger_open(&ledger, r, r->galaxies * n * ratios, err);
-    code = code != SHEAR_OK ? code : measure_all(r, ledger, objects, err);
-    code = code != SHEAR_OK ? code : single_report(r, ledger, objects, err);
-    for (int i = 0; objects != NULL && i < n * MAX_RATIOS; i++) {
-        shears_free(&objects[i / MAX_RATIOS].at[i % MAX_RATIOS]);
-    }
-    free(objects);
-    ledger_close(ledger);
-    return code;
+    table_meta(
+        t, "count", "%s PSF: %s is nearer to the truth than %s in %d of %d cases, farther in %d",
+        psf_sampling_names[i_series / N_METHODS], methods[i_series % N_METHODS].label,
+        methods[plain_of(i_series) % N_METHODS].label, sum.near, all->n * all->ratios->n, sum.far);
 }
 
-const experiment exp_single = {
+static void tabulate(table *t, const objects *all) {
+    table_columns(t, columns);
+    table_components(t, components);
+    table_columns(t, columns_of_all);
+    table_meta(t, "well_sampled", "%.6f, %.6f", all->of[0].truth[0], all->of[0].truth[1]);
+    for (int i = 0; i < all->ratios->n * N_METHOD_SERIES; i++) {
+        add_row(t, all, i / N_METHOD_SERIES, i % N_METHOD_SERIES);
+    }
+    for (int i = 0; i < N_METHOD_SERIES; i++) {
+        if (plain_of(i) >= 0) {
+            add_count(t, all, i);
+        }
+    }
+    for (int psf = 0; psf < N_PSF_SAMPLINGS; psf++) {
+        conclude(t, all, psf);
+    }
+}
+
+/* ---- figures of the first object ---- */
+
+/* The widest histogram of the log methods fits; what lies beyond is cut off. */
+static shear_range choose_range(const object *first, int n_ratios, int c) {
+    const double truth = first->truth[c];
+    double reach = 1e-4;
+    for (int i = 0; i < n_ratios * N_METHODS; i++) {
+        const shears *s = &first->at[i / N_METHODS];
+        const double *g = s->g[c] + i % N_METHODS * s->n;
+        shear_range part;
+        if (plain_of(i % N_METHODS) >= 0) {
+            must(shear_range_percentile(&part, g, (size_t)s->n, 5, 95, &must_error));
+            reach = fmax(reach, fmax(truth - part.lo, part.hi - truth));
+        }
+    }
+    return (shear_range){truth - 1.5 * reach, truth + 1.5 * reach};
+}
+
+static void draw_histogram(shear_figure *f, shear_range range, const double *g, int64_t n,
+                           const shear_style *style) {
+    double bins[BINS];
+    shear_histogram(bins, BINS, range, g, (size_t)n);
+    const double top = fmax(shear_range_of(bins, BINS).hi, 1.0);
+    for (int b = 0; b < BINS; b++) {
+        bins[b] /= top;
+    }
+    shear_axes_histogram(f, BINS, range, bins, style);
+}
+
+static void draw_panel(shear_figure *f, shear_rect cell, const objects *all, int i_series, int c,
+                       shear_range range) {
+    /* The paper's: purple, blue, red, black. */
+    static const int hues[MAX_RATIOS] = {SHEAR_PURPLE, SHEAR_BLUE, SHEAR_VERMILION, SHEAR_BLACK};
+    const object *first = &all->of[0];
+    shear_axes_begin(f, &(shear_axes){cell, methods[i_series % N_METHODS].label,
+                                      .x = {.range = range, .label = c != 0 ? "g_{2}" : "g_{1}"},
+                                      .y = {.range = {0.0, 1.12}}, .legend = SHEAR_TOP_LEFT});
+    shear_axes_vline(f, first->truth[c], &(shear_style){.dash = SHEAR_DOTTED, .width = 1.2});
+    for (int k = 0; k < all->ratios->n; k++) {
+        const shears *s = &first->at[k];
+        char label[32];
+        snprintf(label, sizeof label, "%g", all->ratios->v[k]);
+        draw_histogram(f, range, s->g[c] + i_series * s->n, s->n,
+                       &(shear_style){shear_palette(hues[k]), .width = 1.3,
+                                      .label = i_series % N_METHODS != 0 ? NULL : label});
+    }
+    shear_axes_end(f);
+}
+
+static void draw(run *r, const char *suffix, const objects *all, int psf, int c) {
+    const shear_range range = choose_range(&all->of[0], all->ratios->n, c);
+    const panels p = run_panels(r, suffix, 900, 560,
+                                (shear_grid){.rows = 2, .columns = 3, .gap_x = 8, .gap_y = 6});
+    for (int i = 0; i < N_METHODS; i++) {
+        draw_panel(p.figure, panels_cell(&p, i), all, psf * N_METHODS + i, c, range);
+    }
+}
+
+static void run_single(run *r) {
+    const options *o = r->options;
+    objects *all = must_allocate(1, sizeof *all, "galaxies");
+    all->ratios = options_list(o, "ratios");
+    all->n = (int)options_number(o, "objects");
+    for (int i = 0; i < all->n; i++) {
+        measure_truth(o, i, all->of[i].truth);
+        for (int k = 0; k < all->ratios->n; k++) {
+            all->of[i].at[k] = measure(o, r->cache, i, all->ratios->v[k]);
+        }
+    }
+    tabulate(r->table, all);
+    draw(r, NULL, all, PSF_FINE, 0);
+    draw(r, "g2", all, PSF_FINE, 1);
+    draw(r, "coarse", all, PSF_COARSE, 0);
+    for (int i = 0; i < all->n * MAX_RATIOS; i++) {
+        free(all->of[i / MAX_RATIOS].at[i % MAX_RATIOS].g[0]);
+        free(all->of[i / MAX_RATIOS].at[i % MAX_RATIOS].g[1]);
+    }
+    free(all);
+}
+
+const experiment experiment_single = {
     .name = "single",
     .summary = "section 4.3: the shear of one galaxy at random positions on the grid",
     .about = "One irregular galaxy of R_G = 5 R_PSF at --galaxies random positions, for pixels of "
@@ -223,8 +388,10 @@ const experiment exp_single = {
              "pixels, so that it is interpolated too (single-coarse.png). The truth is the same "
              "galaxy's\n"
              "shear at R_PSF = 8 pixels.",
-    .knobs = knobs,
-    .fixed = fixed,
+    .parameters = parameters,
+    .fixed = "size r-gal r-psf step-size offset no-shift rotate groups beta beta-ratio "
+             "interpolation oversamp",
     .defaults = defaults,
-    .exec = exec,
+    .stamps = stamps,
+    .run = run_single,
 };

@@ -8,32 +8,31 @@
 enum { CHART_MAX_POINTS = 64 };
 
 /* Points with error bars: one method, say; or a line through them. */
-struct curve {
+typedef struct curve {
     const char *label; /* or NULL */
-    int hue;           /* enum shear_hue */
-    int marker;        /* enum shear_marker */
-    bool line;         /* no markers and bars */
-    int dash;          /* enum shear_dash, of a line */
+    enum shear_hue hue;
+    enum shear_marker marker;
+    bool line;            /* no markers and bars */
+    enum shear_dash dash; /* of a line */
     int n;
     double x[CHART_MAX_POINTS], y[CHART_MAX_POINTS], err[CHART_MAX_POINTS];
-};
+} curve;
 /* Append a point; what does not fit is dropped. */
-void curve_add(struct curve *c, double x, double y, double err);
+void curve_add(curve *c, double x, double y, double err);
 
-struct chart {
-    shear_rect cell;
+typedef struct chart {
     const char *title, *x_label, *y_label; /* or NULL */
-    bool log_x, log_y, bare_x;
-    int legend;       /* enum shear_corner; where curves have labels */
-    double truth;     /* a dotted line; NaN = none */
-    double limit;     /* a dashed upright one; 0 = none */
-    shear_range x, y; /* lo == hi: by the points */
-    double headroom;  /* room above the points for the legend, as a part of the y axis */
-    double spread;    /* shift the i-th curve by (i - middle) times this part of the x axis */
+    bool log_x, log_y;
+    enum shear_corner legend; /* where curves have labels */
+    double truth;             /* a dotted line; NaN = none */
+    double limit;             /* a dashed upright one; 0 = none */
+    shear_range y;            /* lo == hi: by the points and their error bars */
+    double headroom;          /* above the points for the legend, as a part of the y axis */
+    double spread;            /* shift curve i by (i - middle) times this part of the x axis */
     int n_curves;
-    const struct curve *curves;
-};
-/* `with_bars`: error bars widen the range chosen for y. Draws the whole panel. */
-void chart_draw(shear_figure *f, const struct chart *chart);
+    const curve *curves;
+} chart;
+/* Draw the whole panel. */
+void chart_draw(shear_figure *f, shear_rect cell, const chart *c);
 
 #endif

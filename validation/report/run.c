@@ -1,72 +1,61 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "report/run.h"
 
-#include "engine/experiment.h"
+#include "engine/must.h"
 
-#include <math.h>
+#include <assert.h>
 #include <omp.h>
 #include <stdlib.h>
 
-int report_picture(const struct request *r, const char *suffix, shear_figure *figure,
-                   shear_error *err) {
-    char path[700];
-    int code =
-        shear_figure_save(figure, request_path(r, suffix, "png", path, sizeof path), true, err);
-    if (code == SHEAR_OK) {
-        printf("wrote %s\n", path);
-    }
-    return code;
-}
+enum { MAX_FIGURES = 4 };
+static const double margin = 8.0; /* around all panels, pixels */
 
-int report_save(const struct request *r, const struct ledger *ledger, struct table *table,
-                shear_figure *figure, shear_error *err) {
-    char path[700];
-    table_meta(table, "seconds", "%.0f", ledger_seconds(ledger));
-    table_meta(table, "threads", "%d", r->threads > 0 ? r->threads : omp_get_max_threads());
-    table_print(table, stdout);
-    int code = table_save(table, r, err);
-    if (code == SHEAR_OK) {
-        printf("wrote %s\n", request_path(r, NULL, "ecsv", path, sizeof path));
-        code = report_picture(r, NULL, figure, err);
-    }
-    return code;
-}
-
-struct test {
+struct run_figures {
     int n;
-    const int *series;
-    const double *truth;
+    const char *suffix[MAX_FIGURES];
+    shear_figure *figure[MAX_FIGURES];
 };
 
-static void deviations(const struct total *totals, const void *context, double *out) {
-    const struct test *test = context;
-    for (int i = 0; i < test->n; i++) {
-        const struct total *total = &totals[test->series[i]];
-        out[2 * i] = total->n1 / total->d - test->truth[0];
-        out[2 * i + 1] = total->n2 / total->d - test->truth[1];
-    }
+void run_begin(run *r, const options *o) {
+    const int64_t stamps = o->experiment->stamps(o);
+    *r = (run){.options = o,
+               .cache = cache_open(o, stamps),
+               .table = table_new(o),
+               .figures = must_allocate(1, sizeof *r->figures, "figures")};
 }
 
-int report_test(const struct tally *t, int n, const int *series, const double truth[2],
-                struct verdict *out, shear_error *err) {
-    const struct test test = {n, series, truth};
-    size_t size = 2 * (size_t)n;
-    double *d = calloc(size * (size + 1), sizeof *d);
-    if (d == NULL) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a covariance");
-    }
-    int code = tally_jackknife(t, deviations, &test, 2 * n, d, d + size, err);
-    code = code != SHEAR_OK ? code : verdict_of_covariance(d, d + size, 2 * n, t->groups, out, err);
-    free(d);
-    return code;
+shear_figure *run_figure(run *r, const char *suffix, int width, int height) {
+    run_figures *f = r->figures;
+    assert(f->n < MAX_FIGURES);
+    f->suffix[f->n] = suffix;
+    must(shear_figure_new(&f->figure[f->n], width, height, &must_error));
+    return f->figure[f->n++];
 }
 
-char *report_verdict(const struct verdict *v, char *buf, size_t size) {
-    if (isnan(v->p)) {
-        snprintf(buf, size, "chi2 = %.1f for %d (too few groups for a probability)", v->chi2,
-                 v->dof);
-    } else {
-        snprintf(buf, size, "chi2 = %.1f for %d (p = %.2g)", v->chi2, v->dof, v->p);
+panels run_panels(run *r, const char *suffix, int width, int height, shear_grid grid) {
+    grid.area = (shear_rect){margin, margin, width - 2.0 * margin, height - 2.0 * margin};
+    return (panels){run_figure(r, suffix, width, height), grid};
+}
+
+shear_rect panels_cell(const panels *p, int i) {
+    return shear_grid_cell(&p->grid, i / p->grid.columns, i % p->grid.columns, 1, 1);
+}
+
+void run_end(run *r) {
+    char path[OPTIONS_PATH];
+    const options *o = r->options;
+    table_meta(r->table, "seconds", "%.0f", cache_seconds(r->cache));
+    table_meta(r->table, "threads", "%d", o->threads > 0 ? o->threads : omp_get_max_threads());
+    table_print(r->table, stdout);
+    table_save(r->table, o);
+    printf("wrote %s\n", options_path(o, NULL, "ecsv", path));
+    for (int i = 0; i < r->figures->n; i++) {
+        options_path(o, r->figures->suffix[i], "png", path);
+        must(shear_figure_save(r->figures->figure[i], path, true, &must_error));
+        printf("wrote %s\n", path);
+        shear_figure_free(r->figures->figure[i]);
     }
-    return buf;
+    free(r->figures);
+    table_free(r->table);
+    cache_close(r->cache);
 }

@@ -1,27 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* report.h: how an experiment ends. */
-#ifndef VALIDATION_REPORT_H
-#define VALIDATION_REPORT_H
+/* run.h: one run of an experiment, and what it leaves: a table and figures. */
+#ifndef VALIDATION_RUN_H
+#define VALIDATION_RUN_H
 
 #include "engine/cache.h"
-#include "engine/jackknife.h"
-#include "engine/statistics.h"
 #include "report/table.h"
 #include "shear_figures/figure.h"
 
-/* Print the table, save table and figure (OUT/NAME.ecsv, OUT/NAME.png), say where they are, with
- * the run time of all pieces as meta data. Frees neither. */
-int report_save(const struct request *r, const struct ledger *ledger, struct table *table,
-                shear_figure *figure, shear_error *err);
-/* A further figure OUT/NAME-suffix.png. */
-int report_picture(const struct request *r, const char *suffix, shear_figure *figure,
-                   shear_error *err);
+typedef struct run_figures run_figures;
 
-/* Are the shears of so many series the true one, all together, with the jackknife's covariance of
- * them all (verdict_of_covariance)? */
-int report_test(const struct tally *t, int n, const int *series, const double truth[2],
-                struct verdict *out, shear_error *err);
-/* A verdict as text, "chi2 = 12.3 for 14 (p = 0.58)". Returns buf. */
-char *report_verdict(const struct verdict *v, char *buf, size_t size);
+typedef struct run {
+    const options *options;
+    cache *cache;
+    table *table;
+    run_figures *figures;
+} run;
+
+/* Open the cache and begin a table. */
+void run_begin(run *r, const options *o);
+
+/* The figure OUT/NAME.png (suffix NULL) or OUT/NAME-suffix.png, which the run owns. */
+shear_figure *run_figure(run *r, const char *suffix, int width, int height);
+
+/* A figure of panels: the grid, but for its area, with a margin around all. */
+typedef struct panels {
+    shear_figure *figure;
+    shear_grid grid;
+} panels;
+panels run_panels(run *r, const char *suffix, int width, int height, shear_grid grid);
+/* Row by row from the top left. */
+shear_rect panels_cell(const panels *p, int i);
+
+/* Print the table, save it and the figures in the order in which they were begun, say where they
+ * are, with the run time of all pieces as meta data; close and free all. */
+void run_end(run *r);
 
 #endif

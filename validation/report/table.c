@@ -1,29 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "report/table.h"
 
-#include "engine/experiment.h"
+#include "base/array.h"
+#include "engine/must.h"
 #include "shear.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_COLUMNS = 40, MAX_META = 40, MAX_TEXT = 1100, MAX_CELL = 48 };
+enum { MAX_COLUMNS = 40, MAX_META = 48, MAX_TEXT = 1100, MAX_CELL = 48 };
 
-struct column {
+/* As asked for; its name is made of that of `of`. */
+typedef struct made_column {
+    const column *of;
     char name[MAX_CELL];
-    int kind, digits;
-    char unit[16];
-    char help[160];
+    const char *help;
     int width;
-};
+} made_column;
 
-struct cell {
+typedef struct cell {
     double number;
     char text[MAX_CELL];
-};
+} cell;
 
 typedef struct meta {
     char key[MAX_CELL];
@@ -32,79 +34,73 @@ typedef struct meta {
 
 struct table {
     int n_columns, n_meta;
-    size_t n, room; /* cells */
-    struct cell *cells;
-    bool failed;
-    struct column columns[MAX_COLUMNS];
+    size_t n, capacity; /* cells */
+    cell *cells;
+    made_column columns[MAX_COLUMNS];
     meta meta[MAX_META];
 };
 
 /* ---- filling ---- */
 
-/* "name value" lines become one text. */
-static void add_settings(struct table *t, const struct request *r) {
-    char *text = request_describe(r);
-    for (char *p = text; p != NULL && *p; p++) {
-        const char *separator = p[1] ? ";" : "";
-        if (*p == '\n') {
-            *p = *separator;
-        }
+table *table_new(const options *o) {
+    table *t = must_allocate(1, sizeof *t, "a table");
+    char *settings = options_describe(o); /* "name value" lines become one text */
+    for (char *p = strchr(settings, '\n'); p != NULL; p = strchr(p, '\n')) {
+        *p = p[1] != '\0' ? ';' : '\0';
     }
-    table_meta(t, "settings", "%s", text != NULL ? text : "");
-    free(text);
-}
-
-struct table *table_new(const struct request *r) {
-    struct table *t = calloc(1, sizeof *t);
-    if (t != NULL) {
-        table_meta(t, "experiment", "%s", r->experiment->name);
-        table_meta(t, "command", "%s", r->command);
-        table_meta(t, "version", "sheard %s", shear_version());
-        add_settings(t, r);
-    }
+    table_meta(t, "experiment", "%s", o->experiment->name);
+    table_meta(t, "command", "%s", o->command);
+    table_meta(t, "version", "sheard %s", shear_version());
+    table_meta(t, "settings", "%s", settings);
+    free(settings);
     return t;
 }
 
-void table_free(struct table *t) {
-    if (t != NULL) {
-        free(t->cells);
-        free(t);
+void table_free(table *t) {
+    free(t->cells);
+    free(t);
+}
+
+static void add_column(table *t, const column *of, const char *suffix, const char *help,
+                       char component) {
+    assert(t->n_columns < MAX_COLUMNS && t->n == 0);
+    made_column *c = &t->columns[t->n_columns++];
+    *c = (made_column){.of = of, .help = help};
+    c->width = snprintf(c->name, sizeof c->name, "%s%s", of->name, suffix);
+    char *mark = strchr(c->name, '#');
+    if (mark != NULL) {
+        *mark = component;
     }
 }
 
-void table_column(struct table *t, const char *name, int kind, int digits, const char *unit,
-                  const char *help) {
-    if (t == NULL || t->n_columns == MAX_COLUMNS) {
-        return;
-    }
-    struct column *c = &t->columns[t->n_columns++];
-    *c = (struct column){.kind = kind, .digits = digits, .width = (int)strlen(name)};
-    snprintf(c->name, sizeof c->name, "%s", name);
-    snprintf(c->unit, sizeof c->unit, "%s", unit);
-    snprintf(c->help, sizeof c->help, "%s", help);
-}
-
-static struct cell *next_cell(struct table *t, struct column **column) {
-    if (t == NULL || t->failed || t->n_columns == 0) {
-        return NULL;
-    }
-    if (t->n == t->room) {
-        size_t room = t->room > 0 ? 2 * t->room : 256;
-        struct cell *larger = realloc(t->cells, room * sizeof *larger);
-        if (larger == NULL) {
-            t->failed = true;
-            return NULL;
+static void add_columns(table *t, const column *columns, char component) {
+    for (const column *c = columns; c->name != NULL; c++) {
+        add_column(t, c, "", c->help, component);
+        if (c->with_error) {
+            add_column(t, c, "_err", "its 1-sigma error", component);
         }
-        t->cells = larger;
-        t->room = room;
     }
-    *column = &t->columns[t->n % (size_t)t->n_columns];
-    t->cells[t->n] = (struct cell){0};
+}
+
+void table_columns(table *t, const column *columns) {
+    add_columns(t, columns, '#');
+}
+
+void table_components(table *t, const column *columns) {
+    add_columns(t, columns, '1');
+    add_columns(t, columns, '2');
+}
+
+static cell *next_cell(table *t, made_column **c) {
+    if (!ARRAY_RESERVE(t->cells, t->capacity, t->n + 1)) {
+        must_fail(SHEAR_E_NOMEM, NULL, "out of memory for a table");
+    }
+    *c = &t->columns[t->n % (size_t)t->n_columns];
     return &t->cells[t->n++];
 }
 
 /* The text of a number for people. */
-static void format_cell(const struct column *c, double value, char *buf) {
+static void format_cell(const column *c, double value, char *buf) {
     if (isnan(value)) {
         snprintf(buf, MAX_CELL, "-");
     } else if (c->kind == TABLE_INTEGER) {
@@ -116,60 +112,78 @@ static void format_cell(const struct column *c, double value, char *buf) {
     }
 }
 
-static void widen(struct column *c, const char *text) {
-    int width = (int)strlen(text);
+static void widen(made_column *c, const char *text) {
+    const int width = (int)strlen(text);
     c->width = width > c->width ? width : c->width;
 }
 
-void table_number(struct table *t, double value) {
-    struct column *column = NULL;
-    struct cell *cell = next_cell(t, &column);
-    if (cell != NULL) {
-        cell->number = value;
-        format_cell(column, value, cell->text);
-        widen(column, cell->text);
+void table_add_numbers(table *t, size_t n, const double *values) {
+    for (size_t i = 0; i < n; i++) {
+        made_column *c = NULL;
+        cell *next = next_cell(t, &c);
+        assert(c->of->kind != TABLE_TEXT);
+        next->number = values[i];
+        format_cell(c->of, values[i], next->text);
+        widen(c, next->text);
     }
 }
 
-void table_text(struct table *t, const char *text) {
-    struct column *column = NULL;
-    struct cell *cell = next_cell(t, &column);
-    if (cell != NULL) {
-        snprintf(cell->text, sizeof cell->text, "%s", text);
-        widen(column, cell->text);
-    }
+void table_text(table *t, const char *text) {
+    made_column *c = NULL;
+    cell *next = next_cell(t, &c);
+    assert(c->of->kind == TABLE_TEXT);
+    snprintf(next->text, sizeof next->text, "%s", text);
+    widen(c, next->text);
 }
 
-void table_meta(struct table *t, const char *key, const char *format, ...) {
-    if (t == NULL || t->n_meta == MAX_META) {
-        return;
-    }
+__attribute__((format(printf, 3, 0))) static void add_meta(table *t, const char *key,
+                                                           const char *format, va_list args) {
+    assert(t->n_meta < MAX_META);
     meta *m = &t->meta[t->n_meta++];
     snprintf(m->key, sizeof m->key, "%s", key);
+    vsnprintf(m->text, sizeof m->text, format, args);
+}
+
+void table_meta(table *t, const char *key, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    vsnprintf(m->text, sizeof m->text, format, args);
+    add_meta(t, key, format, args);
     va_end(args);
 }
 
-/* ---- for people ---- */
-
-static void print_cell(FILE *out, const struct column *c, const char *text, bool last) {
-    bool left = c->kind == TABLE_TEXT;
-    fprintf(out, "%*s%s", left ? -c->width : c->width, text, last ? "\n" : "  ");
+void table_conclude(table *t, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    add_meta(t, "verdict", format, args);
+    va_end(args);
 }
 
-void table_print(const struct table *t, FILE *out) {
-    if (t == NULL) {
-        return;
-    }
-    for (int i = 0; i < t->n_columns; i++) {
-        print_cell(out, &t->columns[i], t->columns[i].name, i + 1 == t->n_columns);
-    }
+/* ---- writing ---- */
+
+/* Cells row by row, with `between` them. */
+typedef void cell_writer(FILE *out, const made_column *c, const cell *value);
+static void write_rows(const table *t, FILE *out, const char *between, cell_writer *write) {
     for (size_t k = 0; k < t->n; k++) {
-        int i = (int)(k % (size_t)t->n_columns);
-        print_cell(out, &t->columns[i], t->cells[k].text, i + 1 == t->n_columns);
+        const int i = (int)(k % (size_t)t->n_columns);
+        write(out, &t->columns[i], &t->cells[k]);
+        fputs(i + 1 < t->n_columns ? between : "\n", out);
     }
+}
+
+static void write_padded(FILE *out, const made_column *c, const char *text) {
+    fprintf(out, "%*s", c->of->kind == TABLE_TEXT ? -c->width : c->width, text);
+}
+
+static void write_for_people(FILE *out, const made_column *c, const cell *value) {
+    write_padded(out, c, value->text);
+}
+
+void table_print(const table *t, FILE *out) {
+    for (int i = 0; i < t->n_columns; i++) {
+        write_padded(out, &t->columns[i], t->columns[i].name);
+        fputs(i + 1 < t->n_columns ? "  " : "\n", out);
+    }
+    write_rows(t, out, "  ", write_for_people);
     for (int i = 0; i < t->n_meta; i++) {
         if (strcmp(t->meta[i].key, "verdict") == 0) {
             fprintf(out, "%s\n", t->meta[i].text);
@@ -177,83 +191,84 @@ void table_print(const struct table *t, FILE *out) {
     }
 }
 
-/* ---- ECSV ---- */
-
 /* A YAML scalar between single quotes. */
-static void print_yaml(FILE *out, const char *text) {
+static void write_yaml(FILE *out, const char *text) {
     fputc('\'', out);
-    for (; *text; text++) {
+    for (; *text != '\0'; text++) {
         fputs(*text == '\'' ? "''" : (char[]){*text, '\0'}, out);
     }
     fputc('\'', out);
 }
 
-static void print_head(const struct table *t, FILE *out) {
+static void write_columns(const table *t, FILE *out) {
     static const char *const types[] = {"float64", "int64", "string"};
     fputs("# %ECSV 1.0\n# ---\n# datatype:\n", out);
     for (int i = 0; i < t->n_columns; i++) {
-        const struct column *c = &t->columns[i];
-        fprintf(out, "# - {name: %s, %s%s%sdatatype: %s, description: ", c->name,
-                c->unit[0] ? "unit: " : "", c->unit, c->unit[0] ? ", " : "", types[c->kind]);
-        print_yaml(out, c->help);
+        const made_column *c = &t->columns[i];
+        fprintf(out, "# - {name: %s, ", c->name);
+        if (c->of->unit != NULL) {
+            fprintf(out, "unit: %s, ", c->of->unit);
+        }
+        fprintf(out, "datatype: %s, description: ", types[c->of->kind]);
+        write_yaml(out, c->help);
         fputs("}\n", out);
     }
+}
+
+/* A key that was there before has a number behind it. */
+static void write_meta(const table *t, FILE *out) {
     fputs("# meta: !!omap\n", out);
     for (int i = 0; i < t->n_meta; i++) {
-        bool again = false; /* a key may be there several times: number them */
         int number = 1;
         for (int k = 0; k < i; k++) {
-            again = strcmp(t->meta[k].key, t->meta[i].key) == 0;
-            number += again;
+            number += strcmp(t->meta[k].key, t->meta[i].key) == 0;
         }
         fprintf(out, "# - %s", t->meta[i].key);
         if (number > 1) {
             fprintf(out, "%d", number);
         }
         fputs(": ", out);
-        print_yaml(out, t->meta[i].text);
+        write_yaml(out, t->meta[i].text);
         fputc('\n', out);
     }
+}
+
+static void write_for_programs(FILE *out, const made_column *c, const cell *value) {
+    if (c->of->kind == TABLE_TEXT) {
+        fprintf(out, "\"%s\"", value->text);
+    } else if (c->of->kind == TABLE_INTEGER) {
+        fprintf(out, "%.0f", value->number);
+    } else {
+        fprintf(out, "%.10g", value->number);
+    }
+}
+
+static void write_ecsv(const table *t, FILE *out) {
+    write_columns(t, out);
+    write_meta(t, out);
     fputs("# schema: astropy-2.0\n", out);
     for (int i = 0; i < t->n_columns; i++) {
         fprintf(out, "%s%s", t->columns[i].name, i + 1 < t->n_columns ? " " : "\n");
     }
+    write_rows(t, out, " ", write_for_programs);
 }
 
-static void print_body(const struct table *t, FILE *out) {
-    for (size_t k = 0; k < t->n; k++) {
-        int i = (int)(k % (size_t)t->n_columns);
-        const struct cell *cell = &t->cells[k];
-        if (t->columns[i].kind == TABLE_TEXT) {
-            fprintf(out, "\"%s\"", cell->text);
-        } else if (t->columns[i].kind == TABLE_INTEGER) {
-            fprintf(out, "%.0f", cell->number);
-        } else {
-            fprintf(out, "%.10g", cell->number);
-        }
-        fputs(i + 1 < t->n_columns ? " " : "\n", out);
-    }
+static _Noreturn void fail(const char *path) {
+    must_fail(SHEAR_E_IO, NULL, "cannot write '%s': %s", path, strerror(errno));
 }
 
-static int cannot_write(const char *path, shear_error *err) {
-    return shear_fail(err, SHEAR_E_IO, NULL, "cannot write '%s': %s", path, strerror(errno));
-}
-
-int table_save(const struct table *t, const struct request *r, shear_error *err) {
-    char path[700];
-    char part[720];
-    if (t == NULL || t->failed) {
-        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a table");
-    }
-    request_path(r, NULL, "ecsv", path, sizeof path);
+void table_save(const table *t, const options *o) {
+    char path[OPTIONS_PATH];
+    char part[OPTIONS_PATH + 8];
+    options_path(o, NULL, "ecsv", path);
     snprintf(part, sizeof part, "%s.part", path);
     FILE *out = fopen(part, "w");
     if (out == NULL) {
-        return cannot_write(part, err);
+        fail(part);
     }
-    print_head(t, out);
-    print_body(t, out);
-    bool failed = ferror(out) != 0;
-    failed = fclose(out) != 0 || failed;
-    return !failed && rename(part, path) == 0 ? SHEAR_OK : cannot_write(path, err);
+    write_ecsv(t, out);
+    const bool failed = ferror(out) != 0;
+    if (fclose(out) != 0 || failed || rename(part, path) != 0) {
+        fail(path);
+    }
 }

@@ -1,39 +1,49 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* table.h: an experiment's table: printed for people, written as ECSV (astropy's text tables).
  *
- * Columns first, then row by row their cells in order. The first failure (out of memory) is kept;
- * what follows is ignored, and table_save returns it.
+ * Columns first, then row by row their cells in order.
  */
 #ifndef VALIDATION_TABLE_H
 #define VALIDATION_TABLE_H
 
 #include "engine/options.h"
 
-#include <stdio.h>
+typedef struct table table;
 
-struct table;
-
-/* Its meta data begin with the experiment, the command, the version and the settings. NULL without
- * memory, which all calls below accept. */
-struct table *table_new(const struct request *r);
-void table_free(struct table *t);
+/* Its meta data begin with the experiment, the command, the version and the settings. */
+table *table_new(const options *o);
+void table_free(table *t);
 
 enum table_kind { TABLE_NUMBER = 0, TABLE_INTEGER, TABLE_TEXT };
 
-/* `digits` after the point when printed for people (a negative number: so many significant ones).
- * `unit` may be "". */
-void table_column(struct table *t, const char *name, int kind, int digits, const char *unit,
-                  const char *help);
-void table_number(struct table *t, double value); /* numbers and integers */
-void table_text(struct table *t, const char *text);
+typedef struct column {
+    const char *name; /* "#": the component, in table_components */
+    enum table_kind kind;
+    int digits; /* after the point when printed for people; negative: significant ones */
+    const char *help;
+    bool with_error; /* NAME_err follows, "its 1-sigma error" */
+    const char *unit;
+} column;
 
-/* A line of meta data. The key "verdict" is printed under the table. */
-void table_meta(struct table *t, const char *key, const char *format, ...)
+/* Append columns, ended by one without a name. */
+void table_columns(table *t, const column *columns);
+/* The same columns for component 1, then for component 2. */
+void table_components(table *t, const column *columns);
+
+/* Append cells of numbers and integers: table_numbers(t, a, b, ...). */
+#define table_numbers(t, ...)                                                                      \
+    table_add_numbers(t, sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[]){__VA_ARGS__})
+void table_add_numbers(table *t, size_t n, const double *values);
+void table_text(table *t, const char *text);
+
+/* A line of meta data; a conclusion (its key is "verdict") is printed under the table. */
+void table_meta(table *t, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+void table_conclude(table *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* For people: aligned columns, then the verdicts. */
-void table_print(const struct table *t, FILE *out);
+/* For people: aligned columns, then the conclusions. */
+void table_print(const table *t, FILE *out);
 /* OUT/NAME.ecsv, at once or not at all. */
-int table_save(const struct table *t, const struct request *r, shear_error *err);
+void table_save(const table *t, const options *o);
 
 #endif

@@ -92,9 +92,9 @@ typedef struct shear_axes {
     shear_rect cell;   /* with labels and title inside */
     const char *title; /* or NULL */
     shear_axis x, y;
-    bool equal;  /* one unit is as long in x as in y: the frame shrinks */
-    int legend;  /* enum shear_corner; drawn if anything has a label */
-    double left; /* room left of the frame, pixels; 0 = by the labels */
+    bool equal;               /* one unit is as long in x as in y: the frame shrinks */
+    enum shear_corner legend; /* drawn if anything has a label */
+    double left;              /* room left of the frame, pixels; 0 = by the labels */
 } shear_axes;
 
 void shear_axes_begin(shear_figure *figure, const shear_axes *axes);
@@ -115,11 +115,11 @@ enum shear_marker {
 typedef struct shear_style {
     shear_colour colour; /* opacity 0 = black */
     double width;        /* of lines, pixels; 0 = 1.4 */
-    int dash;            /* enum shear_dash */
-    int marker;          /* enum shear_marker, for points */
-    double size;         /* of markers, pixels across; 0 = 6 */
-    double fill;         /* opacity of the filled area, 0 = not filled; bands: 0 = 0.2 */
-    const char *label;   /* in the legend, or NULL; at most 95 bytes are kept */
+    enum shear_dash dash;
+    enum shear_marker marker; /* for points */
+    double size;              /* of markers, pixels across; 0 = 6 */
+    double fill;              /* opacity of the filled area, 0 = not filled; bands: 0 = 0.2 */
+    const char *label;        /* in the legend, or NULL; at most 95 bytes are kept */
 } shear_style;
 
 /* Values that are not finite (or not positive on a log axis) leave gaps. */
@@ -159,14 +159,14 @@ void shear_axes_text(shear_figure *f, double x, double y, bool inside, const cha
 
 typedef struct shear_image {
     shear_rect cell;
-    const char *title;       /* or NULL */
-    const double *pixels;    /* [ny][nx], row 0 at the bottom */
-    int nx, ny;              /* 1 to 32767 */
-    int stretch;             /* enum shear_stretch_kind */
+    const char *title;    /* or NULL */
+    const double *pixels; /* [ny][nx], row 0 at the bottom */
+    int nx, ny;           /* 1 to 32767 */
+    enum shear_stretch_kind stretch;
     shear_range limits;      /* shown; lo == hi: by the percentiles below */
     shear_range percentiles; /* of the finite pixels; lo == hi: 0.5 and 99.8 */
     double knee;             /* of SHEAR_ASINH; 0 = automatic */
-    int map;                 /* enum shear_map */
+    enum shear_map map;
     bool mark_negative;      /* negative pixels in shear_map_negative's blue */
     shear_colour not_finite; /* opacity 0 = shear_map_not_finite's pink */
     bool colour_bar;

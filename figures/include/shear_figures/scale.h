@@ -35,7 +35,7 @@ size_t shear_histogram(double *counts, int bins, shear_range r, const double *v,
 enum shear_stretch_kind { SHEAR_LINEAR = 0, SHEAR_ASINH, SHEAR_LOG };
 
 typedef struct shear_stretch {
-    int kind;         /* enum shear_stretch_kind */
+    enum shear_stretch_kind kind;
     shear_range span; /* shown from the darkest to the brightest colour */
     double knee;      /* SHEAR_ASINH: values below it are linear, above it logarithmic */
 } shear_stretch;
@@ -43,7 +43,7 @@ typedef struct shear_stretch {
 /* A stretch that can be used: a span without width or not finite is widened as by shear_range_pad;
  * a log's lower end that is not positive becomes 1e-4 of the upper; a knee that is not positive
  * becomes 1/20 of the larger end. */
-shear_stretch shear_stretch_make(int kind, shear_range span, double knee);
+shear_stretch shear_stretch_make(enum shear_stretch_kind kind, shear_range span, double knee);
 /* The brightness of `value`: 0 at span.lo, 1 at span.hi, clamped to [0, 1], never decreasing; NaN
  * stays NaN. */
 double shear_stretch_apply(const shear_stretch *s, double value);
@@ -96,7 +96,7 @@ shear_colour shear_palette_faint(int i, double opacity);
  * SHEAR_MAP_GREY: black to white, equal steps in lightness too. */
 enum shear_map { SHEAR_MAP_UNIFORM = 0, SHEAR_MAP_GREY };
 /* The colour of brightness t (clamped to [0, 1]); `map` as above. */
-shear_colour shear_map_colour(int map, double t);
+shear_colour shear_map_colour(enum shear_map map, double t);
 /* Pixels that are not finite, and negative ones where they are marked. */
 shear_colour shear_map_not_finite(void);
 shear_colour shear_map_negative(void);

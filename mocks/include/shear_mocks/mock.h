@@ -56,7 +56,7 @@ typedef struct shear_mock_spec {
     bool turn_stamps; /* the copy at 90 (135) degrees has position and noise of that at 0 (45),
                          turned with it about the stamp's centre; only the PSF stays */
     /* galaxies */
-    int galaxy;                                      /* enum shear_mock_galaxy */
+    enum shear_mock_galaxy galaxy;
     double r_gal_px;                                 /* R_G */
     int points;                                      /* of a regular galaxy */
     double bulge_fraction;                           /* f_b/d */
@@ -66,7 +66,7 @@ typedef struct shear_mock_spec {
     int steps; /* of a random walk; the joints beyond R_G leave fewer points */
     double step_px;
     /* PSF */
-    int psf;              /* enum shear_mock_psf */
+    enum shear_mock_psf psf;
     double r_psf_px;      /* R_PSF */
     double psf_angle_deg; /* turned from x towards y; at 0 both PSFs are longer along y */
     int oversample;       /* samples of the PSF image per pixel */
