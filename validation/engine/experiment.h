@@ -41,12 +41,12 @@ typedef struct experiment {
     const char *summary;         /* one line, no full stop */
     const char *about;           /* a paragraph of help: what is drawn, measured and shown */
     const parameter *parameters; /* ended by a NULL name; or NULL */
+    /* Of its options, "name=value name=value", where they are not the mocks' own and the paper's
+     * (preset zhang2010). */
+    const char *defaults;
     /* Options of the mocks and settings of the measurement that the experiment chooses itself, with
      * blanks between: to give them is an error. */
     const char *fixed;
-    /* Put the defaults into the options, which hold the mocks' own and the paper's (preset
-     * zhang2010). */
-    void (*defaults)(struct options *o);
     /* How many stamps will be drawn, for the progress line. Ends the program where parameters do
      * not go together. */
     int64_t (*stamps)(const struct options *o);

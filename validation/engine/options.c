@@ -171,14 +171,27 @@ static bool has_word(const char *words, const char *name) {
     return false;
 }
 
+/* Of all but parameters. */
+static void set_value(options *o, const struct option *option, const char *value) {
+    const int kind = option->val / 1000 * 1000;
+    const int i = option->val % 1000;
+    size_t n = 0;
+    if (kind == COMMON) {
+        set_common(o, (enum common)i, value);
+    } else if (kind == MOCK) {
+        must(shear_mock_set(&o->mock, shear_mock_options(&n)[i].name, value, &must_error));
+    } else {
+        const char *text = value != NULL ? value : kind == SETTING ? "yes" : "no";
+        must(shear_settings_set(&o->settings, shear_settings_table(&n)[i].name, text, &must_error));
+    }
+}
+
 /* A parameter may have the name of an option that the experiment otherwise chooses itself. */
 static void set_option(options *o, const struct option *option, const char *value) {
     static const char never[] = "stamps field layout bitpix no-r-gal";
     const experiment *e = o->experiment;
-    const int kind = option->val / 1000 * 1000;
-    const int i = option->val % 1000;
-    size_t n = 0;
-    if (kind == PARAMETER) {
+    if (option->val < COMMON) {
+        const int i = option->val - PARAMETER;
         parse_parameter(&e->parameters[i], value, &o->parameters[i]);
         return;
     }
@@ -186,15 +199,7 @@ static void set_option(options *o, const struct option *option, const char *valu
         must_fail(SHEAR_E_SETTING, NULL, "option '--%s': %s chooses it itself", option->name,
                   e->name);
     }
-    if (kind == COMMON) {
-        set_common(o, (enum common)i, value);
-    } else if (kind == MOCK) {
-        must(shear_mock_set(&o->mock, shear_mock_options(&n)[i].name, value, &must_error));
-    } else {
-        const char *text = value != NULL ? value : kind == SETTING ? "yes" : "no";
-        const char *name = shear_settings_table(&n)[i].name;
-        must(shear_settings_set(&o->settings, name, text, &must_error));
-    }
+    set_value(o, option, value);
 }
 
 /* ---- the command line ---- */
@@ -229,11 +234,27 @@ static void paper_settings(shear_settings *s) {
     (void)shear_settings_set(s, "preset", "zhang2010", NULL);
 }
 
-static void set_defaults(options *o, const experiment *e) {
+/* The option of this name that is no parameter. */
+static const struct option *find_option(const option_table *t, const char *name) {
+    const struct option *option = t->list;
+    while (option->val < COMMON || strcmp(option->name, name) != 0) {
+        option++;
+        assert(option->name != NULL);
+    }
+    return option;
+}
+
+static void set_defaults(options *o, const option_table *t, const experiment *e) {
+    char words[2 * MAX_LINE];
+    char *rest = NULL;
     *o = (options){.experiment = e, .galaxies = 10000, .groups = 100, .out = "."};
     shear_mock_spec_init(&o->mock);
     paper_settings(&o->settings);
-    e->defaults(o);
+    snprintf(words, sizeof words, "%s", e->defaults);
+    for (char *name = strtok_r(words, " =", &rest); name != NULL;
+         name = strtok_r(NULL, " =", &rest)) {
+        set_value(o, find_option(t, name), strtok_r(NULL, " =", &rest));
+    }
     for (int i = 0; e->parameters != NULL && e->parameters[i].name != NULL; i++) {
         parse_parameter(&e->parameters[i], e->parameters[i].preset, &o->parameters[i]);
     }
@@ -242,7 +263,7 @@ static void set_defaults(options *o, const experiment *e) {
 void options_parse(options *o, const experiment *e, int argc, char **argv) {
     option_table table = {0};
     fill_table(&table, e);
-    set_defaults(o, e);
+    set_defaults(o, &table, e);
     append_word(o, "shear-paper");
     append_word(o, argv[0]);
     opterr = 0;
@@ -327,7 +348,9 @@ char *options_path(const options *o, const char *suffix, const char *ext, char p
 
 void options_help(const experiment *e, FILE *out) {
     options o;
-    set_defaults(&o, e);
+    option_table table = {0};
+    fill_table(&table, e);
+    set_defaults(&o, &table, e);
     fprintf(out, "usage: shear-paper %s [OPTION...]\n\n%s\n\n", e->name, e->about);
     fprintf(
         out,

@@ -22,22 +22,6 @@ static const parameter parameters[] = {
     {"fewer", "10", 1, 1e6, false, "slow cases have so many times fewer galaxies"},
     {0}};
 
-static void defaults(options *o) {
-    shear_mock_spec *m = &o->mock;
-    m->rotate = 4;
-    m->turn_stamps = true;
-    m->nx = m->ny = 48;
-    m->points = 100;
-    m->steps = 100;
-    m->r_gal_px = 6.0;
-    m->step_px = 1.0;
-    m->r_psf_px = 1.5;
-    o->settings.filter = SHEAR_FILTER_NONE;
-    o->settings.zeros = SHEAR_ZEROS_FLOOR;
-    o->galaxies = 1000000;
-    o->groups = 200;
-}
-
 /* ---- the cases ---- */
 
 typedef struct bias_cases {
@@ -227,18 +211,17 @@ static void run_bias(run *r) {
 }
 
 const experiment experiment_bias = {
-    .name = "bias",
-    .summary = "beyond the paper: m and c from a million galaxies, and shears up to 0.1",
-    .about = "Galaxies in fours (0, 45, 90, 135 degrees; --galaxies counts all stamps), the\n"
-             "same at five shears: m and c by kind of galaxy, PSF, interpolation and noise.\n"
-             "The stamps at 90 and 135 degrees are those at 0 and 45 turned, noise and all.\n"
-             "Without interpolation R_PSF is 1.5 pixels; Log-Bicubic and Log-Spline have R_PSF\n"
-             "= 1 pixel. Then, without noise, shears up to 0.1 for the next order: measured -\n"
-             "true = m g + a |g|^2 g. Slow cases (interpolation, large shears, point sources\n"
-             "under W_B) have a tenth of the galaxies.",
-    .parameters = parameters,
+    "bias",
+    "beyond the paper: m and c from a million galaxies, and shears up to 0.1",
+    "Galaxies in fours (0, 45, 90, 135 degrees; --galaxies counts all stamps), the same at\n"
+    "five shears: m and c by kind of galaxy, PSF, interpolation and noise. The stamps at 90\n"
+    "and 135 degrees are those at 0 and 45 turned, noise and all. Without interpolation R_PSF\n"
+    "is 1.5 pixels; Log-Bicubic and Log-Spline have R_PSF = 1 pixel. Then, without noise,\n"
+    "shears up to 0.1 for the next order: measured - true = m g + a |g|^2 g. Slow cases\n"
+    "(interpolation, large shears, point sources under W_B) have a tenth of the galaxies.",
+    .defaults = "rotate=4 turn-stamps=yes size=48 points=100 steps=100 r-gal=6 step-size=1 "
+                "r-psf=1.5 filter=none zeros=floor galaxies=1000000 groups=200",
     .fixed = "galaxy psf shear white photons interpolation noise-ratio",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_bias,
-};
+    .run = run_bias};

@@ -43,11 +43,8 @@ static double worst_pull(const bias_fit *b) {
 
 static void add_row(table *t, const line *l) {
     const bias_fit *b = &l->bias;
-    table_text(t, bias_kinds[l->of.kind]);
-    table_text(t, bias_psfs[l->of.psf]);
-    table_text(t, ways[l->way]);
-    table_text(t, bias_noises[l->of.noise]);
-    table_text(t, l->of.large ? "large" : "small");
+    table_texts(t, bias_kinds[l->of.kind], bias_psfs[l->of.psf], ways[l->way],
+                bias_noises[l->of.noise], l->of.large ? "large" : "small");
     table_numbers(t, l->n);
     if (l->of.large) {
         table_numbers(t, l->cubic.m, l->cubic.m_err, NAN, NAN, NAN, NAN, NAN, NAN);

@@ -4,7 +4,6 @@
 #include "engine/must.h"
 #include "experiments/efficiency_fields.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -16,23 +15,6 @@ static const parameter parameters[] = {
     {"snr", "10", 0.1, 1e6, false, "signal-to-noise of the faintest, where there is noise"},
     {"bias-snr", "5,7,10,20,40", 0.1, 1e6, true, "of equal galaxies, for the bias"},
     {0}};
-
-static void defaults(options *o) {
-    shear_mock_spec *m = &o->mock;
-    m->nx = m->ny = 48;
-    m->g1 = 0.03;
-    m->g2 = -0.03;
-    m->rotate = 1;
-    m->galaxy = SHEAR_MOCK_IRREGULAR;
-    m->r_gal_px = 5.0;
-    m->r_psf_px = 1.5;
-    m->steps = 300;
-    m->step_px = 0.6;
-    o->galaxies = 400000;
-    o->groups = 40;
-    o->settings.interpolation = SHEAR_INTERP_NONE;
-    o->settings.filter = SHEAR_FILTER_NONE;
-}
 
 static int64_t stamps(const options *o) {
     return 2 * (int64_t)efficiency_fields_count(o) * o->groups;
@@ -67,7 +49,7 @@ static void add_row(table *t, const brightness_cases *cases, int c, int estimato
                     const efficiency_outcome *o, summary *s) {
     const bool noiseless = isnan(cases->snr[c]);
     table_numbers(t, cases->c[c].range, cases->snr[c]);
-    table_text(t, shear_estimator_name((enum shear_estimator)estimator));
+    table_texts(t, shear_estimator_name((enum shear_estimator)estimator));
     table_numbers(t, o->error.width, o->error.width_err, o->quoted, o->pull_width,
                   noiseless ? o->quoted / s->line : NAN, o->m.mean, o->m.mean_err, o->failed);
     if (c < 2 * cases->n_ranges) {
@@ -124,12 +106,12 @@ static void draw(run *r, summary *s) {
             s->curves[i][k].marker = markers[k];
             s->curves[i][k].label = shear_estimator_name((enum shear_estimator)k);
         }
-        chart_draw(p.figure, panels_cell(&p, i),
-                   &(chart){titles[i], of_error ? "largest over smallest flux" : "signal-to-noise",
-                            of_error ? "error of one galaxy" : "m, percent", .log_x = true,
-                            .legend = of_error ? SHEAR_TOP_LEFT : SHEAR_BOTTOM_RIGHT,
-                            .truth = truths[i], .spread = 0.01,
-                            .n_curves = i == 0 ? 2 : N_ESTIMATORS, .curves = s->curves[i]});
+        panels_draw(&p, i,
+                    &(chart){titles[i], of_error ? "largest over smallest flux" : "signal-to-noise",
+                             of_error ? "error of one galaxy" : "m, percent", .log_x = true,
+                             .legend = of_error ? SHEAR_TOP_LEFT : SHEAR_BOTTOM_RIGHT,
+                             .truth = truths[i], .spread = 0.01,
+                             .n_curves = i == 0 ? 2 : N_ESTIMATORS, .curves = s->curves[i]});
     }
 }
 
@@ -144,18 +126,16 @@ static void run_efficiency(run *r) {
 }
 
 const experiment experiment_efficiency = {
-    .name = "efficiency",
-    .summary = "beyond the paper: the ratio of means against PDF symmetrization",
-    .about =
-        "Irregular galaxies, each at many fluxes, in many fields (--groups) of equal size. The\n"
-        "error of one galaxy by the ratio of means and by PDF symmetrization, over power laws\n"
-        "of flux from equal galaxies to a broad range, with and without white noise, beside\n"
-        "the Cramer-Rao bound of the galaxies' shapes; and the bias of both against the\n"
-        "signal-to-noise of equal galaxies, with the same galaxies and noise at opposite\n"
-        "shears.",
-    .parameters = parameters,
+    "efficiency",
+    "beyond the paper: the ratio of means against PDF symmetrization",
+    "Irregular galaxies, each at many fluxes, in many fields (--groups) of equal size. The\n"
+    "error of one galaxy by the ratio of means and by PDF symmetrization, over power laws of\n"
+    "flux from equal galaxies to a broad range, with and without white noise, beside the\n"
+    "Cramer-Rao bound of the galaxies' shapes; and the bias of both against the\n"
+    "signal-to-noise of equal galaxies, with the same galaxies and noise at opposite shears.",
+    .defaults = "size=48 shear=0.03,-0.03 rotate=1 galaxy=irregular r-gal=5 r-psf=1.5 steps=300 "
+                "step-size=0.6 galaxies=400000 groups=40 interpolation=none filter=none",
     .fixed = "white photons photon-snr noise-ratio estimator rotate",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_efficiency,
-};
+    .run = run_efficiency};

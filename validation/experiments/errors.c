@@ -4,7 +4,6 @@
 #include "engine/must.h"
 #include "engine/sample.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -20,17 +19,6 @@ static const parameter parameters[] = {
     {0}};
 
 static const char *const ways[N_WAYS] = {"delta", "jackknife"};
-
-static void defaults(options *o) {
-    shear_mock_spec *m = &o->mock;
-    m->rotate = 1;
-    m->nx = m->ny = 48;
-    m->points = 100;
-    m->white_sigma = 0.5;
-    o->settings.filter = SHEAR_FILTER_NONE;
-    o->settings.interpolation = SHEAR_INTERP_NONE;
-    o->galaxies = 1000000;
-}
 
 /* ---- fields: a chunk is as long as the longest field, and is cut into those of each length ----
  */
@@ -199,7 +187,7 @@ static void add_row(run *r, int length, int way, double *pulls, size_t n, outcom
     const double ks = ks_distance(pulls, n, 0.0, &p_gauss);
     ks_distance(pulls, n, way != 0 ? groups - 1.0 : length - 1.0, &p_student);
     table_numbers(r->table, length);
-    table_text(r->table, ways[way]);
+    table_texts(r->table, ways[way]);
     table_numbers(r->table, way != 0 ? (double)groups : NAN, (double)n, s.mean, s.mean_err, s.width,
                   s.width_err, ks, p_gauss, p_student);
     curve_add(&out->width[way], length, s.width, s.width_err);
@@ -272,25 +260,23 @@ static void run_errors(run *r) {
     const panels p =
         run_panels(r, NULL, 940, 400, (shear_grid){.rows = 1, .columns = 2, .gap_x = 12});
     draw_pulls(p.figure, panels_cell(&p, 0), r->options, out);
-    chart_draw(p.figure, panels_cell(&p, 1),
-               &(chart){"width of the pulls", "galaxies in a field", "standard deviation",
-                        .log_x = true, .truth = 1.0, .spread = 0.012, .n_curves = N_WAYS,
-                        .curves = out->width});
+    panels_draw(&p, 1,
+                &(chart){"width of the pulls", "galaxies in a field", "standard deviation",
+                         .log_x = true, .truth = 1.0, .spread = 0.012, .n_curves = N_WAYS,
+                         .curves = out->width});
     free(values);
     free(out);
 }
 
 const experiment experiment_errors = {
-    .name = "errors",
-    .summary = "beyond the paper: are the quoted errors honest?",
-    .about = "Fields of unpaired regular galaxies in white noise: 2000 of 500 galaxies, and the "
-             "same galaxies\n"
-             "cut into shorter and longer fields. The pulls, (measured - true) / quoted error, of "
-             "the delta\n"
-             "method and of the jackknife: mean, width, Kolmogorov-Smirnov.",
-    .parameters = parameters,
+    "errors",
+    "beyond the paper: are the quoted errors honest?",
+    "Fields of unpaired regular galaxies in white noise: 2000 of 500 galaxies, and the same\n"
+    "galaxies cut into shorter and longer fields. The pulls, (measured - true) / quoted\n"
+    "error, of the delta method and of the jackknife: mean, width, Kolmogorov-Smirnov.",
+    .defaults =
+        "rotate=1 size=48 points=100 white=0.5 filter=none interpolation=none galaxies=1000000",
     .fixed = "rotate groups",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_errors,
-};
+    .run = run_errors};

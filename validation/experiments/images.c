@@ -8,22 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void defaults(options *o) {
-    shear_mock_spec *m = &o->mock;
-    m->nx = m->ny = 20;
-    m->g1 = m->g2 = 0.0;
-    m->rotate = 1;
-    m->shift = false;
-    m->galaxy = SHEAR_MOCK_IRREGULAR;
-    m->r_gal_px = 5.0;
-    m->step_px = 0.5;
-    m->r_psf_px = 0.5;
-    o->galaxies = o->groups = 1;
-    o->settings.filter = SHEAR_FILTER_NONE;
-    o->settings.oversample = 16;
-    o->settings.zeros = SHEAR_ZEROS_FLOOR;
-}
-
 static int64_t stamps(const options *o) {
     return o->galaxies;
 }
@@ -110,7 +94,7 @@ static double add_row(table *t, const char *label, const image *truth, const ima
         worst = fmax(worst, fabs(d) / peak);
         negative += fine->pixels[i] < 0.0 ? 1.0 / (double)n : 0.0;
     }
-    table_text(t, label);
+    table_texts(t, label);
     table_numbers(t, sqrt(square / power), worst, shear_range_of(fine->pixels, n).lo / peak,
                   negative);
     return sqrt(square / power);
@@ -168,15 +152,13 @@ static void run_images(run *r) {
 }
 
 const experiment experiment_images = {
-    .name = "images",
-    .summary = "section 4.3: one pixelated image and its six interpolations",
-    .about = "One irregular galaxy of 1000 steps on pixels twice as large as R_PSF, the same "
-             "galaxy drawn\n"
-             "on the fine grid itself, and what the six methods make of the pixels; negative "
-             "values are\n"
-             "blue.",
+    "images",
+    "section 4.3: one pixelated image and its six interpolations",
+    "One irregular galaxy of 1000 steps on pixels twice as large as R_PSF, the same galaxy\n"
+    "drawn on the fine grid itself, and what the six methods make of the pixels; negative\n"
+    "values are blue.",
+    .defaults = "size=20 shear=0,0 rotate=1 no-shift=yes galaxy=irregular r-gal=5 step-size=0.5 "
+                "r-psf=0.5 galaxies=1 groups=1 filter=none oversample=16 zeros=floor",
     .fixed = "interpolation filter rotate galaxies groups",
-    .defaults = defaults,
     .stamps = stamps,
-    .run = run_images,
-};
+    .run = run_images};

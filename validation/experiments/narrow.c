@@ -5,7 +5,6 @@
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -19,17 +18,6 @@ static const double power_step = 0.05;                        /* of k, per px */
 
 static const parameter parameters[] = {
     {"radii", "0.3,0.35,0.4,0.45,0.5,0.6,0.7,0.8,0.9,1,1.2", 0.2, 4, true, "R_PSF, pixels"}, {0}};
-
-static void defaults(options *o) {
-    (void)shear_settings_set(&o->settings, "preset", "default", NULL);
-    o->settings.filter = SHEAR_FILTER_NONE;
-    o->mock.g1 = 0.03;
-    o->mock.g2 = -0.02;
-    o->mock.rotate = 4;
-    o->mock.galaxy = SHEAR_MOCK_IRREGULAR;
-    o->galaxies = 3200;
-    o->groups = 50;
-}
 
 static int64_t stamps(const options *o) {
     return SIGNS * o->galaxies * options_list(o, "radii")->n;
@@ -181,7 +169,7 @@ static const column columns[] = {
 static void add_row(table *t, const point *p, int way) {
     const bias_fit *b = &p->bias[way];
     table_numbers(t, p->r_psf_px);
-    table_text(t, ways[way]);
+    table_texts(t, ways[way]);
     table_numbers(t, p->beta_px[way], b->m[0], b->m_err[0], b->m[1], b->m_err[1], b->c[0],
                   b->c_err[0], b->c[1], b->c_err[1]);
     if (way == 0) {
@@ -239,10 +227,10 @@ static void draw_m(const panels *p, int i, const points *all, bool both) {
         const bias_fit *b = &at->bias[which / 2];
         curve_add(&curves[which], at->r_psf_px, 1e3 * b->m[which % 2], 1e3 * b->m_err[which % 2]);
     }
-    chart_draw(p->figure, panels_cell(p, i),
-               &(chart){both ? "bias" : "the defaults alone", "R_{PSF}, px", "m, 10^{-3}",
-                        .legend = SHEAR_BOTTOM_RIGHT, .truth = 0.0, .limit = all->limit_px,
-                        .spread = 0.006, .n_curves = both ? 2 * N_WAYS : 2, .curves = curves});
+    panels_draw(p, i,
+                &(chart){both ? "bias" : "the defaults alone", "R_{PSF}, px", "m, 10^{-3}",
+                         .legend = SHEAR_BOTTOM_RIGHT, .truth = 0.0, .limit = all->limit_px,
+                         .spread = 0.006, .n_curves = both ? 2 * N_WAYS : 2, .curves = curves});
 }
 
 static void draw_c(const panels *p, int i, const points *all) {
@@ -254,10 +242,10 @@ static void draw_c(const panels *p, int i, const points *all) {
         curve_add(&curves[k % N_WAYS], at->r_psf_px, hypot(b->c[0], b->c[1]),
                   fmax(b->c_err[0], b->c_err[1]));
     }
-    chart_draw(p->figure, panels_cell(p, i),
-               &(chart){"additive bias", "R_{PSF}, px", "|c|", .y = {1e-8, 1e-1}, .log_y = true,
-                        .truth = NAN, .limit = all->limit_px, .n_curves = N_WAYS,
-                        .curves = curves});
+    panels_draw(p, i,
+                &(chart){"additive bias", "R_{PSF}, px", "|c|", .y = {1e-8, 1e-1}, .log_y = true,
+                         .truth = NAN, .limit = all->limit_px, .n_curves = N_WAYS,
+                         .curves = curves});
 }
 
 static void draw_aliases(const panels *p, int i, const points *all) {
@@ -274,10 +262,10 @@ static void draw_aliases(const panels *p, int i, const points *all) {
             curve_add(&curves[k], of->r_psf_px, k < N_DISKS ? of->disk[k] : of->own, NAN);
         }
     }
-    chart_draw(p->figure, panels_cell(p, i),
-               &(chart){"aliases' part of the signal", "R_{PSF}, px", "A(\xce\xb2)",
-                        .y = {1e-8, 1.0}, .log_y = true, .truth = 1e-3, .limit = all->limit_px,
-                        .n_curves = N_DISKS + 1, .curves = curves});
+    panels_draw(p, i,
+                &(chart){"aliases' part of the signal", "R_{PSF}, px", "A(\xce\xb2)",
+                         .y = {1e-8, 1.0}, .log_y = true, .truth = 1e-3, .limit = all->limit_px,
+                         .n_curves = N_DISKS + 1, .curves = curves});
 }
 
 static void run_narrow(run *r) {
@@ -306,17 +294,17 @@ static void run_narrow(run *r) {
 }
 
 const experiment experiment_narrow = {
-    .name = "narrow",
-    .summary = "beyond the paper: under-sampled data, R_PSF from 0.3 pixels on",
-    .about = "Irregular galaxies in fours at +g and -g, without noise, behind W_A given finely\n"
-             "sampled: m and c against R_PSF by the defaults (no interpolation, beta at least\n"
-             "1.4 pixels) and by preset zhang2010 (log-bicubic where R_PSF is below 1 pixel).\n"
-             "Beside it the part of the signal that aliases have under the target, by\n"
-             "quadrature: of these galaxies, of points, and of exponential disks.",
-    .parameters = parameters,
+    "narrow",
+    "beyond the paper: under-sampled data, R_PSF from 0.3 pixels on",
+    "Irregular galaxies in fours at +g and -g, without noise, behind W_A given finely\n"
+    "sampled: m and c against R_PSF by the defaults (no interpolation, beta at least 1.4\n"
+    "pixels) and by preset zhang2010 (log-bicubic where R_PSF is below 1 pixel). Beside it\n"
+    "the part of the signal that aliases have under the target, by quadrature: of these\n"
+    "galaxies, of points, and of exponential disks.",
+    .defaults = "preset=default filter=none shear=0.03,-0.02 rotate=4 galaxy=irregular "
+                "galaxies=3200 groups=50",
     .fixed = "size galaxy psf r-psf oversamp noise-ratio white photons preset psf-size psf-angle "
              "beta filter psf-ids interpolation",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_narrow,
-};
+    .run = run_narrow};

@@ -4,7 +4,6 @@
 #include "engine/must.h"
 #include "engine/sample.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -14,19 +13,6 @@ static const parameter parameters[] = {
     {"ratios", "0.02,0.05,0.1,0.2,0.5,1,1.5", 1e-6, 1e3, true, "the values of I_N/I_G"},
     {"pictured", "0.02,0.1,0.5,1.5", 1e-6, 1e3, true, "those of the sample images, at most four"},
     {0}};
-
-static void defaults(options *o) {
-    shear_mock_spec *m = &o->mock;
-    m->nx = m->ny = 256;
-    m->g1 = 0.023;
-    m->g2 = -0.037;
-    m->rotate = 1;
-    m->r_gal_px = 30.0;
-    m->r_psf_px = 4.0;
-    o->settings.interpolation = SHEAR_INTERP_NONE;
-    o->settings.filter = SHEAR_FILTER_PAPER;
-    o->settings.background = SHEAR_BACKGROUND_KEEP; /* as the paper's */
-}
 
 static int64_t stamps(const options *o) {
     return o->galaxies * options_list(o, "ratios")->n;
@@ -91,7 +77,7 @@ static void tabulate(run *r, const jackknife_sums *sums, curve curves[2][2]) {
         const double ratio = ratios->v[i / 2];
         s = jackknife_shear_of(sums, i, o->mock.rotate > 1, truth);
         table_numbers(r->table, ratio);
-        table_text(r->table, i % 2 != 0 ? "no" : "yes");
+        table_texts(r->table, i % 2 != 0 ? "no" : "yes");
         for (int c = 0; c < 2; c++) {
             table_numbers(r->table, s.g[c], s.err[c], s.pull[c]);
             worst = i % 2 != 0 ? worst : fmax(worst, fabs(s.pull[c]));
@@ -106,10 +92,10 @@ static void draw(run *r, curve curves[2][2]) {
     const panels p =
         run_panels(r, NULL, 760, 640, (shear_grid){.rows = 2, .columns = 1, .gap_y = 4});
     for (int c = 0; c < 2; c++) {
-        chart_draw(p.figure, panels_cell(&p, c),
-                   &(chart){NULL, c != 0 ? "I_{N} / I_{G}" : NULL, c != 0 ? "g_{2}" : "g_{1}",
-                            .log_x = true, .legend = SHEAR_BOTTOM_LEFT, .truth = truth[c],
-                            .spread = 0.012, .n_curves = 2, .curves = curves[c]});
+        panels_draw(&p, c,
+                    &(chart){NULL, c != 0 ? "I_{N} / I_{G}" : NULL, c != 0 ? "g_{2}" : "g_{1}",
+                             .log_x = true, .legend = SHEAR_BOTTOM_LEFT, .truth = truth[c],
+                             .spread = 0.012, .n_curves = 2, .curves = curves[c]});
     }
 }
 
@@ -152,17 +138,15 @@ static void run_noise(run *r) {
 }
 
 const experiment experiment_noise = {
-    .name = "noise",
-    .summary = "section 4.2: shear under noise of growing brightness, corrected and not",
-    .about = "Regular galaxies of 600 points on 256x256 pixels, R_G = 30, W_A with R_PSF = 4, beta "
-             "= 6,\n"
-             "the paper's filter, under point-source noise whose mean flux density is I_N/I_G "
-             "times the\n"
-             "galaxy's. All ratios show the same galaxies and the same noise, scaled. Also leaves\n"
-             "noise-images.png: one galaxy at four ratios.",
-    .parameters = parameters,
+    "noise",
+    "section 4.2: shear under noise of growing brightness, corrected and not",
+    "Regular galaxies of 600 points on 256x256 pixels, R_G = 30, W_A with R_PSF = 4, beta =\n"
+    "6, the paper's filter, under point-source noise whose mean flux density is I_N/I_G times\n"
+    "the galaxy's. All ratios show the same galaxies and the same noise, scaled. Also leaves\n"
+    "noise-images.png: one galaxy at four ratios.",
+    .defaults = "size=256 shear=0.023,-0.037 rotate=1 r-gal=30 r-psf=4 interpolation=none "
+                "filter=paper background=keep",
     .fixed = "noise-ratio noise-correction no-noise-correction",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_noise,
-};
+    .run = run_noise};

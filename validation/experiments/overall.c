@@ -3,7 +3,6 @@
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -16,17 +15,6 @@ static const parameter parameters[] = {
     {"ratios", "0.1,0.5,0.6,0.2", 0, 100, true, "I_N/I_G of the four panels"},
     {"step", "0.075", 0.001, 1, false, "step of the irregular galaxies' random walk over R_G"},
     {0}};
-
-static void defaults(options *o) {
-    o->mock.g1 = -0.031;
-    o->mock.g2 = 0.018;
-    o->mock.rotate = 1;
-    o->mock.r_psf_px = 0.5;
-    o->mock.nx = o->mock.ny = 24;
-    o->settings.filter = SHEAR_FILTER_PAPER;
-    o->settings.background = SHEAR_BACKGROUND_KEEP; /* as the paper's */
-    o->settings.zeros = SHEAR_ZEROS_FLOOR;
-}
 
 static int64_t stamps(const options *o) {
     const int sizes = options_list(o, "sizes")->n;
@@ -96,10 +84,9 @@ static const double large = 5.0; /* R_G over R_PSF from which on the paper's cla
 
 static void add_row(run *r, int panel, double size, int i, const jackknife_shear *s, outcome *out) {
     const method *m = &methods[method_of(i)];
-    table_text(r->table, kinds[panel].galaxy);
-    table_text(r->table, kinds[panel].psf);
+    table_texts(r->table, kinds[panel].galaxy, kinds[panel].psf);
     table_numbers(r->table, options_list(r->options, "ratios")->v[panel], size);
-    table_text(r->table, m->label);
+    table_texts(r->table, m->label);
     for (int c = 0; c < 2; c++) {
         curve *of = &out->curves[panel][c][i];
         of->hue = i != 0 ? SHEAR_BLACK : SHEAR_VERMILION;
@@ -170,11 +157,11 @@ static void draw(run *r, const outcome *out) {
         const int panel = i / 2;
         char title[80];
         snprintf(title, sizeof title, "%s, I_{N}/I_{G} = %g", kinds[panel].title, ratios[panel]);
-        chart_draw(p.figure, panels_cell(&p, i),
-                   &(chart){title, panel + 1 == N_PANELS ? "R_{G} / R_{PSF}" : NULL,
-                            i % 2 != 0 ? "g_{2}" : "g_{1}", .legend = SHEAR_TOP_RIGHT,
-                            .headroom = i == 0 ? 0.4 : 0.0, .truth = truth[i % 2], .spread = 0.02,
-                            .n_curves = N_BEST, .curves = out->curves[panel][i % 2]});
+        panels_draw(&p, i,
+                    &(chart){title, panel + 1 == N_PANELS ? "R_{G} / R_{PSF}" : NULL,
+                             i % 2 != 0 ? "g_{2}" : "g_{1}", .legend = SHEAR_TOP_RIGHT,
+                             .headroom = i == 0 ? 0.4 : 0.0, .truth = truth[i % 2], .spread = 0.02,
+                             .n_curves = N_BEST, .curves = out->curves[panel][i % 2]});
     }
 }
 
@@ -190,18 +177,15 @@ static void run_overall(run *r) {
 }
 
 const experiment experiment_overall = {
-    .name = "overall",
-    .summary = "section 4.4: noise and pixels at once, by size of the galaxies",
-    .about =
-        "Regular and irregular galaxies under W_A and W_B, R_PSF half a pixel, beta = 1.5 R_PSF, "
-        "the\n"
-        "paper's filter, point-source noise: four panels of four sizes, each with the two best\n"
-        "interpolations. All sizes of a panel show the same galaxies, scaled. The PSF is given "
-        "finely\n"
-        "sampled.",
-    .parameters = parameters,
+    "overall",
+    "section 4.4: noise and pixels at once, by size of the galaxies",
+    "Regular and irregular galaxies under W_A and W_B, R_PSF half a pixel, beta = 1.5 R_PSF,\n"
+    "the paper's filter, point-source noise: four panels of four sizes, each with the two\n"
+    "best interpolations. All sizes of a panel show the same galaxies, scaled. The PSF is\n"
+    "given finely sampled.",
+    .defaults =
+        "shear=-0.031,0.018 rotate=1 r-psf=0.5 size=24 filter=paper background=keep zeros=floor",
     .fixed = "galaxy psf r-gal step-size noise-ratio interpolation oversamp",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_overall,
-};
+    .run = run_overall};

@@ -3,7 +3,6 @@
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -18,16 +17,6 @@ static const parameter parameters[] = {
     {"beta", "1.33333333333333333", 0.5, 10, false, "beta over R_PSF"},
     {"coarse", "1", 0, 1, false, "1: also with the PSF as coarse as the pixels"},
     {0}};
-
-static void defaults(options *o) {
-    o->mock.g1 = -0.031;
-    o->mock.g2 = 0.018;
-    o->mock.rotate = 1;
-    o->mock.galaxy = SHEAR_MOCK_IRREGULAR;
-    o->mock.psf = SHEAR_MOCK_PSF_B;
-    o->settings.filter = SHEAR_FILTER_NONE;
-    o->settings.zeros = SHEAR_ZEROS_FLOOR;
-}
 
 static int64_t stamps(const options *o) {
     const int sizes = options_list(o, "sizes")->n;
@@ -168,8 +157,7 @@ static const column gain[] = {{"gain", TABLE_NUMBER, 5,
 
 static void add_row(table *t, int psf, const point *p) {
     table_numbers(t, p->size, p->ratio);
-    table_text(t, methods[p->method].label);
-    table_text(t, psf_sampling_names[psf]);
+    table_texts(t, methods[p->method].label, psf_sampling_names[psf]);
     for (int c = 0; c < 2; c++) {
         table_numbers(t, p->g[c], p->err[c], p->pull[c], p->dev[c], p->dev_err[c]);
     }
@@ -231,11 +219,11 @@ static void draw(run *r, const char *suffix, curves all) {
         const bool last = i / 2 + 1 == sizes->n;
         char title[48];
         snprintf(title, sizeof title, "R_{G} = %g R_{PSF}", sizes->v[i / 2]);
-        chart_draw(p.figure, panels_cell(&p, i),
-                   &(chart){title, last ? "pixel size / R_{PSF}" : NULL,
-                            i % 2 != 0 ? "g_{2}" : "g_{1}", .legend = SHEAR_TOP_LEFT,
-                            .truth = truth[i % 2], .spread = 0.008, .headroom = i == 0 ? 0.9 : 0.0,
-                            .n_curves = N_METHODS, .curves = all[i / 2][i % 2]});
+        panels_draw(&p, i,
+                    &(chart){title, last ? "pixel size / R_{PSF}" : NULL,
+                             i % 2 != 0 ? "g_{2}" : "g_{1}", .legend = SHEAR_TOP_LEFT,
+                             .truth = truth[i % 2], .spread = 0.008, .headroom = i == 0 ? 0.9 : 0.0,
+                             .n_curves = N_METHODS, .curves = all[i / 2][i % 2]});
     }
 }
 
@@ -280,20 +268,15 @@ static void run_pixels(run *r) {
 }
 
 const experiment experiment_pixels = {
-    .name = "pixels",
-    .summary = "section 4.3: shear against the size of the pixels, six interpolations",
-    .about = "Irregular galaxies of 1000 steps under W_B, beta = 4/3 R_PSF, without noise, in "
-             "three sizes\n"
-             "(R_G and step 6.67 and 0.5, 3.33 and 0.25, 1.67 and 0.125 R_PSF). The PSF is given "
-             "finely\n"
-             "sampled, and again as coarse as the pixels (pixels-coarse.png). Beside the true "
-             "shear stands\n"
-             "what the same galaxies give where pixels do not matter (R_PSF = 4 pixels): "
-             "deviations from\n"
-             "it are free of the scatter of the galaxies' shapes.",
-    .parameters = parameters,
+    "pixels",
+    "section 4.3: shear against the size of the pixels, six interpolations",
+    "Irregular galaxies of 1000 steps under W_B, beta = 4/3 R_PSF, without noise, in three\n"
+    "sizes (R_G and step 6.67 and 0.5, 3.33 and 0.25, 1.67 and 0.125 R_PSF). The PSF is given\n"
+    "finely sampled, and again as coarse as the pixels (pixels-coarse.png). Beside the true\n"
+    "shear stands what the same galaxies give where pixels do not matter (R_PSF = 4 pixels):\n"
+    "deviations from it are free of the scatter of the galaxies' shapes.",
+    .defaults = "shear=-0.031,0.018 rotate=1 galaxy=irregular psf=b filter=none zeros=floor",
     .fixed = "size r-gal r-psf step-size beta beta-ratio interpolation oversamp",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_pixels,
-};
+    .run = run_pixels};

@@ -4,7 +4,6 @@
 #include "engine/must.h"
 #include "engine/trial.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -35,14 +34,6 @@ static const parameter parameters[] = {
      "0 defaults, 1-3 beta-ratio 1.5, 2, 2.5, 4 no filter, 5 a core of 20 px, 6 the noise's level "
      "not fitted, 7 version 0.1"},
     {0}};
-
-static void defaults(options *o) {
-    (void)shear_settings_set(&o->settings, "preset", "default", NULL);
-    o->mock.g1 = 0.03;
-    o->mock.g2 = -0.02;
-    o->galaxies = 20000;
-    o->groups = 100;
-}
 
 static int64_t stamps(const options *o) {
     if (options_list(o, "snrs")->n >= TRIAL_MAX_LEVELS) {
@@ -113,8 +104,7 @@ static void tabulate(run *r, const trial *t, const trial_outcome *out) {
         const int way = i / t->n_levels;
         const trial_level *level = &t->levels[i % t->n_levels];
         const trial_outcome *o = &out[i % t->n_levels * t->n_ways + way];
-        table_text(r->table, step_of(r->options, way)->label);
-        table_text(r->table, way % 2 != 0 ? "pdf-sym" : "mean");
+        table_texts(r->table, step_of(r->options, way)->label, way % 2 != 0 ? "pdf-sym" : "mean");
         table_numbers(r->table, level->snr, level->range, o->error, o->error_err, o->quoted, o->m,
                       o->m_err);
     }
@@ -140,10 +130,10 @@ static void draw_panel(const panels *p, const options *o, const trial *t, const 
             curve_add(&curves[i], t->levels[level].snr, at->error, at->error_err);
         }
     }
-    chart_draw(p->figure, panels_cell(p, pdf),
-               &(chart){pdf != 0 ? "pdf-sym" : "mean", "S/N", "error of one galaxy", .log_x = true,
-                        .legend = SHEAR_TOP_RIGHT, .truth = NAN, .spread = 0.01,
-                        .n_curves = t->n_ways / 2, .curves = curves});
+    panels_draw(p, pdf,
+                &(chart){pdf != 0 ? "pdf-sym" : "mean", "S/N", "error of one galaxy", .log_x = true,
+                         .legend = SHEAR_TOP_RIGHT, .truth = NAN, .spread = 0.01,
+                         .n_curves = t->n_ways / 2, .curves = curves});
 }
 
 static void run_precision(run *r) {
@@ -158,16 +148,14 @@ static void run_precision(run *r) {
 }
 
 const experiment experiment_precision = {
-    .name = "precision",
-    .summary = "beyond the paper: the error of one galaxy against signal-to-noise",
-    .about =
-        "Galaxies of disk and bulge at random angles behind a Moffat PSF, in white noise: the\n"
-        "error of one galaxy by the mean and by pdf-sym, against signal-to-noise and for a broad\n"
-        "power law of fluxes, by the defaults and by each of their steps on or off; and m, from\n"
-        "the same galaxies and noise at opposite shears.",
-    .parameters = parameters,
+    "precision",
+    "beyond the paper: the error of one galaxy against signal-to-noise",
+    "Galaxies of disk and bulge at random angles behind a Moffat PSF, in white noise: the\n"
+    "error of one galaxy by the mean and by pdf-sym, against signal-to-noise and for a broad\n"
+    "power law of fluxes, by the defaults and by each of their steps on or off; and m, from\n"
+    "the same galaxies and noise at opposite shears.",
+    .defaults = "preset=default shear=0.03,-0.02 galaxies=20000 groups=100",
     .fixed = trial_fixed,
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_precision,
-};
+    .run = run_precision};

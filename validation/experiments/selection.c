@@ -5,7 +5,6 @@
 #include "engine/trial_stamps.h"
 #include "engine/trial_sums.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 #include "shear/run.h"
 
@@ -36,14 +35,6 @@ static const parameter parameters[] = {
     {"range", "10", 1, 1e6, false, "largest over smallest; even in the logarithm between"},
     {"aperture", "3", 0.5, 20, false, "sigma of the round Gaussian aperture, pixels"},
     {0}};
-
-static void defaults(options *o) {
-    (void)shear_settings_set(&o->settings, "preset", "default", NULL);
-    o->mock.g1 = 0.08;
-    o->mock.g2 = -0.05;
-    o->galaxies = 160000;
-    o->groups = 160;
-}
 
 static int64_t stamps(const options *o) {
     return 2 * o->galaxies;
@@ -307,9 +298,9 @@ static void tabulate(table *t, const parameter_values *kept, const outcome *out)
     table_columns(t, columns);
     for (int i = 0; i < N_CUTS * n; i++) {
         const outcome *o = &out[i];
-        table_text(t, cut_names[i / n]);
+        table_texts(t, cut_names[i / n]);
         table_numbers(t, kept->v[i % n / N_ESTIMATORS], o->kept, o->threshold);
-        table_text(t, estimator_names[i % N_ESTIMATORS]);
+        table_texts(t, estimator_names[i % N_ESTIMATORS]);
         table_numbers(t, o->m, o->m_err, o->shift, o->shift_err);
     }
     for (int i = 0; i < N_CUTS; i++) {
@@ -331,11 +322,11 @@ static void draw_panel(const panels *p, int n_kept, const outcome *out, int esti
         curves[i / n_kept].label = cut_names[i / n_kept];
         curve_add(&curves[i / n_kept], o->kept, 1e3 * o->shift, 1e3 * o->shift_err);
     }
-    chart_draw(p->figure, panels_cell(p, estimator),
-               &(chart){estimator_names[estimator], "part of the stamps that is kept",
-                        "m less that without a cut, 10^{-3}", .legend = SHEAR_TOP_RIGHT,
-                        .truth = 0.0, .headroom = 0.45, .spread = 0.008, .n_curves = N_CUTS,
-                        .curves = curves});
+    panels_draw(p, estimator,
+                &(chart){estimator_names[estimator], "part of the stamps that is kept",
+                         "m less that without a cut, 10^{-3}", .legend = SHEAR_TOP_RIGHT,
+                         .truth = 0.0, .headroom = 0.45, .spread = 0.008, .n_curves = N_CUTS,
+                         .curves = curves});
 }
 
 static void run_selection(run *r) {
@@ -355,16 +346,14 @@ static void run_selection(run *r) {
 }
 
 const experiment experiment_selection = {
-    .name = "selection",
-    .summary = "beyond the paper: what cuts on signal-to-noise do to the shear",
-    .about =
-        "Galaxies of disk and bulge in fours behind a Moffat PSF, at +g and -g in the same noise,\n"
-        "of a signal-to-noise that is even in the logarithm: measured once by the default\n"
-        "settings, then cut on what is true of them, on columns of the result and on aperture\n"
-        "fluxes. m of the mean and of pdf-sym, less that without a cut, against the part kept.",
-    .parameters = parameters,
+    "selection",
+    "beyond the paper: what cuts on signal-to-noise do to the shear",
+    "Galaxies of disk and bulge in fours behind a Moffat PSF, at +g and -g in the same noise,\n"
+    "of a signal-to-noise that is even in the logarithm: measured once by the default\n"
+    "settings, then cut on what is true of them, on columns of the result and on aperture\n"
+    "fluxes. m of the mean and of pdf-sym, less that without a cut, against the part kept.",
+    .defaults = "preset=default shear=0.08,-0.05 galaxies=160000 groups=160",
     .fixed = trial_fixed,
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_selection,
-};
+    .run = run_selection};

@@ -4,7 +4,6 @@
 #include "engine/methods.h"
 #include "engine/must.h"
 #include "experiments/list.h"
-#include "report/chart.h"
 #include "report/run.h"
 
 #include <math.h>
@@ -21,17 +20,6 @@ static const parameter parameters[] = {
     {"photons-3", "3,10,1e2,1e3,1e4", 1e-3, 1e8, true, "of the third"},
     {"reach", "0.04", 1e-4, 0.5, false, "largest component of the five shears"},
     {0}};
-
-static void defaults(options *o) {
-    shear_mock_spec *m = &o->mock;
-    m->rotate = 1;
-    m->galaxy = SHEAR_MOCK_IRREGULAR;
-    m->r_psf_px = 1.0;
-    m->r_gal_px = 7.5;
-    m->step_px = 0.5625;
-    m->nx = m->ny = 40;
-    o->settings.filter = SHEAR_FILTER_NONE;
-}
 
 static const parameter_values *exposures(const options *o, int panel) {
     static const char *const names[N_PANELS] = {"photons-1", "photons-2", "photons-3"};
@@ -153,7 +141,7 @@ static void add_row(run *r, const jackknife_sums *sums, int panel, double photon
     bool small = true;
     bias_fit_compare(sums, &set, &endless, dm, dm_err);
     table_numbers(r->table, options_list(r->options, "snrs")->v[panel], photons);
-    table_text(r->table, ways[way].name);
+    table_texts(r->table, ways[way].name);
     for (int c = 0; c < 2; c++) {
         table_numbers(r->table, b.m[c], b.m_err[c], dm[c], dm_err[c], b.c[c], b.c_err[c]);
         curve_add(&out->m[panel][way][c], photons, b.m[c], b.m_err[c]);
@@ -215,10 +203,10 @@ static void draw_panel(const panels *p, int i, double snr, const outcome *out) {
         curves[k].label = i == 0 ? labels[k] : NULL;
     }
     snprintf(title, sizeof title, "signal-to-noise %g", snr);
-    chart_draw(p->figure, panels_cell(p, i),
-               &(chart){title, panel + 1 == N_PANELS ? "background photons per pixel" : NULL,
-                        of_c ? "c" : "m", .log_x = true, .legend = SHEAR_TOP_RIGHT, .truth = 0.0,
-                        .spread = 0.015, .n_curves = 4, .curves = curves});
+    panels_draw(p, i,
+                &(chart){title, panel + 1 == N_PANELS ? "background photons per pixel" : NULL,
+                         of_c ? "c" : "m", .log_x = true, .legend = SHEAR_TOP_RIGHT, .truth = 0.0,
+                         .spread = 0.015, .n_curves = 4, .curves = curves});
 }
 
 static void run_shot(run *r) {
@@ -240,17 +228,14 @@ static void run_shot(run *r) {
 }
 
 const experiment experiment_shot = {
-    .name = "shot",
-    .summary = "discussion: m and c under photon counting, against the exposure",
-    .about =
-        "Irregular galaxies of R_G = 7.5 R_PSF, R_PSF = 1 pixel, counted photon by photon over a\n"
-        "background; the same galaxies for five shears and all exposures. Measured with "
-        "Log-Spline\n"
-        "(the paper's way), without interpolation, and without interpolation but with\n"
-        "shot-noise=plateau, which the paper did not have.",
-    .parameters = parameters,
+    "shot",
+    "discussion: m and c under photon counting, against the exposure",
+    "Irregular galaxies of R_G = 7.5 R_PSF, R_PSF = 1 pixel, counted photon by photon over a\n"
+    "background; the same galaxies for five shears and all exposures. Measured with\n"
+    "Log-Spline (the paper's way), without interpolation, and without interpolation but with\n"
+    "shot-noise=plateau, which the paper did not have.",
+    .defaults = "rotate=1 galaxy=irregular r-psf=1 r-gal=7.5 step-size=0.5625 size=40 filter=none",
     .fixed = "shear photons photon-snr noise-ratio white interpolation shot-noise shot_noise",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_shot,
-};
+    .run = run_shot};

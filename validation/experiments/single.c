@@ -19,16 +19,6 @@ static const parameter parameters[] = {
     {"beta", "1.33333333333333333", 0.5, 10, false, "beta over R_PSF"},
     {0}};
 
-static void defaults(options *o) {
-    o->mock.g1 = o->mock.g2 = 0.0;
-    o->mock.rotate = 1;
-    o->mock.galaxy = SHEAR_MOCK_IRREGULAR;
-    o->mock.psf = SHEAR_MOCK_PSF_B;
-    o->galaxies = 1000;
-    o->settings.filter = SHEAR_FILTER_NONE;
-    o->settings.zeros = SHEAR_ZEROS_FLOOR;
-}
-
 static int64_t stamps(const options *o) {
     const int ratios = options_list(o, "ratios")->n;
     if (ratios > MAX_RATIOS) {
@@ -237,8 +227,7 @@ static void add_row(table *t, const objects *all, int k, int i_series) {
     const object *first = &all->of[0];
     const shears *s = &first->at[k];
     table_numbers(t, all->ratios->v[k]);
-    table_text(t, methods[i_series % N_METHODS].label);
-    table_text(t, psf_sampling_names[i_series / N_METHODS]);
+    table_texts(t, methods[i_series % N_METHODS].label, psf_sampling_names[i_series / N_METHODS]);
     for (int c = 0; c < 2; c++) {
         const spread over = spread_of(s->g[c] + i_series * s->n, (size_t)s->n);
         const double bias = over.mean - first->truth[c];
@@ -379,19 +368,15 @@ static void run_single(run *r) {
 }
 
 const experiment experiment_single = {
-    .name = "single",
-    .summary = "section 4.3: the shear of one galaxy at random positions on the grid",
-    .about = "One irregular galaxy of R_G = 5 R_PSF at --galaxies random positions, for pixels of "
-             "2, 1.5, 1\n"
-             "and 0.5 R_PSF, without noise. The PSF is given finely sampled, and again as coarse "
-             "as the\n"
-             "pixels, so that it is interpolated too (single-coarse.png). The truth is the same "
-             "galaxy's\n"
-             "shear at R_PSF = 8 pixels.",
-    .parameters = parameters,
+    "single",
+    "section 4.3: the shear of one galaxy at random positions on the grid",
+    "One irregular galaxy of R_G = 5 R_PSF at --galaxies random positions, for pixels of 2,\n"
+    "1.5, 1 and 0.5 R_PSF, without noise. The PSF is given finely sampled, and again as\n"
+    "coarse as the pixels, so that it is interpolated too (single-coarse.png). The truth is\n"
+    "the same galaxy's shear at R_PSF = 8 pixels.",
+    .defaults = "shear=0,0 rotate=1 galaxy=irregular psf=b galaxies=1000 filter=none zeros=floor",
     .fixed = "size r-gal r-psf step-size offset no-shift rotate groups beta beta-ratio "
              "interpolation oversamp",
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_single,
-};
+    .run = run_single};

@@ -19,14 +19,6 @@ static const parameter parameters[] = {
     {"least", "256", 64, 1e9, false, "stamps of a row that has fewer, at least"},
     {0}};
 
-static void defaults(options *o) {
-    (void)shear_settings_set(&o->settings, "preset", "default", NULL);
-    o->mock.g1 = 0.03;
-    o->mock.g2 = -0.02;
-    o->galaxies = 20000;
-    o->groups = 40;
-}
-
 static trial trial_of(const options *o, const flaw *f) {
     const parameter_values *snrs = options_list(o, "snrs");
     const double fewer =
@@ -133,15 +125,13 @@ static const column columns_of_both[] = {
 static void add_row(table *t, const flaw *f, double snr, int way, const trial_outcome *o) {
     char aim[80];
     char told[48];
-    table_text(t, f->name);
-    table_text(t, f->label);
+    table_texts(t, f->name, f->label);
     table_numbers(t, snr);
-    table_text(t, way != 0 ? "pdf-sym" : "mean");
+    table_texts(t, way != 0 ? "pdf-sym" : "mean");
     table_numbers(t, o->m, o->m_err, o->c[0], o->c_err[0], o->c[1], o->c_err[1]);
     table_numbers(t, o->level, o->level_err, o->used, o->flagged, o->spoilt);
-    table_text(t, trial_told_text(o, told, sizeof told));
-    table_text(t, aim_text(f, aim, sizeof aim));
-    table_text(t, is_met(f, snr, o) ? "yes" : "no");
+    table_texts(t, trial_told_text(o, told, sizeof told), aim_text(f, aim, sizeof aim),
+                is_met(f, snr, o) ? "yes" : "no");
 }
 
 /* One line for a row of the table of flaws: at which signal-to-noise it is met. True if at all. */
@@ -236,17 +226,15 @@ static void run_survey(run *r) {
 }
 
 const experiment experiment_survey = {
-    .name = "survey",
-    .summary = "beyond the paper: the shear of imperfect data by the default settings",
-    .about =
-        "Galaxies of disk and bulge behind a Moffat PSF (or one of a space telescope), in fours\n"
-        "at +g and -g in the same noise, under what real data have: noise that the noise stamps\n"
-        "do not show, source photons, a sky, artefacts, a PSF that is not what it should be,\n"
-        "files made wrongly. m and c by the default settings for the mean and for pdf-sym, and\n"
-        "whether the library refused, flagged or warned; each row beside what is asked of it.",
-    .parameters = parameters,
+    "survey",
+    "beyond the paper: the shear of imperfect data by the default settings",
+    "Galaxies of disk and bulge behind a Moffat PSF (or one of a space telescope), in fours\n"
+    "at +g and -g in the same noise, under what real data have: noise that the noise stamps\n"
+    "do not show, source photons, a sky, artefacts, a PSF that is not what it should be,\n"
+    "files made wrongly. m and c by the default settings for the mean and for pdf-sym, and\n"
+    "whether the library refused, flagged or warned; each row beside what is asked of it.",
+    .defaults = "preset=default shear=0.03,-0.02 galaxies=20000 groups=40",
     .fixed = trial_fixed,
-    .defaults = defaults,
+    .parameters = parameters,
     .stamps = stamps,
-    .run = run_survey,
-};
+    .run = run_survey};

@@ -41,6 +41,10 @@ shear_rect panels_cell(const panels *p, int i) {
     return shear_grid_cell(&p->grid, i / p->grid.columns, i % p->grid.columns, 1, 1);
 }
 
+void panels_draw(const panels *p, int i, const chart *c) {
+    chart_draw(p->figure, panels_cell(p, i), c);
+}
+
 void run_end(run *r) {
     char path[OPTIONS_PATH];
     const options *o = r->options;

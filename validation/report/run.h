@@ -4,8 +4,8 @@
 #define VALIDATION_RUN_H
 
 #include "engine/cache.h"
+#include "report/chart.h"
 #include "report/table.h"
-#include "shear_figures/figure.h"
 
 typedef struct run_figures run_figures;
 
@@ -30,6 +30,7 @@ typedef struct panels {
 panels run_panels(run *r, const char *suffix, int width, int height, shear_grid grid);
 /* Row by row from the top left. */
 shear_rect panels_cell(const panels *p, int i);
+void panels_draw(const panels *p, int i, const chart *c);
 
 /* Print the table, save it and the figures in the order in which they were begun, say where they
  * are, with the run time of all pieces as meta data; close and free all. */

@@ -2,6 +2,7 @@
 #include "report/table.h"
 
 #include "base/array.h"
+#include "base/text.h"
 #include "engine/must.h"
 #include "shear.h"
 
@@ -128,12 +129,14 @@ void table_add_numbers(table *t, size_t n, const double *values) {
     }
 }
 
-void table_text(table *t, const char *text) {
-    made_column *c = NULL;
-    cell *next = next_cell(t, &c);
-    assert(c->of->kind == TABLE_TEXT);
-    snprintf(next->text, sizeof next->text, "%s", text);
-    widen(c, next->text);
+void table_add_texts(table *t, size_t n, const char *const *texts) {
+    for (size_t i = 0; i < n; i++) {
+        made_column *c = NULL;
+        cell *next = next_cell(t, &c);
+        assert(c->of->kind == TABLE_TEXT);
+        text_set(next->text, sizeof next->text, texts[i]);
+        widen(c, next->text);
+    }
 }
 
 __attribute__((format(printf, 3, 0))) static void add_meta(table *t, const char *key,

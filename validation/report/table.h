@@ -34,7 +34,11 @@ void table_components(table *t, const column *columns);
 #define table_numbers(t, ...)                                                                      \
     table_add_numbers(t, sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[]){__VA_ARGS__})
 void table_add_numbers(table *t, size_t n, const double *values);
-void table_text(table *t, const char *text);
+/* Append cells of text: table_texts(t, a, b, ...). */
+#define table_texts(t, ...)                                                                        \
+    table_add_texts(t, sizeof((const char *[]){__VA_ARGS__}) / sizeof(char *),                     \
+                    (const char *[]){__VA_ARGS__})
+void table_add_texts(table *t, size_t n, const char *const *texts);
 
 /* A line of meta data; a conclusion (its key is "verdict") is printed under the table. */
 void table_meta(table *t, const char *key, const char *format, ...)
