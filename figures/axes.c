@@ -8,7 +8,6 @@
 
 static const double TICK_LENGTH = 5.0;
 static const double MINOR_LENGTH = 3.0;
-static const double FAR = 4e6; /* pixels; cairo's fixed-point coordinates end at 8.4e6 */
 static const double TITLE_ROOM = 25.0;
 static const double TICK_LABEL_ROOM = 20.0;
 static const double LABEL_ROOM = 20.0;
@@ -23,37 +22,6 @@ static shear_range usable_range(const shear_axis *axis) {
     r.hi = r.hi > 0.0 ? r.hi : 1.0;
     r.lo = r.lo > 0.0 && r.lo < r.hi ? r.lo : 1e-3 * r.hi;
     return r.lo >= DBL_MIN ? r : (shear_range){1e-3, 1.0}; /* below, powers of ten lose digits */
-}
-
-/* 0 at lo, 1 at hi; NaN where there is no place. */
-static double part_of(const shear_axis *axis, double v) {
-    const shear_range r = axis->range;
-    if (axis->log) {
-        return v > 0.0 && isfinite(v) ? log(v / r.lo) / log(r.hi / r.lo) : NAN;
-    }
-    return isfinite(v) ? (v - r.lo) / (r.hi - r.lo) : NAN;
-}
-
-static double pulled_in(double place) {
-    return isnan(place) ? place : fmin(fmax(place, -FAR), FAR);
-}
-
-double axes_x(const open_axes *axes, double x) {
-    return pulled_in(axes->frame.x + axes->frame.w * part_of(&axes->spec.x, x));
-}
-
-double axes_y(const open_axes *axes, double y) {
-    return pulled_in(axes->frame.y + axes->frame.h * (1.0 - part_of(&axes->spec.y, y)));
-}
-
-bool axes_ready(shear_figure *f) {
-    if (!figure_good(f)) {
-        return false;
-    }
-    if (!f->axes.open) {
-        figure_failed(f, SHEAR_E_INTERNAL, "drawing without axes: a _begin is missing");
-    }
-    return f->axes.open;
 }
 
 shear_rect shear_axes_frame(const shear_figure *figure) {
@@ -91,80 +59,61 @@ static void choose_ticks(shear_figure *f, const shear_axis *axis, double length,
     }
 }
 
-static void draw_frame(shear_figure *f) {
-    const shear_rect r = f->axes.frame;
+/* The path of a frame: around the data's pixels, on the centres of the next ones: crisp, and
+ * nothing is hidden. */
+static void frame_path(shear_figure *f, shear_rect r) {
     figure_set_colour(f, shear_palette(SHEAR_BLACK));
     cairo_set_line_width(f->cr, FRAME_WIDTH);
     cairo_set_dash(f->cr, NULL, 0, 0.0);
-    /* Around the data's pixels, on the centres of the next ones: crisp, and nothing is hidden. */
     cairo_rectangle(f->cr, r.x - 0.5, r.y - 0.5, r.w + 1.0, r.h + 1.0);
-    cairo_stroke(f->cr);
 }
 
-/* A tick at x on the lower and upper edge (inward), or below the lower edge over an image. */
-static void tick_at_x(shear_figure *f, double x, double length) {
+/* A tick at a place along x (or y): inward on both edges of the frame, or, over an image, outward
+ * below (or left of) it. */
+static void draw_tick(shear_figure *f, bool along_x, double place, double length) {
     const shear_rect r = f->axes.frame;
-    const double at = floor(x) + 0.5;
+    const double at = floor(place) + 0.5;
+    const double dx = along_x ? 0.0 : length;
+    const double dy = along_x ? length : 0.0;
     if (f->axes.image) {
-        cairo_move_to(f->cr, at, r.y + r.h + 1.0);
-        cairo_rel_line_to(f->cr, 0.0, length);
+        cairo_move_to(f->cr, along_x ? at : r.x - 1.0, along_x ? r.y + r.h + 1.0 : at);
+        cairo_rel_line_to(f->cr, -dx, dy);
         return;
     }
-    cairo_move_to(f->cr, at, r.y + r.h);
-    cairo_rel_line_to(f->cr, 0.0, -length);
-    cairo_move_to(f->cr, at, r.y);
-    cairo_rel_line_to(f->cr, 0.0, length);
+    cairo_move_to(f->cr, along_x ? at : r.x, along_x ? r.y + r.h : at);
+    cairo_rel_line_to(f->cr, dx, -dy);
+    cairo_move_to(f->cr, along_x ? at : r.x + r.w, along_x ? r.y : at);
+    cairo_rel_line_to(f->cr, -dx, dy);
 }
 
-static void tick_at_y(shear_figure *f, double y, double length) {
-    const shear_rect r = f->axes.frame;
-    const double at = floor(y) + 0.5;
-    if (f->axes.image) {
-        cairo_move_to(f->cr, r.x - 1.0, at);
-        cairo_rel_line_to(f->cr, -length, 0.0);
-        return;
-    }
-    cairo_move_to(f->cr, r.x, at);
-    cairo_rel_line_to(f->cr, length, 0.0);
-    cairo_move_to(f->cr, r.x + r.w, at);
-    cairo_rel_line_to(f->cr, -length, 0.0);
-}
-
-static void minor_tick(shear_figure *f, const shear_axis *axis, double v, bool horizontal) {
-    if (v <= axis->range.lo || v >= axis->range.hi) {
-        return;
-    }
-    if (horizontal) {
-        tick_at_x(f, axes_x(&f->axes, v), MINOR_LENGTH);
-    } else {
-        tick_at_y(f, axes_y(&f->axes, v), MINOR_LENGTH);
-    }
+static double place_of(const open_axes *axes, bool along_x, double v) {
+    return along_x ? axes_x(axes, v) : axes_y(axes, v);
 }
 
 /* 2 to 9 times the powers of ten, where the axis is not too long for them. */
-static void minor_ticks(shear_figure *f, const shear_axis *axis, bool horizontal) {
-    if (!axis->log || log10(axis->range.hi / axis->range.lo) > 8.0) {
+static void draw_minor_ticks(shear_figure *f, bool along_x) {
+    const shear_axis *axis = along_x ? &f->axes.spec.x : &f->axes.spec.y;
+    const shear_range r = axis->range;
+    if (!axis->log || log10(r.hi / r.lo) > 8.0) {
         return;
     }
-    const int last = (int)floor(log10(axis->range.hi));
-    for (int e = (int)floor(log10(axis->range.lo)); e <= last; e++) {
+    const int last = (int)floor(log10(r.hi));
+    for (int e = (int)floor(log10(r.lo)); e <= last; e++) {
         for (int digit = 2; digit < 10; digit++) {
-            minor_tick(f, axis, digit * pow(10.0, e), horizontal);
+            const double v = digit * pow(10.0, e);
+            if (v > r.lo && v < r.hi) {
+                draw_tick(f, along_x, place_of(&f->axes, along_x, v), MINOR_LENGTH);
+            }
         }
     }
 }
 
-static void draw_ticks(shear_figure *f) {
+static void draw_ticks(shear_figure *f, bool along_x) {
     const open_axes *axes = &f->axes;
-    for (int i = 0; i < axes->x_ticks.n; i++) {
-        tick_at_x(f, axes_x(axes, axes->x_ticks.at[i]), TICK_LENGTH);
+    const shear_ticks *ticks = along_x ? &axes->x_ticks : &axes->y_ticks;
+    for (int i = 0; i < ticks->n; i++) {
+        draw_tick(f, along_x, place_of(axes, along_x, ticks->at[i]), TICK_LENGTH);
     }
-    for (int i = 0; i < axes->y_ticks.n; i++) {
-        tick_at_y(f, axes_y(axes, axes->y_ticks.at[i]), TICK_LENGTH);
-    }
-    minor_ticks(f, &axes->spec.x, true);
-    minor_ticks(f, &axes->spec.y, false);
-    cairo_stroke(f->cr);
 }
 
 static void draw_power(shear_figure *f, double x, double y, double align, int exponent) {
@@ -176,18 +125,27 @@ static void draw_power(shear_figure *f, double x, double y, double align, int ex
     shear_figure_text(f, x, y, text, &(shear_text_style){.size = TICK_SIZE, .align = align});
 }
 
+/* Names or numbers, `across` the axis in a line. */
+static void label_ticks(shear_figure *f, bool along_x, double across, double align) {
+    const open_axes *axes = &f->axes;
+    const shear_axis *axis = along_x ? &axes->spec.x : &axes->spec.y;
+    const shear_ticks *ticks = along_x ? &axes->x_ticks : &axes->y_ticks;
+    const shear_text_style style = {.size = TICK_SIZE, .align = align};
+    const bool named = axis->n_names > 0;
+    const int n = named ? axis->n_names : ticks->n;
+    for (int i = 0; !axis->bare && i < n; i++) {
+        const double along = place_of(axes, along_x, named ? i : ticks->at[i]);
+        shear_figure_text(f, along_x ? along : across, along_x ? across : along,
+                          named ? axis->names[i] : ticks->label[i], &style);
+    }
+}
+
 static void label_x(shear_figure *f, const open_axes *axes, double outward) {
     const shear_axis *axis = &axes->spec.x;
     const shear_rect r = axes->frame;
     const double y = r.y + r.h + 11.0 + outward;
-    const shear_text_style style = {.size = TICK_SIZE, .align = 0.5};
-    for (int i = 0; !axis->bare && i < axis->n_names; i++) {
-        shear_figure_text(f, axes_x(axes, i), y, axis->names[i], &style);
-    }
-    for (int i = 0; !axis->bare && i < axes->x_ticks.n; i++) {
-        shear_figure_text(f, axes_x(axes, axes->x_ticks.at[i]), y, axes->x_ticks.label[i], &style);
-    }
     const double below = axis->bare ? r.y + r.h + 14.0 : y + LABEL_ROOM - 1.0;
+    label_ticks(f, true, y, 0.5);
     if (!axis->bare && axes->x_ticks.exponent != 0) {
         draw_power(f, r.x + r.w, below, 1.0, axes->x_ticks.exponent);
     }
@@ -199,17 +157,11 @@ static void label_y(shear_figure *f, const open_axes *axes, double outward) {
     const shear_axis *axis = &axes->spec.y;
     const shear_rect r = axes->frame;
     const double x = r.x - 6.0 - outward;
-    const shear_text_style style = {.size = TICK_SIZE, .align = 1.0};
-    for (int i = 0; !axis->bare && i < axis->n_names; i++) {
-        shear_figure_text(f, x, axes_y(axes, i), axis->names[i], &style);
-    }
-    for (int i = 0; !axis->bare && i < axes->y_ticks.n; i++) {
-        shear_figure_text(f, x, axes_y(axes, axes->y_ticks.at[i]), axes->y_ticks.label[i], &style);
-    }
+    const double left = x - widest_label(f, axis, &axes->y_ticks) - 12.0;
+    label_ticks(f, false, x, 1.0);
     if (!axis->bare && axes->y_ticks.exponent != 0) {
         draw_power(f, r.x, r.y - 9.0, 0.0, axes->y_ticks.exponent);
     }
-    const double left = x - widest_label(f, axis, &axes->y_ticks) - 12.0;
     shear_figure_text(f, left, r.y + r.h / 2.0, axis->label,
                       &(shear_text_style){.size = LABEL_SIZE, .align = 0.5, .upward = true});
 }
@@ -268,9 +220,14 @@ void shear_axes_end(shear_figure *figure) {
     const open_axes *axes = &figure->axes;
     const shear_rect r = axes->frame;
     const double outward = axes->image && axes->ticks ? TICK_LENGTH : 0.0;
-    draw_frame(figure);
+    frame_path(figure, r);
+    cairo_stroke(figure->cr);
     if (axes->ticks) {
-        draw_ticks(figure);
+        draw_ticks(figure, true);
+        draw_ticks(figure, false);
+        draw_minor_ticks(figure, true);
+        draw_minor_ticks(figure, false);
+        cairo_stroke(figure->cr);
         label_x(figure, axes, outward);
         label_y(figure, axes, outward);
     }
@@ -282,10 +239,7 @@ void shear_axes_end(shear_figure *figure) {
 
 void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *stretch,
                          const shear_ticks *ticks) {
-    figure_set_colour(f, shear_palette(SHEAR_BLACK));
-    cairo_set_line_width(f->cr, FRAME_WIDTH);
-    cairo_set_dash(f->cr, NULL, 0, 0.0);
-    cairo_rectangle(f->cr, bar.x - 0.5, bar.y - 0.5, bar.w + 1.0, bar.h + 1.0);
+    frame_path(f, bar);
     for (int i = 0; i < ticks->n; i++) {
         const double part = shear_stretch_apply(stretch, ticks->at[i]);
         const double y = floor(bar.y + bar.h * (1.0 - part)) + 0.5;

@@ -42,6 +42,7 @@ static const double LABEL_SIZE = 12.0;
 static const double TICK_SIZE = 10.5;
 static const double TITLE_SIZE = 12.5;
 static const double FRAME_WIDTH = 0.9;
+static const double BAND_OPACITY = 0.2;
 
 /* canvas.c: true while nothing has failed; and keeping a failure. */
 bool figure_good(shear_figure *f);
@@ -50,28 +51,33 @@ void figure_set_colour(shear_figure *f, shear_colour colour);
 
 /* label.c: how far the middle of the capitals lies above the baseline. */
 double label_half_height(double size);
+/* The bytes of `text`, at most `most`, that are whole UTF-8 characters. */
+size_t label_cut(const char *text, size_t most);
 
-/* axes.c: data to canvas coordinates; NaN where there is no place (not finite, not positive on a
+/* place.c: data to canvas coordinates; NaN where there is no place (not finite, not positive on a
  * log axis). Far away places are pulled in to what cairo's fixed-point numbers hold. */
 double axes_x(const open_axes *axes, double x);
 double axes_y(const open_axes *axes, double y);
 /* True where axes are open and nothing has failed; else keeps the failure. */
 bool axes_ready(shear_figure *f);
-/* Make `spec` the open axes with the given frame. */
+
+/* pen.c: cut what follows at the frame, until cairo_restore; stroke and fill the path with the
+ * style's colour, width and dash; a marker's shape at a place. */
+void pen_clip(shear_figure *f);
+void pen_stroke(shear_figure *f, const shear_style *style);
+void pen_fill(shear_figure *f, const shear_style *style, double default_opacity);
+void pen_marker(shear_figure *f, double x, double y, const shear_style *style);
+
+/* legend.c */
+void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style);
+/* Of an area without outline. */
+void legend_add_band(shear_figure *f, const shear_style *style);
+void legend_draw(shear_figure *f);
+
+/* axes.c: make `spec` the open axes with the given frame. */
 void axes_open(shear_figure *f, const shear_axes *spec, shear_rect frame);
 /* Ticks along y beside x = edge, to the right. For colour bars. */
 void axes_draw_bar_ticks(shear_figure *f, shear_rect bar, const shear_stretch *stretch,
                          const shear_ticks *ticks);
-
-/* legend.c */
-void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style);
-void legend_draw(shear_figure *f);
-
-/* marks.c: cut what follows at the frame, until cairo_restore; stroke the path with the style's
- * colour, width and dash; a marker's shape at a place. */
-void marks_clip(shear_figure *f);
-void marks_stroke(shear_figure *f, const shear_style *style);
-void marks_fill(shear_figure *f, const shear_style *style, double default_opacity);
-void marks_marker(shear_figure *f, double x, double y, const shear_style *style);
 
 #endif

@@ -2,6 +2,8 @@
 /* Text with sub- and superscripts, and tables of text. */
 #include "internal.h"
 
+#include "base/utf8.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -39,36 +41,22 @@ typedef struct run {
     double rise; /* above the baseline, pixels */
 } run;
 
-/* A cut through a UTF-8 character would be invalid text, which cairo refuses. */
-static size_t whole_characters(const char *text, size_t length) {
+/* A cut through a character would be invalid text, which cairo refuses. */
+size_t label_cut(const char *text, size_t most) {
+    size_t length = strnlen(text, most);
     while (length > 0 && ((unsigned char)text[length] & 0xc0) == 0x80) {
         length--;
     }
     return length;
 }
 
-/* Bytes of the UTF-8 character at p; 0 where there is none that is valid. */
-static size_t character_length(const unsigned char *p) {
-    static const uint32_t smallest[5] = {0, 0, 0x80, 0x800, 0x10000};
-    const size_t length = p[0] < 0x80 ? 1 : p[0] < 0xc2 ? 0 : p[0] < 0xe0 ? 2 : p[0] < 0xf0 ? 3 : 4;
-    uint32_t code = length == 1 ? p[0] : p[0] & (0x7fu >> length);
-    for (size_t i = 1; i < length; i++) {
-        if ((p[i] & 0xc0) != 0x80) {
-            return 0;
-        }
-        code = code << 6 | (p[i] & 0x3f);
-    }
-    const bool surrogate = code >= 0xd800 && code < 0xe000;
-    return length != 0 && (code < smallest[length] || surrogate || code > 0x10ffff) ? 0 : length;
-}
-
 /* Cairo refuses a whole figure for one bad byte, and names in files may hold any: those become '?'.
  */
-static void make_valid(char *text) {
-    unsigned char *p = (unsigned char *)text;
-    while (*p) {
-        const size_t length = character_length(p);
-        if (length == 0 || *p < 0x20) {
+static void make_valid(char *p) {
+    uint32_t point = 0;
+    while (*p != '\0') {
+        const size_t length = utf8_decode(p, &point);
+        if (length == 0 || point < 0x20) {
             *p++ = '?';
         } else {
             p += length;
@@ -96,7 +84,7 @@ static bool next_run(const char **text, double size, run *out) {
         *text = p + length;
     }
     if (length >= sizeof out->text) {
-        length = whole_characters(p, sizeof out->text - 1);
+        length = label_cut(p, sizeof out->text - 1);
         *text = p + length;
     }
     memcpy(out->text, p, length);

@@ -16,21 +16,23 @@ void legend_add(shear_figure *f, enum swatch swatch, const shear_style *style) {
     }
     legend_entry *entry = &axes->legend[axes->n_legend++];
     *entry = (legend_entry){.swatch = swatch, .style = *style};
-    size_t length = strnlen(style->label, sizeof entry->label - 1);
-    while (length > 0 && ((unsigned char)style->label[length] & 0xc0) == 0x80) {
-        length--; /* cut between characters only */
-    }
-    memcpy(entry->label, style->label, length);
+    memcpy(entry->label, style->label, label_cut(style->label, sizeof entry->label - 1));
+}
+
+void legend_add_band(shear_figure *f, const shear_style *style) {
+    shear_style area = *style;
+    area.width = -1.0;
+    legend_add(f, SWATCH_AREA, &area);
 }
 
 static void draw_swatch(shear_figure *f, const legend_entry *entry, double x, double y) {
     if (entry->swatch == SWATCH_POINT) {
-        marks_marker(f, x + SWATCH / 2.0, y, &entry->style);
+        pen_marker(f, x + SWATCH / 2.0, y, &entry->style);
         return;
     }
     if (entry->swatch == SWATCH_AREA) {
         cairo_rectangle(f->cr, x + 1.0, y - 5.0, SWATCH - 2.0, 10.0);
-        marks_fill(f, &entry->style, 0.2);
+        pen_fill(f, &entry->style, BAND_OPACITY);
         if (entry->style.width < 0.0) {
             return;
         }
@@ -39,18 +41,18 @@ static void draw_swatch(shear_figure *f, const legend_entry *entry, double x, do
         cairo_move_to(f->cr, x, y);
         cairo_line_to(f->cr, x + SWATCH, y);
     }
-    marks_stroke(f, &entry->style);
+    pen_stroke(f, &entry->style);
 }
 
 void legend_draw(shear_figure *f) {
     const open_axes *axes = &f->axes;
     const shear_rect r = axes->frame;
     double widest = 0.0;
-    for (int i = 0; i < axes->n_legend; i++) {
-        widest = fmax(widest, shear_figure_text_width(f, axes->legend[i].label, TICK_SIZE + 0.5));
-    }
     if (axes->n_legend == 0) {
         return;
+    }
+    for (int i = 0; i < axes->n_legend; i++) {
+        widest = fmax(widest, shear_figure_text_width(f, axes->legend[i].label, TICK_SIZE + 0.5));
     }
     const double w = SWATCH + 6.0 + widest + 2.0 * PAD;
     const double h = ROW * axes->n_legend + PAD;

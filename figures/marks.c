@@ -4,47 +4,12 @@
 
 #include <math.h>
 
-static const double LINE_WIDTH = 1.4;
-static const double MARKER_SIZE = 6.0;
-static const double BAND_OPACITY = 0.2;
-
-void marks_stroke(shear_figure *f, const shear_style *style) {
-    static const double dashed[2] = {6.0, 3.5};
-    static const double dotted[2] = {1.5, 2.8};
-    figure_set_colour(f, style->colour);
-    cairo_set_line_width(f->cr, style->width > 0.0 ? style->width : LINE_WIDTH);
-    if (style->dash == SHEAR_SOLID) {
-        cairo_set_dash(f->cr, NULL, 0, 0.0);
-    } else {
-        cairo_set_dash(f->cr, style->dash == SHEAR_DASHED ? dashed : dotted, 2, 0.0);
-    }
-    cairo_stroke(f->cr);
-    cairo_set_dash(f->cr, NULL, 0, 0.0);
-}
-
-void marks_fill(shear_figure *f, const shear_style *style, double default_opacity) {
-    shear_colour colour = style->colour.a > 0.0 ? style->colour : shear_palette(SHEAR_BLACK);
-    colour.a *= style->fill > 0.0 ? style->fill : default_opacity;
-    if (colour.a > 0.0) {
-        figure_set_colour(f, colour);
-        cairo_fill(f->cr);
-    }
-    cairo_new_path(f->cr);
-}
-
-void marks_clip(shear_figure *f) {
-    const shear_rect r = f->axes.frame;
-    cairo_save(f->cr);
-    cairo_rectangle(f->cr, r.x, r.y, r.w, r.h);
-    cairo_clip(f->cr);
-}
-
 void shear_axes_line(shear_figure *f, size_t n, const double *x, const double *y,
                      const shear_style *style) {
     if (!axes_ready(f)) {
         return;
     }
-    marks_clip(f);
+    pen_clip(f);
     bool pen_down = false;
     for (size_t i = 0; i < n; i++) {
         const double px = axes_x(&f->axes, x[i]);
@@ -58,57 +23,9 @@ void shear_axes_line(shear_figure *f, size_t n, const double *x, const double *y
             pen_down = true;
         }
     }
-    marks_stroke(f, style);
+    pen_stroke(f, style);
     cairo_restore(f->cr);
     legend_add(f, SWATCH_LINE, style);
-}
-
-static void triangle(cairo_t *cr, double x, double y, double r) {
-    cairo_move_to(cr, x, y - 1.15 * r);
-    cairo_line_to(cr, x + r, y + 0.75 * r);
-    cairo_line_to(cr, x - r, y + 0.75 * r);
-    cairo_close_path(cr);
-}
-
-static void marker_path(cairo_t *cr, double x, double y, double r, enum shear_marker marker) {
-    switch (marker) {
-    case SHEAR_SQUARE:
-        cairo_rectangle(cr, x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
-        break;
-    case SHEAR_TRIANGLE:
-        triangle(cr, x, y, r);
-        break;
-    case SHEAR_CROSS:
-        cairo_move_to(cr, x - r, y - r);
-        cairo_line_to(cr, x + r, y + r);
-        cairo_move_to(cr, x - r, y + r);
-        cairo_line_to(cr, x + r, y - r);
-        break;
-    case SHEAR_PLUS:
-        cairo_move_to(cr, x - r, y);
-        cairo_line_to(cr, x + r, y);
-        cairo_move_to(cr, x, y - r);
-        cairo_line_to(cr, x, y + r);
-        break;
-    default:
-        cairo_arc(cr, x, y, r, 0.0, 6.283185307179586);
-        break;
-    }
-}
-
-void marks_marker(shear_figure *f, double x, double y, const shear_style *style) {
-    const double radius = (style->size > 0.0 ? style->size : MARKER_SIZE) / 2.0;
-    const enum shear_marker marker = style->marker;
-    cairo_new_path(f->cr);
-    marker_path(f->cr, x, y, radius, marker);
-    if (marker == SHEAR_CIRCLE || marker == SHEAR_CROSS || marker == SHEAR_PLUS) {
-        shear_style outline = *style;
-        outline.dash = SHEAR_SOLID;
-        marks_stroke(f, &outline);
-    } else {
-        figure_set_colour(f, style->colour);
-        cairo_fill(f->cr);
-    }
 }
 
 /* An error bar from (x0, y0) to (x1, y1) on the canvas. */
@@ -145,18 +62,18 @@ void shear_axes_points(shear_figure *f, size_t n, const double *x, const double 
     if (!axes_ready(f)) {
         return;
     }
-    marks_clip(f);
+    pen_clip(f);
     for (size_t i = 0; i < n; i++) {
         error_bars(f, x[i], y[i], x_err != NULL ? x_err[i] : 0.0, y_err != NULL ? y_err[i] : 0.0);
     }
     shear_style bars = *style;
     bars.dash = SHEAR_SOLID;
-    marks_stroke(f, &bars);
+    pen_stroke(f, &bars);
     for (size_t i = 0; i < n; i++) {
         const double px = axes_x(&f->axes, x[i]);
         const double py = axes_y(&f->axes, y[i]);
         if (!isnan(px) && !isnan(py)) {
-            marks_marker(f, px, py, style);
+            pen_marker(f, px, py, style);
         }
     }
     cairo_restore(f->cr);
@@ -172,7 +89,7 @@ static void band_piece(shear_figure *f, size_t from, size_t to, const double *x,
     for (size_t i = to; i-- > from;) {
         cairo_line_to(f->cr, axes_x(&f->axes, x[i]), axes_y(&f->axes, lo[i]));
     }
-    marks_fill(f, style, BAND_OPACITY);
+    pen_fill(f, style, BAND_OPACITY);
 }
 
 void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *lo, const double *hi,
@@ -180,7 +97,7 @@ void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *l
     if (!axes_ready(f)) {
         return;
     }
-    marks_clip(f);
+    pen_clip(f);
     size_t from = 0;
     for (size_t i = 0; i <= n; i++) {
         const bool gap = i == n || isnan(axes_x(&f->axes, x[i])) ||
@@ -191,9 +108,7 @@ void shear_axes_band(shear_figure *f, size_t n, const double *x, const double *l
         }
     }
     cairo_restore(f->cr);
-    shear_style area = *style;
-    area.width = -1.0; /* a band has no outline */
-    legend_add(f, SWATCH_AREA, &area);
+    legend_add_band(f, style);
 }
 
 /* The steps of the histogram from the base line and back to it. */
@@ -221,13 +136,13 @@ void shear_axes_histogram(shear_figure *f, int bins, shear_range r, const double
         figure_failed(f, SHEAR_E_INTERNAL, "a histogram without bins, or off the axis");
         return;
     }
-    marks_clip(f);
+    pen_clip(f);
     if (style->fill > 0.0) {
         steps_path(f, bins, r, counts);
-        marks_fill(f, style, 0.0);
+        pen_fill(f, style, 0.0);
     }
     steps_path(f, bins, r, counts);
-    marks_stroke(f, style);
+    pen_stroke(f, style);
     cairo_restore(f->cr);
     legend_add(f, style->fill > 0.0 ? SWATCH_AREA : SWATCH_LINE, style);
 }

@@ -2,6 +2,9 @@
 /* PNG files that appear whole or not at all. */
 #include "internal.h"
 
+#include "base/cleanup.h"
+#include "base/io.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -35,20 +38,9 @@ static int check_target(const char *path, bool replace, shear_error *err) {
     return replace ? SHEAR_OK : fail_exists(err, path);
 }
 
-static cairo_status_t write_all(void *closure, const unsigned char *data, unsigned int length) {
-    const int fd = *(const int *)closure;
-    while (length > 0) {
-        const ssize_t written = write(fd, data, length);
-        if (written < 0 && errno == EINTR) {
-            continue;
-        }
-        if (written <= 0) {
-            return CAIRO_STATUS_WRITE_ERROR;
-        }
-        data += written;
-        length -= (unsigned int)written;
-    }
-    return CAIRO_STATUS_SUCCESS;
+static cairo_status_t write_bytes(void *closure, const unsigned char *data, unsigned int length) {
+    errno = io_write(*(const int *)closure, data, length);
+    return errno == 0 ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
 }
 
 /* Move the finished file to its name. */
@@ -71,7 +63,7 @@ static int put_in_place(const char *part, const char *path, bool replace, shear_
 /* Write the picture to the open descriptor, down to the disk. Closes it. */
 static int write_png(shear_figure *f, int fd, const char *path, shear_error *err) {
     errno = 0;
-    const cairo_status_t status = cairo_surface_write_to_png_stream(f->surface, write_all, &fd);
+    const cairo_status_t status = cairo_surface_write_to_png_stream(f->surface, write_bytes, &fd);
     int number = status == CAIRO_STATUS_SUCCESS ? 0 : errno ? errno : EIO;
     if (number == 0 && fsync(fd) != 0) {
         number = errno;
@@ -94,24 +86,20 @@ int shear_figure_save(shear_figure *figure, const char *path, bool replace, shea
     if (code != SHEAR_OK) {
         return code;
     }
-    char *part = NULL;
+    CLEANUP(release_free) char *part = NULL;
     if (asprintf(&part, "%s.%ld.part", path, (long)getpid()) < 0) {
+        part = NULL;
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "no memory to write %s", path);
     }
     cairo_surface_flush(figure->surface);
     const int fd = open(part, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd < 0) {
-        code = fail_io(err, "create", path, errno);
-        goto done;
+        return fail_io(err, "create", path, errno);
     }
     code = write_png(figure, fd, path, err);
-    if (code == SHEAR_OK) {
-        code = put_in_place(part, path, replace, err);
-    }
+    code = code != SHEAR_OK ? code : put_in_place(part, path, replace, err);
     if (code != SHEAR_OK) {
         unlink(part);
     }
-done:
-    free(part);
     return code;
 }

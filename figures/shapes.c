@@ -5,16 +5,15 @@
 #include <math.h>
 
 static const double TWO_PI = 6.283185307179586;
-static const double BAND_OPACITY = 0.2;
 
 /* A straight line on the canvas, cut at the frame. */
 static void straight(shear_figure *f, double x0, double y0, double x1, double y1,
                      const shear_style *style) {
     if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
-        marks_clip(f);
+        pen_clip(f);
         cairo_move_to(f->cr, x0, y0);
         cairo_line_to(f->cr, x1, y1);
-        marks_stroke(f, style);
+        pen_stroke(f, style);
         cairo_restore(f->cr);
     }
     legend_add(f, SWATCH_LINE, style);
@@ -42,14 +41,12 @@ static void area(shear_figure *f, double x0, double y0, double x1, double y1,
     if (!isnan(x0) && !isnan(y0) && !isnan(x1) && !isnan(y1)) {
         const double w = fmax(fabs(x1 - x0), 1.0);
         const double h = fmax(fabs(y1 - y0), 1.0);
-        marks_clip(f);
+        pen_clip(f);
         cairo_rectangle(f->cr, (x0 + x1 - w) / 2.0, (y0 + y1 - h) / 2.0, w, h);
-        marks_fill(f, style, opacity);
+        pen_fill(f, style, opacity);
         cairo_restore(f->cr);
     }
-    shear_style entry = *style;
-    entry.width = -1.0;
-    legend_add(f, SWATCH_AREA, &entry);
+    legend_add_band(f, style);
 }
 
 void shear_axes_hband(shear_figure *f, double lo, double hi, const shear_style *style) {
@@ -101,9 +98,9 @@ static void closed_curve(shear_figure *f, double x, double y, const double m[4],
         }
         cairo_close_path(f->cr);
         if (pass == 0) {
-            marks_fill(f, style, 0.0);
+            pen_fill(f, style, 0.0);
         } else {
-            marks_stroke(f, style);
+            pen_stroke(f, style);
         }
     }
 }
@@ -122,7 +119,7 @@ void shear_axes_ellipse(shear_figure *f, double x, double y, const double cov[3]
     const double l21 = cov[1] / l11;
     const double l22 = sqrt(determinant) / l11;
     const double m[4] = {n_sigma * l11, 0.0, n_sigma * l21, n_sigma * l22};
-    marks_clip(f);
+    pen_clip(f);
     closed_curve(f, x, y, m, style);
     cairo_restore(f->cr);
     legend_add(f, style->fill > 0.0 ? SWATCH_AREA : SWATCH_LINE, style);
@@ -134,7 +131,7 @@ void shear_axes_circle(shear_figure *f, double x, double y, double radius,
         return;
     }
     const double m[4] = {radius, 0.0, 0.0, radius};
-    marks_clip(f);
+    pen_clip(f);
     closed_curve(f, x, y, m, style);
     cairo_restore(f->cr);
     legend_add(f, SWATCH_LINE, style);
