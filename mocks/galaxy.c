@@ -10,7 +10,7 @@ int galaxy_max_points(const shear_mock_spec *s) {
     return s->galaxy == SHEAR_MOCK_IRREGULAR ? s->steps : s->points;
 }
 
-/* Eq. (dgalaxy), r in units of R_G. */
+/* Zhang (2010), eq. (10), r in units of R_G. */
 static double surface_brightness(const shear_mock_spec *s, double r) {
     double disk = r / s->disk_scale;
     double bulge = disk * s->bulge_ratio;
@@ -71,7 +71,7 @@ static int irregular_points(const shear_mock_spec *s, const gsl_rng *rng, double
 }
 
 int galaxy_points(const shear_mock_spec *s, int64_t index, double *x, double *y) {
-    struct random r;
+    random_sequence r;
     random_begin(&r, s->seed, RANDOM_GALAXY, (uint64_t)index, 0);
     if (s->galaxy == SHEAR_MOCK_IRREGULAR) {
         return irregular_points(s, &r.rng, x, y);

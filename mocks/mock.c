@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear_mocks/mock.h"
 
+#include "base/cleanup.h"
 #include "galaxy.h"
 #include "noise.h"
 #include "painter.h"
@@ -79,16 +80,16 @@ int shear_mock_image_points(const shear_mock *m, int64_t stamp, double *x, doubl
     return n;
 }
 
-/* Whole stamps turned are the second half of a galaxy's copies. */
-static bool is_turned(const shear_mock_spec *s, int64_t stamp) {
+/* Whole stamps rotated are the second half of a galaxy's copies. */
+static bool is_rotated(const shear_mock_spec *s, int64_t stamp) {
     return s->turn_stamps && stamp % s->rotate >= s->rotate / 2;
 }
 
 /* Whose draws of position (or noise) a stamp has. */
 static uint64_t index_of(const shear_mock_spec *s, int64_t stamp, bool shared) {
-    return (uint64_t)(shared                ? stamp / s->rotate
-                      : is_turned(s, stamp) ? stamp - s->rotate / 2
-                                            : stamp);
+    return (uint64_t)(shared                 ? stamp / s->rotate
+                      : is_rotated(s, stamp) ? stamp - s->rotate / 2
+                                             : stamp);
 }
 
 void shear_mock_centre(const shear_mock *m, int64_t stamp, double *x, double *y) {
@@ -96,13 +97,13 @@ void shear_mock_centre(const shear_mock *m, int64_t stamp, double *x, double *y)
     *x = s->offset_x;
     *y = s->offset_y;
     if (s->shift) {
-        struct random r;
+        random_sequence r;
         uint64_t index = index_of(s, stamp, s->share_shift);
         random_begin(&r, s->seed, RANDOM_SHIFT, index, 0);
         *x += gsl_rng_uniform(&r.rng) - 0.5;
         *y += gsl_rng_uniform(&r.rng) - 0.5;
     }
-    if (is_turned(s, stamp)) {
+    if (is_rotated(s, stamp)) {
         double drawn_x = *x;
         *x = -*y;
         *y = drawn_x;
@@ -125,7 +126,7 @@ int64_t shear_mock_psf_of(const shear_mock *m, int64_t stamp) {
 double shear_mock_psf_angle(const shear_mock *m, int64_t psf) {
     double angle = m->spec.psf_angle_deg;
     if (m->info.psf_layout != SHEAR_PSF_ONE) {
-        struct random r;
+        random_sequence r;
         random_begin(&r, m->spec.seed, RANDOM_PSF_ANGLE, (uint64_t)psf, 0);
         angle += 180.0 * gsl_rng_uniform(&r.rng);
     }
@@ -143,23 +144,41 @@ void shear_mock_psf_image(const shear_mock *m, int64_t psf, double *out) {
 
 /* The scratch memory of one thread. */
 typedef struct workspace {
-    struct painter painter;
+    painter painter;
     double *x, *y; /* [max_points] */
 } workspace;
 
-static void workspace_deinit(workspace *ws) {
-    painter_deinit(&ws->painter);
-    free(ws->x);
-    free(ws->y);
+/* Of all threads. */
+typedef struct workspaces {
+    int n;
+    workspace *of;
+} workspaces;
+
+static void workspaces_deinit(const workspaces *w) {
+    for (int i = 0; w->of != NULL && i < w->n; i++) {
+        painter_deinit(&w->of[i].painter);
+        free(w->of[i].x);
+        free(w->of[i].y);
+    }
+    free(w->of);
 }
 
 static bool workspace_init(workspace *ws, const shear_mock *m) {
     const shear_mock_spec *s = &m->spec;
-    size_t n = (size_t)m->info.max_points;
+    const size_t n = (size_t)m->info.max_points;
     ws->x = calloc(n, sizeof *ws->x);
     ws->y = calloc(n, sizeof *ws->y);
-    bool painted = painter_init(&ws->painter, s->psf, s->r_psf_px, s->nx, s->ny);
-    return painted && ws->x != NULL && ws->y != NULL;
+    return painter_init(&ws->painter, s->psf, s->r_psf_px, s->nx, s->ny) && ws->x != NULL &&
+           ws->y != NULL;
+}
+
+static bool workspaces_init(workspaces *w, const shear_mock *m) {
+    w->of = calloc((size_t)w->n, sizeof *w->of);
+    bool made = w->of != NULL;
+    for (int i = 0; made && i < w->n; i++) {
+        made = workspace_init(&w->of[i], m);
+    }
+    return made;
 }
 
 static void paint_galaxy(const shear_mock *m, workspace *ws, int64_t stamp) {
@@ -187,12 +206,12 @@ static void add_noise(const shear_mock *m, workspace *ws, int64_t stamp, int sta
     const int pure = stamp_of > 0 ? 1 + NEXT_NOISE_STAMP * (stamp_of - 1) : 0;
     const shear_mock_spec *s = &m->spec;
     uint64_t index = index_of(s, stamp, s->share_noise);
-    const noise_place place = {s->nx, s->ny, is_turned(s, stamp)};
-    struct random r;
+    const noise_place place = {s->nx, s->ny, is_rotated(s, stamp)};
+    random_sequence r;
     if (s->noise_ratio > 0.0) {
         random_begin(&r, s->seed, RANDOM_SOURCES + pure, index, 0);
         noise_sources(&ws->painter, &r, m->info.noise_density, m->info.noise_amplitude,
-                      place.turned);
+                      place.rotated);
     }
     painter_finish(&ws->painter, image);
     if (s->photons > 0.0) {
@@ -208,7 +227,7 @@ static void add_noise(const shear_mock *m, workspace *ws, int64_t stamp, int sta
 static void make_pair(const shear_mock *m, workspace *ws, int64_t stamp, double *galaxy,
                       double *noise) {
     size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
-    painter_turn(&ws->painter, shear_mock_psf_angle(m, shear_mock_psf_of(m, stamp)));
+    painter_rotate(&ws->painter, shear_mock_psf_angle(m, shear_mock_psf_of(m, stamp)));
     memset(galaxy, 0, pixels * sizeof *galaxy);
     memset(noise, 0, (size_t)m->spec.noise_stamps * pixels * sizeof *noise);
     paint_galaxy(m, ws, stamp);
@@ -218,21 +237,6 @@ static void make_pair(const shear_mock *m, workspace *ws, int64_t stamp, double 
     }
 }
 
-static bool workspaces_init(workspace *ws, int n, const shear_mock *m) {
-    bool made = ws != NULL;
-    for (int i = 0; made && i < n; i++) {
-        made = workspace_init(&ws[i], m);
-    }
-    return made;
-}
-
-static void workspaces_free(workspace *ws, int n) {
-    for (int i = 0; ws != NULL && i < n; i++) {
-        workspace_deinit(&ws[i]);
-    }
-    free(ws);
-}
-
 int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads, double *galaxy,
                       double *noise, shear_error *err) {
     if (first < 0 || count < 0 || first > m->info.n_stamps - count) {
@@ -240,42 +244,36 @@ int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads
                           "%d stamps from number %lld on are not in a mock of %lld stamps", count,
                           (long long)first, (long long)m->info.n_stamps);
     }
-    int n = threads > 0 ? threads : omp_get_max_threads();
-    n = n < count ? n : count > 0 ? count : 1;
-    size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
-    workspace *ws = calloc((size_t)n, sizeof *ws);
-    int code = SHEAR_OK;
-    if (!workspaces_init(ws, n, m)) {
-        code = shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",
-                          "out of memory for mock stamps on %d threads", n);
-        goto done;
+    const int wanted = threads > 0 ? threads : omp_get_max_threads();
+    CLEANUP(workspaces_deinit) workspaces w = {.n = wanted < count ? wanted : count};
+    const size_t pixels = (size_t)m->spec.nx * (size_t)m->spec.ny;
+    if (count == 0) {
+        return SHEAR_OK;
     }
-#pragma omp parallel for schedule(dynamic) num_threads(n)
+    if (!workspaces_init(&w, m)) {
+        return shear_fail(err, SHEAR_E_NOMEM, "use fewer threads",
+                          "out of memory for mock stamps on %d threads", w.n);
+    }
+#pragma omp parallel for schedule(dynamic) num_threads(w.n)
     for (int i = 0; i < count; i++) {
-        size_t at = (size_t)i * pixels;
-        make_pair(m, &ws[omp_get_thread_num()], first + i, galaxy + at,
+        const size_t at = (size_t)i * pixels;
+        make_pair(m, &w.of[omp_get_thread_num()], first + i, galaxy + at,
                   noise + (size_t)m->spec.noise_stamps * at);
     }
-done:
-    workspaces_free(ws, n);
-    return code;
+    return SHEAR_OK;
 }
 
 int shear_mock_paint(const shear_mock *m, int64_t psf, int n, const double *x, const double *y,
                      double amplitude, double *image, shear_error *err) {
     const shear_mock_spec *s = &m->spec;
-    struct painter painter;
-    int code = SHEAR_OK;
-    if (!painter_init(&painter, s->psf, s->r_psf_px, s->nx, s->ny)) {
-        code = shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for painting points");
-        goto done;
+    CLEANUP(painter_deinit) painter p = {0};
+    if (!painter_init(&p, s->psf, s->r_psf_px, s->nx, s->ny)) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for painting points");
     }
-    painter_turn(&painter, shear_mock_psf_angle(m, psf));
+    painter_rotate(&p, shear_mock_psf_angle(m, psf));
     for (int k = 0; k < n; k++) {
-        painter_point(&painter, amplitude, x[k], y[k]);
+        painter_point(&p, amplitude, x[k], y[k]);
     }
-    painter_finish(&painter, image);
-done:
-    painter_deinit(&painter);
-    return code;
+    painter_finish(&p, image);
+    return SHEAR_OK;
 }

@@ -7,11 +7,10 @@
 static int noise_pixel(const noise_place *p, int i) {
     int x = i % p->nx;
     int y = i / p->nx;
-    return p->turned ? x * p->nx + (p->nx - 1 - y) : i;
+    return p->rotated ? x * p->nx + (p->nx - 1 - y) : i;
 }
 
-void noise_sources(struct painter *p, struct random *r, double density, double amplitude,
-                   bool turned) {
+void noise_sources(painter *p, random_sequence *r, double density, double amplitude, bool rotated) {
     double lo = -0.5 - p->reach;
     double width = p->nx + 2.0 * p->reach;
     double height = p->ny + 2.0 * p->reach;
@@ -19,11 +18,11 @@ void noise_sources(struct painter *p, struct random *r, double density, double a
     for (unsigned k = 0; k < n; k++) {
         double x = lo + width * gsl_rng_uniform(&r->rng);
         double y = lo + height * gsl_rng_uniform(&r->rng);
-        painter_point(p, amplitude, turned ? p->nx - 1 - y : x, turned ? x : y);
+        painter_point(p, amplitude, rotated ? p->nx - 1 - y : x, rotated ? x : y);
     }
 }
 
-void noise_photons(struct random *r, double background, double subtract, const noise_place *place,
+void noise_photons(random_sequence *r, double background, double subtract, const noise_place *place,
                    double *image) {
     for (int i = 0; i < place->nx * place->ny; i++) {
         double *pixel = &image[noise_pixel(place, i)];
@@ -32,7 +31,7 @@ void noise_photons(struct random *r, double background, double subtract, const n
     }
 }
 
-void noise_white(struct random *r, double sigma, const noise_place *place, double *image) {
+void noise_white(random_sequence *r, double sigma, const noise_place *place, double *image) {
     for (int i = 0; i < place->nx * place->ny; i++) {
         image[noise_pixel(place, i)] += gsl_ran_gaussian_ziggurat(&r->rng, sigma);
     }

@@ -7,24 +7,23 @@
 #include "painter.h"
 #include "random.h"
 
-/* How a noise lies on its stamp: turned by 90 degrees from x towards y, or as it is drawn. */
+/* How a noise lies on its stamp: rotated by 90 degrees from x towards y, or as it is drawn. */
 typedef struct noise_place {
     int nx, ny;
-    bool turned; /* square stamps only */
+    bool rotated; /* square stamps only */
 } noise_place;
 
 /* Paint astronomical noise: Poisson-distributed points, `density` per px^2, each of `amplitude`,
  * convolved with the painter's PSF. They also lie around the image, as far as the PSF reaches: the
  * statistics are the same at its border. */
-void noise_sources(struct painter *p, struct random *r, double density, double amplitude,
-                   bool turned);
+void noise_sources(painter *p, random_sequence *r, double density, double amplitude, bool rotated);
 
 /* Replace each pixel f by a Poisson number of mean f + background, minus `subtract`. Item i of the
  * sequence is the pixel's own: its number depends on no other pixel's mean. */
-void noise_photons(struct random *r, double background, double subtract, const noise_place *place,
+void noise_photons(random_sequence *r, double background, double subtract, const noise_place *place,
                    double *image);
 
 /* Add a Gaussian number of standard deviation sigma to each pixel. */
-void noise_white(struct random *r, double sigma, const noise_place *place, double *image);
+void noise_white(random_sequence *r, double sigma, const noise_place *place, double *image);
 
 #endif

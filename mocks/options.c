@@ -225,11 +225,12 @@ int shear_mock_set(shear_mock_spec *s, const char *name, const char *text, shear
         return shear_fail(err, SHEAR_E_SETTING, NULL, "mock option '%s': \"%s\" is not %s%s",
                           o->name, value, expected(o), o->has_auto ? ", or auto" : "");
     }
-    int code = check_range(&changed, o, err);
-    if (code == SHEAR_OK) {
-        *s = changed;
+    const int code = check_range(&changed, o, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    return code;
+    *s = changed;
+    return SHEAR_OK;
 }
 
 char *shear_mock_format(const shear_mock_spec *s, const shear_mock_option *o, char *buf,

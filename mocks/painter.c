@@ -25,12 +25,12 @@ static int side_of(int half) {
     return 2 * half + 1;
 }
 
-static int spikes_half(const struct painter *p) {
+static int spikes_half(const painter *p) {
     return p->kind == SHEAR_MOCK_PSF_B ? (int)ceil(psf_spikes_reach(p->r_px) + cell_radius) : -1;
 }
 
-bool painter_init(struct painter *p, enum shear_mock_psf kind, double r_px, int nx, int ny) {
-    *p = (struct painter){.kind = kind, .r_px = r_px, .angle_deg = NAN, .nx = nx, .ny = ny};
+bool painter_init(painter *p, enum shear_mock_psf kind, double r_px, int nx, int ny) {
+    *p = (painter){.kind = kind, .r_px = r_px, .angle_deg = NAN, .nx = nx, .ny = ny};
     p->half = (int)ceil(psf_gaussian_reach(r_px) + cell_radius);
     p->reach = (int)ceil(psf_reach(kind, r_px) + cell_radius);
     p->n_strips = (side_of(p->half) + PAINTER_STRIP - 1) / PAINTER_STRIP;
@@ -52,7 +52,7 @@ bool painter_init(struct painter *p, enum shear_mock_psf kind, double r_px, int 
            p->strips != NULL && spikes_made;
 }
 
-void painter_deinit(struct painter *p) {
+void painter_deinit(painter *p) {
     free(p->canvas);
     free(p->table);
     free(p->columns);
@@ -60,17 +60,17 @@ void painter_deinit(struct painter *p) {
     free(p->strips);
     free(p->spikes);
     free(p->buffer);
-    *p = (struct painter){0};
+    *p = (painter){0};
 }
 
 /* The rows of G in one strip; zero, and outside the strip's rows, where the Gaussian does not
  * reach. */
-static void fill_strip(struct painter *p, int strip) {
+static void fill_strip(painter *p, int strip) {
     int h = p->half;
     int first = strip * PAINTER_STRIP - h;
     double *row = p->table + (size_t)strip * (size_t)side_of(h) * PAINTER_STRIP;
-    struct rows *reached = &p->strips[strip];
-    *reached = (struct rows){.lo = h + 1, .hi = -h - 1};
+    row_span *reached = &p->strips[strip];
+    *reached = (row_span){.lo = h + 1, .hi = -h - 1};
     for (int j = -h; j <= h; j++, row += PAINTER_STRIP) {
         psf_gaussian_row(&p->psf, 1.0, first, j, 1.0, PAINTER_STRIP, row);
         bool any = false;
@@ -88,7 +88,7 @@ static void fill_strip(struct painter *p, int strip) {
 
 /* Append column i to the pieces of row j; where the row has all it may have, the last grows over
  * the gap. */
-static void add_spike_pixel(struct painter *p, int *pieces, int j, int i) {
+static void add_spike_pixel(painter *p, int *pieces, int j, int i) {
     segment *last = p->spikes + p->n_spikes - 1;
     bool touches = *pieces > 0 && last->hi == i - 1;
     if (touches || *pieces == PIECES) {
@@ -99,7 +99,7 @@ static void add_spike_pixel(struct painter *p, int *pieces, int j, int i) {
     ++*pieces;
 }
 
-static void find_spike_segments(struct painter *p) {
+static void find_spike_segments(painter *p) {
     int h = spikes_half(p);
     p->n_spikes = 0;
     for (int j = -h; j <= h; j++) {
@@ -112,7 +112,7 @@ static void find_spike_segments(struct painter *p) {
     }
 }
 
-void painter_turn(struct painter *p, double angle_deg) {
+void painter_rotate(painter *p, double angle_deg) {
     if (p->angle_deg == angle_deg) {
         return;
     }
@@ -169,9 +169,8 @@ SHEAR_SIMD static void add_strip(double *restrict canvas, size_t stride,
 }
 
 /* Strips are painted whole, into the canvas's margins if need be. */
-static void add_gaussian(struct painter *p, double amplitude, int px, int py, double dx,
-                         double dy) {
-    const struct psf *w = &p->psf;
+static void add_gaussian(painter *p, double amplitude, int px, int py, double dx, double dy) {
+    const psf_shape *w = &p->psf;
     int h = p->half;
     int j_first = max_int(-h, -py);
     int j_last = min_int(h, p->ny - 1 - py);
@@ -193,7 +192,7 @@ static void add_gaussian(struct painter *p, double amplitude, int px, int py, do
     }
 }
 
-static void add_spikes(struct painter *p, double amplitude, int px, int py, double dx, double dy) {
+static void add_spikes(painter *p, double amplitude, int px, int py, double dx, double dy) {
     for (int k = 0; k < p->n_spikes; k++) {
         const segment *s = &p->spikes[k];
         int y = py + s->j;
@@ -212,7 +211,7 @@ static void add_spikes(struct painter *p, double amplitude, int px, int py, doub
     }
 }
 
-void painter_point(struct painter *p, double amplitude, double x, double y) {
+void painter_point(painter *p, double amplitude, double x, double y) {
     double px = floor(x + 0.5);
     double py = floor(y + 0.5);
     bool near = px >= -p->reach && px <= p->nx - 1 + p->reach && py >= -p->reach &&
@@ -226,7 +225,7 @@ void painter_point(struct painter *p, double amplitude, double x, double y) {
     }
 }
 
-void painter_finish(struct painter *p, double *image) {
+void painter_finish(painter *p, double *image) {
     for (int y = 0; y < p->ny; y++) {
         const double *from = p->canvas + (size_t)y * (size_t)p->stride + PAINTER_STRIP;
         double *to = image + (size_t)y * (size_t)p->nx;

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Constants of eq. (Ws). */
+/* Constants of Zhang (2010), eq. (9). */
 static const double axis_ratio2 = 0.8;
 static const double spike_height = 0.03;
 static const double spike_core = 0.2;
@@ -17,31 +17,23 @@ static const double spike_core = 0.2;
 /* -ln of the faintest term that is kept: half of 1e-20, as W_B has two terms. */
 static const double ln_cut = 20 * M_LN10 + M_LN2;
 
-static void turn(double angle_deg, double *c, double *s) {
-    double a = remainder(angle_deg, 360.0);
-    double quarter = nearbyint(a / 90.0);
-    double rest = (a - 90.0 * quarter) * (M_PI / 180.0);
-    double c0 = cos(rest);
-    double s0 = sin(rest);
-    switch (((int)quarter + 4) % 4) {
-    case 0:
-        *c = c0, *s = s0;
-        break;
-    case 1:
-        *c = -s0, *s = c0;
-        break;
-    case 2:
-        *c = -c0, *s = -s0;
-        break;
-    default:
-        *c = s0, *s = -c0;
-        break;
+/* Multiples of 90 degrees are exact. */
+static void rotation_of(double angle_deg, double *c, double *s) {
+    const double a = remainder(angle_deg, 360.0);
+    const double quarter = nearbyint(a / 90.0);
+    const double rest = (a - 90.0 * quarter) * (M_PI / 180.0);
+    *c = cos(rest);
+    *s = sin(rest);
+    for (int i = 0; i < ((int)quarter + 4) % 4; i++) {
+        const double before = *c;
+        *c = -*s;
+        *s = before;
     }
 }
 
-struct psf psf_make(enum shear_mock_psf kind, double r_px, double angle_deg) {
-    struct psf p = {.r = r_px, .spikes = kind == SHEAR_MOCK_PSF_B};
-    turn(angle_deg, &p.cos, &p.sin);
+psf_shape psf_make(enum shear_mock_psf kind, double r_px, double angle_deg) {
+    psf_shape p = {.r = r_px, .spikes = kind == SHEAR_MOCK_PSF_B};
+    rotation_of(angle_deg, &p.cos, &p.sin);
     double k = 0.5 / (r_px * r_px);
     p.a = k * (p.cos * p.cos + axis_ratio2 * p.sin * p.sin);
     p.b = k * (1.0 - axis_ratio2) * p.cos * p.sin;
@@ -81,19 +73,18 @@ double psf_reach(enum shear_mock_psf kind, double r_px) {
 }
 
 /* The least |coordinate| within `radius` of (dx, dy), in the PSF's frame. */
-static void nearest(const struct psf *p, double dx, double dy, double radius, double *u,
-                    double *v) {
+static void nearest(const psf_shape *p, double dx, double dy, double radius, double *u, double *v) {
     *u = fmax(0.0, fabs(p->cos * dx + p->sin * dy) - radius);
     *v = fmax(0.0, fabs(p->cos * dy - p->sin * dx) - radius);
 }
 
-bool psf_gaussian_reaches(const struct psf *p, double dx, double dy, double radius) {
+bool psf_gaussian_reaches(const psf_shape *p, double dx, double dy, double radius) {
     double u, v;
     nearest(p, dx, dy, radius, &u, &v);
     return u * u + axis_ratio2 * v * v <= 2.0 * p->r * p->r * ln_cut;
 }
 
-bool psf_spikes_reach_to(const struct psf *p, double dx, double dy, double radius) {
+bool psf_spikes_reach_to(const psf_shape *p, double dx, double dy, double radius) {
     double u, v;
     nearest(p, dx, dy, radius, &u, &v);
     u /= p->r;
@@ -101,7 +92,7 @@ bool psf_spikes_reach_to(const struct psf *p, double dx, double dy, double radiu
     return (u * u + spike_core) * (v * v + spike_core) <= ln_cut + log(spike_height);
 }
 
-void psf_gaussian_row(const struct psf *p, double amplitude, double dx, double dy, double step,
+void psf_gaussian_row(const psf_shape *p, double amplitude, double dx, double dy, double step,
                       int n, double *out) {
     const double a = p->a;
     const double b2 = 2.0 * p->b * dy;
@@ -113,13 +104,13 @@ void psf_gaussian_row(const struct psf *p, double amplitude, double dx, double d
     }
 }
 
-static double psf_spikes_at(const struct psf *p, double dx, double dy) {
+static double psf_spikes_at(const psf_shape *p, double dx, double dy) {
     double u = (p->cos * dx + p->sin * dy) / p->r;
     double v = (p->cos * dy - p->sin * dx) / p->r;
     return spike_height * exp(-((u * u + spike_core) * (v * v + spike_core)));
 }
 
-SHEAR_SIMD void psf_spikes_row(const struct psf *p, double amplitude, double dx, double dy,
+SHEAR_SIMD void psf_spikes_row(const psf_shape *p, double amplitude, double dx, double dy,
                                double step, int n, double *out) {
     const double k = 1.0 / p->r;
     const double uc = k * p->cos;
@@ -144,7 +135,7 @@ SHEAR_SIMD void psf_spikes_row(const struct psf *p, double amplitude, double dx,
 
 void psf_image(enum shear_mock_psf kind, double r_px, double angle_deg, int oversample, int nx,
                int ny, double *out) {
-    struct psf p = psf_make(kind, r_px, angle_deg);
+    psf_shape p = psf_make(kind, r_px, angle_deg);
     double step = 1.0 / oversample;
     double x0 = -0.5 * (nx - 1) * step;
     for (int j = 0; j < ny; j++) {

@@ -45,14 +45,14 @@ static const gsl_rng_type philox = {.name = "philox4x64-10",
                                     .get = get,
                                     .get_double = get_double};
 
-void random_begin(struct random *r, uint64_t seed, int stream, uint64_t index, uint64_t item) {
+void random_begin(random_sequence *r, uint64_t seed, int stream, uint64_t index, uint64_t item) {
     r->rng = (gsl_rng){.type = &philox, .state = &r->state};
     r->state =
         (random_state){.seed = seed, .stream = (uint64_t)stream, .index = index, .item = item};
     restart(&r->state);
 }
 
-void random_item(struct random *r, uint64_t item) {
+void random_item(random_sequence *r, uint64_t item) {
     r->state.item = item;
     restart(&r->state);
 }

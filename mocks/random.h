@@ -32,14 +32,14 @@ typedef struct random_state {
 } random_state;
 
 /* A generator on the caller's stack: `rng` points into the struct, so do not copy it. */
-struct random {
+typedef struct random_sequence {
     gsl_rng rng;
     random_state state;
-};
+} random_sequence;
 
 /* Begin the sequence (seed, stream, index, item). */
-void random_begin(struct random *r, uint64_t seed, int stream, uint64_t index, uint64_t item);
+void random_begin(random_sequence *r, uint64_t seed, int stream, uint64_t index, uint64_t item);
 /* Begin another item of the same (seed, stream, index). */
-void random_item(struct random *r, uint64_t item);
+void random_item(random_sequence *r, uint64_t item);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "text.h"
 
+#include "base/text.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
@@ -18,14 +20,7 @@ static bool begins(const char *text) {
 }
 
 bool text_int64(const char *text, int64_t *value) {
-    char *end = NULL;
-    errno = 0;
-    intmax_t v = strtoimax(text, &end, 10);
-    if (!begins(text) || *end || errno) {
-        return false;
-    }
-    *value = v;
-    return true;
+    return begins(text) && text_to_int64(text, value);
 }
 
 bool text_int(const char *text, int *value) {
@@ -49,41 +44,43 @@ bool text_uint64(const char *text, uint64_t *value) {
     return true;
 }
 
-/* A number that ends at `stop`. */
-static bool double_until(const char *text, char stop, double *value, const char **end) {
-    char *rest = NULL;
-    double v = strtod(text, &rest);
-    if (!begins(text) || rest == text || *rest != stop || !isfinite(v)) {
+bool text_double(const char *text, double *value) {
+    double v = 0.0;
+    if (!begins(text) || !text_to_double(text, &v) || !isfinite(v)) {
         return false;
     }
     *value = v;
-    *end = rest;
     return true;
 }
 
-bool text_double(const char *text, double *value) {
-    const char *end;
-    return double_until(text, '\0', value, &end);
+/* Cut `text` at the first `mark` into two; false where there is none, or the first is too long. */
+static bool split(const char *text, char mark, char first[32], const char **second) {
+    const char *at = strchr(text, mark);
+    if (at == NULL || at - text >= 32) {
+        return false;
+    }
+    snprintf(first, 32, "%.*s", (int)(at - text), text);
+    *second = at + 1;
+    return true;
 }
 
 bool text_pair(const char *text, double value[2]) {
-    const char *end;
-    return double_until(text, ',', &value[0], &end) && text_double(end + 1, &value[1]);
+    char first[32];
+    const char *second = NULL;
+    return split(text, ',', first, &second) && text_double(first, &value[0]) &&
+           text_double(second, &value[1]);
 }
 
 bool text_size(const char *text, int value[2]) {
-    char first[16];
-    const char *x = strchr(text, 'x');
-    if (x == NULL) {
-        bool good = text_int(text, &value[0]);
+    char first[32];
+    const char *second = text;
+    if (strchr(text, 'x') == NULL) {
+        const bool good = text_int(text, &value[0]);
         value[1] = value[0];
         return good;
     }
-    if (x - text >= (ptrdiff_t)sizeof first) {
-        return false;
-    }
-    snprintf(first, sizeof first, "%.*s", (int)(x - text), text);
-    return text_int(first, &value[0]) && text_int(x + 1, &value[1]);
+    return split(text, 'x', first, &second) && text_int(first, &value[0]) &&
+           text_int(second, &value[1]);
 }
 
 bool text_bool(const char *text, bool *value) {
@@ -117,11 +114,6 @@ bool text_copy(const char *text, char *value, size_t size) {
 }
 
 const char *text_of_double(double value, char buf[32]) {
-    for (int digits = 15; digits <= 17; digits++) {
-        snprintf(buf, 32, "%.*g", digits, value);
-        if (strtod(buf, NULL) == value) {
-            break;
-        }
-    }
+    snprintf(buf, 32, "%.*g", text_digits(value, 15), value);
     return buf;
 }

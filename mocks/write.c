@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/cleanup.h"
 #include "shear/version.h"
 #include "shear_mocks/mock.h"
 
@@ -12,7 +13,7 @@
 enum { CHUNK_BYTES = 16 << 20, HISTORY_LINE = 128 };
 
 /* One chunk of stamps and their rows of the catalog. */
-struct chunk {
+typedef struct chunk {
     int capacity;
     double *galaxy;        /* [capacity][ny][nx] */
     double *noise;         /* [capacity][noise_stamps][ny][nx] */
@@ -20,7 +21,7 @@ struct chunk {
     double *x, *y, *r_gal; /* [capacity], as the rest */
     int64_t *id;
     int32_t *psf_id;
-};
+} chunk;
 
 static int chunk_capacity(const shear_mock_info *info, int noise_stamps, int threads) {
     int64_t pair_bytes = (int64_t)info->geometry.nx * info->geometry.ny * (1 + noise_stamps) *
@@ -31,7 +32,7 @@ static int chunk_capacity(const shear_mock_info *info, int noise_stamps, int thr
     return (int)(n < info->n_stamps ? n : info->n_stamps);
 }
 
-static void chunk_deinit(struct chunk *c) {
+static void chunk_deinit(const chunk *c) {
     free(c->galaxy);
     free(c->noise);
     free(c->psf);
@@ -42,10 +43,10 @@ static void chunk_deinit(struct chunk *c) {
     free(c->psf_id);
 }
 
-static int chunk_init(struct chunk *c, const shear_mock *m, int threads, shear_error *err) {
+static int chunk_init(chunk *c, const shear_mock *m, int threads, shear_error *err) {
     const shear_mock_info *info = shear_mock_get_info(m);
     const int noise_stamps = shear_mock_get_spec(m)->noise_stamps;
-    *c = (struct chunk){.capacity = chunk_capacity(info, noise_stamps, threads)};
+    *c = (chunk){.capacity = chunk_capacity(info, noise_stamps, threads)};
     const shear_geometry *g = &info->geometry;
     size_t n = (size_t)c->capacity;
     size_t pixels = (size_t)g->nx * (size_t)g->ny;
@@ -66,17 +67,17 @@ static int chunk_init(struct chunk *c, const shear_mock *m, int threads, shear_e
 }
 
 /* ---- HISTORY ---- */
-struct history {
+typedef struct history {
     char (*text)[HISTORY_LINE];
     const char **lines; /* NULL-terminated */
-};
+} history;
 
-static void history_deinit(struct history *h) {
+static void history_deinit(const history *h) {
     free(h->text);
     free(h->lines);
 }
 
-static int history_init(struct history *h, const shear_mock_spec *spec, shear_error *err) {
+static int history_init(history *h, const shear_mock_spec *spec, shear_error *err) {
     size_t n;
     const shear_mock_option *options = shear_mock_options(&n);
     h->text = calloc(n + 1, sizeof *h->text);
@@ -113,10 +114,10 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
                   shear_error *err) {
     const shear_mock_spec *s = shear_mock_get_spec(m);
     const shear_mock_info *info = shear_mock_get_info(m);
-    struct history history = {0};
-    int code = history_init(&history, s, err);
+    CLEANUP(history_deinit) history h = {0};
+    const int code = history_init(&h, s, err);
     if (code != SHEAR_OK) {
-        goto done;
+        return code;
     }
     shear_field_spec field = {.name = s->field[0] ? s->field : NULL,
                               .pixscale = NAN,
@@ -131,24 +132,22 @@ static int create(shear_field_writer **w, const shear_mock *m, const char *path,
                               .columns = columns_of(m),
                               .bitpix = s->bitpix,
                               .overwrite = overwrite,
-                              .history = history.lines};
-    code = shear_field_create(w, path, &field, err);
-done:
-    history_deinit(&history);
-    return code;
+                              .history = h.lines};
+    return shear_field_create(w, path, &field, err);
 }
 
 static int write_psfs(shear_field_writer *w, const shear_mock *m, double *image, shear_error *err) {
-    int64_t n = shear_mock_get_info(m)->n_psf;
-    int code = SHEAR_OK;
-    for (int64_t i = 0; i < n && code == SHEAR_OK; i++) {
+    for (int64_t i = 0; i < shear_mock_get_info(m)->n_psf; i++) {
         shear_mock_psf_image(m, i, image);
-        code = shear_field_write_psf(w, i, image, err);
+        const int code = shear_field_write_psf(w, i, image, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
-    return code;
+    return SHEAR_OK;
 }
 
-static int write_chunk(shear_field_writer *w, const shear_mock *m, struct chunk *c, int64_t first,
+static int write_chunk(shear_field_writer *w, const shear_mock *m, chunk *c, int64_t first,
                        int count, int threads, shear_error *err) {
     unsigned columns = columns_of(m);
     int code = shear_mock_stamps(m, first, count, threads, c->galaxy, c->noise, err);
@@ -169,7 +168,7 @@ static int write_chunk(shear_field_writer *w, const shear_mock *m, struct chunk 
     return shear_field_write(w, first, count, c->galaxy, c->noise, &rows, err);
 }
 
-static int write_stamps(shear_field_writer *w, const shear_mock *m, struct chunk *c,
+static int write_stamps(shear_field_writer *w, const shear_mock *m, chunk *c,
                         const shear_mock_write_options *o, shear_error *err) {
     int64_t n = shear_mock_get_info(m)->n_stamps;
     for (int64_t first = 0; first < n; first += c->capacity) {
@@ -192,25 +191,20 @@ int shear_mock_write(const shear_mock *m, const char *path, const shear_mock_wri
     static const shear_mock_write_options defaults = {0};
     const shear_mock_write_options *o = options != NULL ? options : &defaults;
     shear_field_writer *w = NULL;
-    struct chunk chunk = {0};
-    int code = chunk_init(&chunk, m, o->threads, err);
+    CLEANUP(chunk_deinit) chunk c = {0};
+    int code = chunk_init(&c, m, o->threads, err);
     if (code != SHEAR_OK) {
-        goto done;
+        return code;
     }
     code = create(&w, m, path, o->overwrite, err);
     if (code != SHEAR_OK) {
-        goto done;
+        return code;
     }
-    code = write_psfs(w, m, chunk.psf, err);
-    if (code == SHEAR_OK) {
-        code = write_stamps(w, m, &chunk, o, err);
-    }
-    if (code == SHEAR_OK) {
-        code = shear_field_finish(w, err);
-    } else {
+    code = write_psfs(w, m, c.psf, err);
+    code = code != SHEAR_OK ? code : write_stamps(w, m, &c, o, err);
+    if (code != SHEAR_OK) {
         shear_field_abort(w);
+        return code;
     }
-done:
-    chunk_deinit(&chunk);
-    return code;
+    return shear_field_finish(w, err);
 }

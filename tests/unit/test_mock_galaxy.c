@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Eq. (dgalaxy), once more, with r in units of R_G. */
+/* Zhang (2010), eq. (10), once more, with r in units of R_G. */
 struct profile {
     double bulge_fraction, disk_scale, bulge_ratio;
     double total;

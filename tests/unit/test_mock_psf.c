@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The PSFs of eq. (Ws), as painted points and as images. */
+/* The PSFs of Zhang (2010), eq. (9), as painted points and as images. */
 #include "test_mock_fixture.h"
 
 #include <gsl/gsl_math.h>

@@ -12,7 +12,7 @@ static void test_known_answer(void **state) {
     (void)state;
     static const uint64_t answer[4] = {0x16554d9eca36314c, 0xdb20fe9d672d0fdc, 0xd7e772cee186176b,
                                        0x7e68b68aec7ba23b};
-    struct random r;
+    random_sequence r;
     random_begin(&r, 0, 0, 0, 0);
     for (int i = 0; i < 4; i++) {
         assert_int_equal(gsl_rng_get(&r.rng), answer[i] >> 32);
@@ -24,7 +24,7 @@ static void test_known_answer(void **state) {
 }
 
 static void first_numbers(double out[6], uint64_t seed, int stream, uint64_t index, uint64_t item) {
-    struct random r;
+    random_sequence r;
     random_begin(&r, seed, stream, index, item);
     for (int i = 0; i < 6; i++) {
         out[i] = gsl_rng_uniform(&r.rng);
@@ -55,7 +55,7 @@ static void test_every_name_is_another_sequence(void **state) {
 static void test_item_restarts(void **state) {
     (void)state;
     double expected[6];
-    struct random r;
+    random_sequence r;
     first_numbers(expected, 7, RANDOM_PHOTONS, 3, 2);
     random_begin(&r, 7, RANDOM_PHOTONS, 3, 0);
     for (int i = 0; i < 7; i++) {
@@ -77,7 +77,7 @@ static void test_uniform_across_sequences(void **state) {
     (void)state;
     enum { N = 20000 };
     double *v = doubles(N);
-    struct random r;
+    random_sequence r;
     for (int i = 0; i < N; i++) {
         random_begin(&r, 1, RANDOM_GALAXY, (uint64_t)(i / 100), (uint64_t)(i % 100));
         v[i] = gsl_rng_uniform(&r.rng);
