@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cases.h"
 
+#include "timer.h"
+
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 const bench_case bench_cases[] = {
@@ -37,12 +40,12 @@ static double *new_doubles(size_t n) {
     return aligned_alloc(64, (n * sizeof(double) / 64 + 1) * 64);
 }
 
-static int allocate(bench_data *d, int side, int psf_side, int n_psf, shear_error *err) {
+static int allocate(bench_data *d, int side, int n_psf, shear_error *err) {
     const size_t pixels = (size_t)side * (size_t)side;
     const size_t count = (size_t)d->count;
     d->galaxy = new_doubles(count * pixels);
     d->noise = new_doubles(count * pixels);
-    d->psf = new_doubles((size_t)n_psf * (size_t)psf_side * (size_t)psf_side);
+    d->psf = new_doubles((size_t)n_psf * pixels);
     d->psf_index = malloc(count * sizeof(int32_t));
     d->rows = malloc(count * sizeof(shear_row));
     if (d->galaxy == NULL || d->noise == NULL || d->psf == NULL || d->psf_index == NULL ||
@@ -52,13 +55,30 @@ static int allocate(bench_data *d, int side, int psf_side, int n_psf, shear_erro
     return SHEAR_OK;
 }
 
-int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *err) {
-    const int psf_side = c->side;
+static int make_plan(bench_data *d, const bench_case *c, shear_error *err) {
+    shear_settings settings;
+    shear_settings_init(&settings);
+    const int code = shear_settings_set(&settings, "interpolation", c->interpolation, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    settings.oversample = c->oversample > 1 ? c->oversample : 0;
+    /* The paper's filter, at the beta that the plan will choose. */
+    settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
+    return shear_plan_new(&d->plan,
+                          &(shear_plan_request){.settings = &settings,
+                                                .geometry = {c->side, c->side, c->side, c->side, 1},
+                                                .psf = c->psf_per_stamp ? NULL : d->psf,
+                                                .r_psf_px = c->r_psf_px},
+                          err);
+}
+
+int bench_data_init(bench_data *d, const bench_case *c, int count, shear_error *err) {
     const int n_psf = c->psf_per_stamp ? count : 1;
     const size_t pixels = (size_t)c->side * (size_t)c->side;
     uint32_t seed = 1;
     *d = (bench_data){.count = count};
-    int code = allocate(d, c->side, psf_side, n_psf, err);
+    const int code = allocate(d, c->side, n_psf, err);
     if (code != SHEAR_OK) {
         return code;
     }
@@ -69,22 +89,7 @@ int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *e
         d->psf_index[i] = c->psf_per_stamp ? i : 0;
     }
     for (int i = 0; i < n_psf; i++) {
-        draw(d->psf + (size_t)i * pixels, psf_side, c->r_psf_px, 1.0, 0.0, &seed);
-    }
-    shear_settings settings;
-    shear_settings_init(&settings);
-    code = shear_settings_set(&settings, "interpolation", c->interpolation, err);
-    settings.oversample = c->oversample > 1 ? c->oversample : 0;
-    const shear_geometry g = {c->side, c->side, psf_side, psf_side, 1};
-    /* The paper's filter, at the beta that the plan will choose. */
-    settings.core_px = fmin(c->r_gal_px + 4.0 * 1.5 * c->r_psf_px, 0.45 * c->side);
-    if (code == SHEAR_OK) {
-        code = shear_plan_new(&d->plan,
-                              &(shear_plan_request){.settings = &settings,
-                                                    .geometry = g,
-                                                    .psf = c->psf_per_stamp ? NULL : d->psf,
-                                                    .r_psf_px = c->r_psf_px},
-                              err);
+        draw(d->psf + (size_t)i * pixels, c->side, c->r_psf_px, 1.0, 0.0, &seed);
     }
     d->stamps = (shear_stamps){.count = count,
                                .nx = c->side,
@@ -94,10 +99,10 @@ int bench_data_new(bench_data *d, const bench_case *c, int count, shear_error *e
                                .n_psf = c->psf_per_stamp ? n_psf : 0,
                                .psf = c->psf_per_stamp ? d->psf : NULL,
                                .psf_index = c->psf_per_stamp ? d->psf_index : NULL};
-    return code;
+    return make_plan(d, c, err);
 }
 
-void bench_data_free(bench_data *d) {
+void bench_data_deinit(bench_data *d) {
     shear_plan_free(d->plan);
     free(d->galaxy);
     free(d->noise);
@@ -105,4 +110,20 @@ void bench_data_free(bench_data *d) {
     free(d->psf_index);
     free(d->rows);
     *d = (bench_data){0};
+}
+
+void bench_data_measure(const bench_data *d, shear_workspace *ws, int repeats, shear_row *rows) {
+    shear_error err;
+    for (int i = 0; i < repeats; i++) {
+        if (shear_measure_range(d->plan, ws, &d->stamps, 0, d->count, rows, &err) != SHEAR_OK) {
+            fprintf(stderr, "shear-bench: %s\n", err.message);
+            exit(1);
+        }
+    }
+}
+
+double bench_data_time_pairs(const bench_data *d, shear_workspace *ws, int repeats) {
+    const double start = timer_processor_us();
+    bench_data_measure(d, ws, repeats, d->rows);
+    return (timer_processor_us() - start) / ((double)repeats * d->count);
 }

@@ -29,7 +29,12 @@ typedef struct bench_data {
     int32_t *psf_index;
     shear_row *rows;
 } bench_data;
-int bench_data_new(bench_data *data, const bench_case *c, int count, shear_error *err);
-void bench_data_free(bench_data *data);
+int bench_data_init(bench_data *data, const bench_case *c, int count, shear_error *err);
+void bench_data_deinit(bench_data *data);
+
+/* Measure all stamps `repeats` times into rows [count]. Ends the program on failure. */
+void bench_data_measure(const bench_data *data, shear_workspace *ws, int repeats, shear_row *rows);
+/* The same into the data's own rows: microseconds per pair, in the thread's processor time. */
+double bench_data_time_pairs(const bench_data *data, shear_workspace *ws, int repeats);
 
 #endif

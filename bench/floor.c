@@ -51,6 +51,5 @@ void floor_run_on(floor_transform *f, double *galaxy, double *noise) {
 }
 
 void floor_run(floor_transform *f) {
-    fftw_execute_dft_r2c(f->plan, f->in[0], f->out[0]);
-    fftw_execute_dft_r2c(f->plan, f->in[1], f->out[1]);
+    floor_run_on(f, f->in[0], f->in[1]);
 }

@@ -18,7 +18,4 @@ typedef struct timing {
 /* 0, or a code whose message is in *err. */
 int rounds_time_case(const bench_case *c, int rounds, int threads, timing *out, shear_error *err);
 
-/* Microseconds a pair of shear_measure_range on all stamps, `repeats` times. */
-double rounds_time_pairs(const bench_data *d, shear_workspace *ws, int repeats);
-
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "stages.h"
 
-#include "rounds.h"
 #include "timer.h"
 
 #include "measure/internal.h"
@@ -10,33 +9,33 @@ const char *const stage_names[N_STAGES] = {
     "PSF", "interpolation", "transform along y", "packing", "along x", "moments", "border, flags"};
 
 /* The case, and the pair that a stage is to work on. */
-typedef struct scene {
+typedef struct stage_pair {
     const shear_plan *plan;
     shear_workspace *ws;
     const transfer *transfer;
     const double *galaxy, *noise, *psf;
     moments sum, noise_sum;
-} scene;
+} stage_pair;
 
-static const filter_map *filter_of(const scene *s) {
+static const filter_map *filter_of(const stage_pair *s) {
     return s->plan->filtered ? &s->plan->fine : NULL;
 }
 
-static int strips(const scene *s) {
+static int strips(const stage_pair *s) {
     return (s->plan->info.fine_nx + FFT_LANES - 1) / FFT_LANES;
 }
 
-static int strip_start(const scene *s, int i) {
+static int strip_start(const stage_pair *s, int i) {
     const int last = s->plan->info.fine_nx - FFT_LANES;
     return i * FFT_LANES < last ? i * FFT_LANES : last;
 }
 
-static void do_psf(scene *s) {
+static void do_psf(stage_pair *s) {
     shear_workspace *ws = s->ws;
     transfer_make(&ws->transfer, &s->plan->transfer_plan, &ws->psf_scratch, s->psf, NULL);
 }
 
-static void interpolate(const scene *s, surface *im, const double *pixels) {
+static void interpolate(const stage_pair *s, surface *im, const double *pixels) {
     const filter_map *filter = filter_of(s);
     int bad;
     surface_load(im, &s->plan->grid, pixels, &bad, &bad);
@@ -47,25 +46,25 @@ static void interpolate(const scene *s, surface *im, const double *pixels) {
     }
 }
 
-static void do_interpolate(scene *s) {
+static void do_interpolate(stage_pair *s) {
     interpolate(s, &s->ws->galaxy, s->galaxy);
     interpolate(s, &s->ws->noise, s->noise);
 }
 
-static void do_along_y(scene *s) {
+static void do_along_y(stage_pair *s) {
     const fft_lanes strip = s->ws->strip;
     for (int i = 0; i < strips(s); i++) {
         fft_run(s->plan->along_y, strip.re, strip.im, FFT_LANES, s->ws->lanes[0], s->ws->lanes[1]);
     }
 }
 
-static void do_pack(scene *s) {
+static void do_pack(stage_pair *s) {
     photometry ph;
     pack_failure failure;
     pack_pair(s->plan, s->ws, filter_of(s), s->galaxy, s->noise, false, s->transfer, &ph, &failure);
 }
 
-static void do_along_x(scene *s) {
+static void do_along_x(stage_pair *s) {
     for (int group = 0; group <= mode_groups_last(s->plan, s->transfer); group++) {
         if (mode_groups_want(s->plan, s->transfer, group)) {
             pack_transform_rows(s->plan, s->ws, group);
@@ -73,7 +72,7 @@ static void do_along_x(scene *s) {
     }
 }
 
-static void do_moments(scene *s) {
+static void do_moments(stage_pair *s) {
     for (int group = 0; group * FFT_LANES <= s->transfer->jy; group++) {
         const mode_rows rows = {.up = s->ws->lanes[0],
                                 .down = s->ws->lanes[2],
@@ -83,7 +82,8 @@ static void do_moments(scene *s) {
     }
 }
 
-static double time_stage(const bench_data *d, scene *s, int repeats, void (*stage)(scene *)) {
+static double time_stage(const bench_data *d, stage_pair *s, int repeats,
+                         void (*stage)(stage_pair *)) {
     const size_t pixels = (size_t)d->stamps.nx * (size_t)d->stamps.ny;
     const double start = timer_processor_us();
     for (int r = 0; r < repeats; r++) {
@@ -100,12 +100,12 @@ static double time_stage(const bench_data *d, scene *s, int repeats, void (*stag
 
 void stages_time(const bench_data *d, shear_workspace *ws, int repeats, double us[N_STAGES]) {
     const shear_plan *plan = d->plan;
-    scene s = {.plan = plan,
-               .ws = ws,
-               .transfer = plan->has_psf ? &plan->transfer : &ws->transfer,
-               .psf = d->psf};
+    stage_pair s = {.plan = plan,
+                    .ws = ws,
+                    .transfer = plan->has_psf ? &plan->transfer : &ws->transfer,
+                    .psf = d->psf};
     const bool interpolated = plan->grid.x.kind != AXIS_NONE;
-    const double whole = rounds_time_pairs(d, ws, repeats);
+    const double whole = bench_data_time_pairs(d, ws, repeats);
     us[STAGE_PSF] = plan->has_psf ? 0.0 : time_stage(d, &s, repeats, do_psf);
     us[STAGE_INTERPOLATE] = interpolated ? time_stage(d, &s, repeats, do_interpolate) : 0.0;
     us[STAGE_ALONG_Y] = time_stage(d, &s, repeats, do_along_y);

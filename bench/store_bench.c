@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* store-bench: what the store's operations cost on a big database beside a small one (they should
  * cost the same), and durable submits a second beside SQLite's own bare commits in the same
- * directory, in turns, so that the machine's noise cancels. */
+ * directory, alternately, so that the machine's noise cancels. */
 #include "store_fill.h"
 #include "timer.h"
 
@@ -77,10 +77,10 @@ static void call_life(database *d, shear_error *err) {
     const int64_t id = submit(d->s, 1, err);
     pick_field(d, field);
     snprintf(content, sizeof content, "new %" PRId64, id);
-    const store_input learned = {field, content, 16};
+    const store_input input = {field, content, 16};
     const store_work work = {.sums = d->sums, .result = "{}", .elapsed_us = 9, .now_ms = 9};
     must(store_next(d->s, 6, &job, err), err);
-    must(store_set_input(d->s, job.id, &learned, &of, err), err);
+    must(store_set_input(d->s, job.id, &input, &of, err), err);
     must(store_finish(d->s, job.id, &work, &end, err), err);
     store_job_deinit(&job);
 }
@@ -243,16 +243,17 @@ static void compare_rates(sqlite3 *bare, store *s) {
     static double plain[ROUNDS];
     static double ours[ROUNDS];
     static double ratio[ROUNDS];
-    enum { TURNS = 5 };
+    enum { ITERATIONS = 5 };
     printf("\n| durable submits a second | store | bare commits | ratio |\n|---|---|---|---|\n");
     for (int group = 1; group <= MAX_GROUP; group *= 8) {
-        for (int r = 0; r < TURNS; r++) {
+        for (int r = 0; r < ITERATIONS; r++) {
             plain[r] = bare_rate(bare);
             ours[r] = submit_rate(s, group);
             ratio[r] = ours[r] / plain[r];
         }
-        printf("| groups of %-2d | %9.0f | %9.0f | %6.2f |\n", group, timer_median(ours, TURNS),
-               timer_median(plain, TURNS), timer_median(ratio, TURNS));
+        printf("| groups of %-2d | %9.0f | %9.0f | %6.2f |\n", group,
+               timer_median(ours, ITERATIONS), timer_median(plain, ITERATIONS),
+               timer_median(ratio, ITERATIONS));
     }
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store_fill.h"
 
+#include "base/cleanup.h"
 #include "shear/sums.h"
 
 #include <sqlite3.h>
@@ -27,38 +28,31 @@ char *store_fill_sums(void) {
 
 /* One real job, from which the bulk is copied. */
 static int make_pattern(store *s, shear_error *err) {
-    store_job job = {0};
+    CLEANUP(store_job_deinit) store_job job = {0};
     store_finished end;
     int64_t id = 0;
     int64_t of = 0;
     bool known = false;
-    char *sums = store_fill_sums();
+    CLEANUP(release_free) char *sums = store_fill_sums();
     const store_spec spec = {.field = "field-0000000",
                              .source = "/survey/night-001/field-0000000.fits",
                              .settings = "{\"beta\":4}",
                              .settings_digest = "0123456789abcdef0123456789abcdef",
                              .owner = 1000,
                              .created_ms = 1};
-    const store_input learned = {NULL, "00000000000000000000000000000001", SHEAR_BLOCK};
+    const store_input input = {NULL, "00000000000000000000000000000001", SHEAR_BLOCK};
     const store_work work = {.sums = sums,
                              .result = "{\"g1\":0.0123,\"g2\":-0.0045,\"g1_err\":0.001}",
                              .catalog = "/survey/out/field-0000000.csv",
                              .elapsed_us = 1000,
                              .now_ms = 2};
-    int code = sums == NULL ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory")
-                            : store_submit(s, &spec, 10, &id, &known, err);
-    if (code == SHEAR_OK) {
-        code = store_next(s, 1, &job, err);
+    if (sums == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory");
     }
-    if (code == SHEAR_OK) {
-        code = store_set_input(s, id, &learned, &of, err);
-    }
-    if (code == SHEAR_OK) {
-        code = store_finish(s, id, &work, &end, err);
-    }
-    store_job_deinit(&job);
-    free(sums);
-    return code;
+    int code = store_submit(s, &spec, 10, &id, &known, err);
+    code = code != SHEAR_OK ? code : store_next(s, 1, &job, err);
+    code = code != SHEAR_OK ? code : store_set_input(s, id, &input, &of, err);
+    return code != SHEAR_OK ? code : store_finish(s, id, &work, &end, err);
 }
 
 /* ?1: jobs, ?2: fields. Job n is of field (n - 1) mod fields. Triggers are off: the numbers are set
@@ -128,9 +122,7 @@ static int multiply(const char *path, int64_t jobs, int64_t fields, shear_error 
 int store_fill(const char *path, int64_t jobs, int64_t fields, shear_error *err) {
     store *s = NULL;
     int code = store_open(&s, path, NULL, 1, err);
-    if (code == SHEAR_OK) {
-        code = make_pattern(s, err);
-    }
+    code = code != SHEAR_OK ? code : make_pattern(s, err);
     store_close(s);
     return code == SHEAR_OK ? multiply(path, jobs, fields, err) : code;
 }

@@ -2,6 +2,8 @@
 /* Ranges, percentiles, histograms and stretches. */
 #include "shear_figures/scale.h"
 
+#include "base/sort.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -42,12 +44,6 @@ shear_range shear_range_pad(shear_range r, double part) {
     return (shear_range){r.lo - 2 * width * part, r.hi + 2 * width * part};
 }
 
-static int compare_doubles(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Between order statistics; sorted[n], n >= 1. */
 static double percentile_of_sorted(const double *sorted, size_t n, double percent) {
     const double place = fmin(fmax(percent, 0.0), 100.0) / 100.0 * (double)(n - 1);
@@ -74,7 +70,7 @@ int shear_range_percentile(shear_range *out, const double *v, size_t n, double l
         }
     }
     if (finite > 0) {
-        qsort(sorted, finite, sizeof *sorted, compare_doubles);
+        sort_doubles(sorted, finite);
         out->lo = percentile_of_sorted(sorted, finite, lo_percent);
         out->hi = percentile_of_sorted(sorted, finite, hi_percent);
     }

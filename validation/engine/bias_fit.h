@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* bias_fit.h: multiplicative and additive bias, measured = (1 + m) true + c, Zhang (2010), eq.
- * (11).
+/* bias_fit.h: multiplicative and additive bias: measured = (1 + m) true + c.
  *
- * A straight line through the same galaxies at several shears. Errors are the jackknife's over the
- * groups of galaxies, so that what is common to all shears (shapes, noise) does not count as error
- * of m.
+ * Zhang (2010), eq. (11): a straight line through the same galaxies at several shears. Errors are
+ * the jackknife's over the groups of galaxies, so that what is common to all shears (shapes, noise)
+ * does not count as error of m.
  */
 #ifndef VALIDATION_BIAS_FIT_H
 #define VALIDATION_BIAS_FIT_H

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Drawing and measuring the stamps of a sample, tile by tile, on all threads. */
 #include "engine/must.h"
 #include "engine/sample.h"
 

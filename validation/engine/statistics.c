@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/statistics.h"
 
+#include "base/sort.h"
+
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_matrix.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /* In the eigenvectors of the correlation matrix: T^2 is the sum of squares of the pulls along them,
  * over the eigenvalues. */
@@ -90,12 +91,6 @@ spread spread_of(const double *v, size_t n) {
     return m;
 }
 
-static int by_value(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Q_KS(lambda): the alternating series where it converges fast, its theta-function twin elsewhere.
  */
 static double kolmogorov_q(double lambda) {
@@ -120,7 +115,7 @@ double ks_distance(double *v, size_t n, double nu, double *p) {
             v[kept++] = v[i];
         }
     }
-    qsort(v, kept, sizeof *v, by_value);
+    sort_doubles(v, kept);
     double d = 0.0;
     for (size_t i = 0; i < kept; i++) {
         double cdf = nu > 0.0 ? gsl_cdf_tdist_P(v[i], nu) : gsl_cdf_ugaussian_P(v[i]);

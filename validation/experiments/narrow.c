@@ -151,7 +151,7 @@ static void measure(const options *o, cache *c, point *p) {
 /* ---- table ---- */
 
 static const column columns[] = {
-    {"r_psf", TABLE_NUMBER, 2, .help = "R_PSF of eq. (Ws)", .unit = "pix"},
+    {"r_psf", TABLE_NUMBER, 2, .help = "R_PSF of Zhang (2010), eq. (9)", .unit = "pix"},
     {"settings", TABLE_TEXT, 0, .help = "the defaults, or preset zhang2010"},
     {"beta", TABLE_NUMBER, 2, .help = "scale radius of the target", .unit = "pix"},
     {"m1", TABLE_NUMBER, 5, .help = "multiplicative bias", .with_error = true},

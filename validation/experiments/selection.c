@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Beyond the paper: what a cut does to the shear, by what it is made on. */
+#include "base/sort.h"
 #include "engine/must.h"
 #include "engine/scratch.h"
 #include "engine/trial_stamps.h"
@@ -141,12 +142,6 @@ typedef struct cut {
     double threshold;
 } cut;
 
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a;
-    const double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* At the value that a part `kept` of the unflagged stamps of both signs reaches. */
 static cut find_cut(const measuring *m, enum cut_on on, double kept) {
     const size_t all = 2 * (size_t)m->trial.stamps;
@@ -159,7 +154,7 @@ static cut find_cut(const measuring *m, enum cut_on on, double kept) {
         }
     }
     if (n > 0) {
-        qsort(v, n, sizeof *v, compare);
+        sort_doubles(v, n);
         found.threshold = v[(size_t)fmin((1.0 - kept) * (double)n, (double)n - 1.0)];
     }
     free(v);
