@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "options.h"
 
-#include "text.h"
+#include "value.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -172,24 +172,24 @@ static bool parse(shear_mock_spec *s, const shear_mock_option *o, const char *te
     switch (o->type) {
     case SHEAR_MOCK_T_INT:
         *(int *)m = 0;
-        return automatic || text_int(text, m);
+        return automatic || value_int(text, m);
     case SHEAR_MOCK_T_COUNT:
-        return text_int64(text, m);
+        return value_int64(text, m);
     case SHEAR_MOCK_T_SEED:
-        return text_uint64(text, m);
+        return value_uint64(text, m);
     case SHEAR_MOCK_T_DOUBLE:
         *(double *)m = NAN;
-        return automatic || text_double(text, m);
+        return automatic || value_double(text, m);
     case SHEAR_MOCK_T_PAIR:
-        return text_pair(text, m);
+        return value_pair(text, m);
     case SHEAR_MOCK_T_SIZE:
-        return text_size(text, m);
+        return value_size(text, m);
     case SHEAR_MOCK_T_CHOICE:
-        return text_choice(text, o->choices, m);
+        return value_choice(text, o->choices, m);
     case SHEAR_MOCK_T_TEXT:
-        return text_copy(text, m, sizeof s->field);
+        return value_copy(text, m, sizeof s->field);
     default:
-        if (!text_bool(text, &yes)) {
+        if (!value_bool(text, &yes)) {
             return false;
         }
         *(bool *)m = (o->type == SHEAR_MOCK_T_ON) == yes;
@@ -251,11 +251,11 @@ char *shear_mock_format(const shear_mock_spec *s, const shear_mock_option *o, ch
         snprintf(buf, size, "%" PRIu64, *(const uint64_t *)m);
         break;
     case SHEAR_MOCK_T_DOUBLE:
-        snprintf(buf, size, "%s", automatic ? "auto" : text_of_double(*(const double *)m, first));
+        snprintf(buf, size, "%s", automatic ? "auto" : value_of_double(*(const double *)m, first));
         break;
     case SHEAR_MOCK_T_PAIR:
-        snprintf(buf, size, "%s,%s", text_of_double(((const double *)m)[0], first),
-                 text_of_double(((const double *)m)[1], second));
+        snprintf(buf, size, "%s,%s", value_of_double(((const double *)m)[0], first),
+                 value_of_double(((const double *)m)[1], second));
         break;
     case SHEAR_MOCK_T_SIZE:
         snprintf(buf, size, "%dx%d", ((const int *)m)[0], ((const int *)m)[1]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "text.h"
+#include "value.h"
 
 #include "base/text.h"
 
@@ -19,20 +19,20 @@ static bool begins(const char *text) {
     return *text != '\0' && !isspace((unsigned char)*text);
 }
 
-bool text_int64(const char *text, int64_t *value) {
+bool value_int64(const char *text, int64_t *value) {
     return begins(text) && text_to_int64(text, value);
 }
 
-bool text_int(const char *text, int *value) {
+bool value_int(const char *text, int *value) {
     int64_t v = 0;
-    if (!text_int64(text, &v) || v < INT_MIN || v > INT_MAX) {
+    if (!value_int64(text, &v) || v < INT_MIN || v > INT_MAX) {
         return false;
     }
     *value = (int)v;
     return true;
 }
 
-bool text_uint64(const char *text, uint64_t *value) {
+bool value_uint64(const char *text, uint64_t *value) {
     char *end = NULL;
     errno = 0;
     uintmax_t v = strtoumax(text, &end, 10);
@@ -44,7 +44,7 @@ bool text_uint64(const char *text, uint64_t *value) {
     return true;
 }
 
-bool text_double(const char *text, double *value) {
+bool value_double(const char *text, double *value) {
     double v = 0.0;
     if (!begins(text) || !text_to_double(text, &v) || !isfinite(v)) {
         return false;
@@ -64,31 +64,31 @@ static bool split(const char *text, char mark, char first[32], const char **seco
     return true;
 }
 
-bool text_pair(const char *text, double value[2]) {
+bool value_pair(const char *text, double value[2]) {
     char first[32];
     const char *second = NULL;
-    return split(text, ',', first, &second) && text_double(first, &value[0]) &&
-           text_double(second, &value[1]);
+    return split(text, ',', first, &second) && value_double(first, &value[0]) &&
+           value_double(second, &value[1]);
 }
 
-bool text_size(const char *text, int value[2]) {
+bool value_size(const char *text, int value[2]) {
     char first[32];
     const char *second = text;
     if (strchr(text, 'x') == NULL) {
-        const bool good = text_int(text, &value[0]);
+        const bool good = value_int(text, &value[0]);
         value[1] = value[0];
         return good;
     }
-    return split(text, 'x', first, &second) && text_int(first, &value[0]) &&
-           text_int(second, &value[1]);
+    return split(text, 'x', first, &second) && value_int(first, &value[0]) &&
+           value_int(second, &value[1]);
 }
 
-bool text_bool(const char *text, bool *value) {
+bool value_bool(const char *text, bool *value) {
     *value = strcmp(text, "yes") == 0;
     return *value || strcmp(text, "no") == 0;
 }
 
-bool text_choice(const char *text, const char *const *choices, int *value) {
+bool value_choice(const char *text, const char *const *choices, int *value) {
     for (int i = 0; choices[i]; i++) {
         if (strcmp(text, choices[i]) == 0) {
             *value = i;
@@ -98,7 +98,7 @@ bool text_choice(const char *text, const char *const *choices, int *value) {
     return false;
 }
 
-bool text_copy(const char *text, char *value, size_t size) {
+bool value_copy(const char *text, char *value, size_t size) {
     size_t n = strnlen(text, FITS_STRING + 1);
     if (n > FITS_STRING || n >= size) {
         return false;
@@ -113,7 +113,7 @@ bool text_copy(const char *text, char *value, size_t size) {
     return true;
 }
 
-const char *text_of_double(double value, char buf[32]) {
+const char *value_of_double(double value, char buf[32]) {
     snprintf(buf, 32, "%.*g", text_digits(value, 15), value);
     return buf;
 }
