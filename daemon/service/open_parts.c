@@ -86,7 +86,7 @@ int open_engine(service *s, shear_error *err) {
 
 static bool is_admin(void *context, const access_peer *peer) {
     const service *s = context;
-    return permissions_admin(&s->permissions, peer);
+    return permissions_is_admin(&s->permissions, peer);
 }
 
 int open_server(service *s, shear_error *err) {

@@ -36,16 +36,17 @@ void permissions_deinit(permissions *p) {
     *p = (permissions){0};
 }
 
-bool permissions_admin(const permissions *p, const access_peer *peer) {
+bool permissions_is_admin(const permissions *p, const access_peer *peer) {
     return peer->uid == 0 || access_list_has(p->admins, peer);
 }
 
-bool permissions_submit(const permissions *p, const access_peer *peer) {
-    return p->anyone_submits || access_list_has(p->submitters, peer) || permissions_admin(p, peer);
+bool permissions_may_submit(const permissions *p, const access_peer *peer) {
+    return p->anyone_submits || access_list_has(p->submitters, peer) ||
+           permissions_is_admin(p, peer);
 }
 
-bool permissions_priority(const permissions *p, const access_peer *peer) {
-    return permissions_admin(p, peer) || access_list_has(p->priority, peer);
+bool permissions_may_give_priority(const permissions *p, const access_peer *peer) {
+    return permissions_is_admin(p, peer) || access_list_has(p->priority, peer);
 }
 
 size_t permissions_unknown(const permissions *p, const char **list, size_t capacity) {

@@ -17,9 +17,9 @@ typedef struct permissions {
 /* All or nothing. */
 int permissions_init(permissions *p, const sheard_config *config, shear_error *err);
 void permissions_deinit(permissions *p);
-bool permissions_admin(const permissions *p, const access_peer *peer);
-bool permissions_submit(const permissions *p, const access_peer *peer);
-bool permissions_priority(const permissions *p, const access_peer *peer);
+bool permissions_is_admin(const permissions *p, const access_peer *peer);
+bool permissions_may_submit(const permissions *p, const access_peer *peer);
+bool permissions_may_give_priority(const permissions *p, const access_peer *peer);
 /* What is to be said of configured names that nobody has, into list[capacity]; how many. `list`
  * NULL: they are counted. */
 size_t permissions_unknown(const permissions *p, const char **list, size_t capacity);

@@ -69,40 +69,36 @@ static void apply(service *s) {
     }
 }
 
-typedef struct setting_names {
-    const char **changed, **restart; /* malloc'd */
-    size_t n_changed, n_restart;
-} setting_names;
-
 /* Move what may change from *fresh into the configuration; which settings these are. */
-static int replace_config(service *s, sheard_config *fresh, setting_names *names,
+static int replace_config(service *s, sheard_config *fresh, sheard_msg_reloaded *reply,
                           shear_error *err) {
     enum { MOST = 128 };
     size_t changed[MOST];
     size_t restart[MOST];
     const size_t n_changed = sheard_config_changes(&s->config, fresh, false, changed, MOST);
     const size_t n_restart = sheard_config_changes(&s->config, fresh, true, restart, MOST);
-    names->n_changed = n_changed < MOST ? n_changed : MOST;
-    names->n_restart = n_restart < MOST ? n_restart : MOST;
     const int code = sheard_config_reload(&s->config, fresh, &problems);
     if (code != SHEAR_OK) {
         sheard_problems_error(&problems, err);
         return code;
     }
-    names->changed = names_of(changed, names->n_changed);
-    names->restart = names_of(restart, names->n_restart);
+    reply->n_changed = n_changed < MOST ? n_changed : MOST;
+    reply->n_restart = n_restart < MOST ? n_restart : MOST;
+    reply->changed = names_of(changed, reply->n_changed);
+    reply->restart = names_of(restart, reply->n_restart);
     return SHEAR_OK;
 }
 
 /* The permissions are those of the new configuration, looked up before it counts. */
-static int replace_all(service *s, sheard_config *fresh, setting_names *names, shear_error *err) {
+static int replace_all(service *s, sheard_config *fresh, sheard_msg_reloaded *reply,
+                       shear_error *err) {
     permissions found;
     int code = permissions_init(&found, fresh, err);
     if (code != SHEAR_OK) {
         return code;
     }
     code = s->hooks->check_reload(s, fresh, err);
-    code = code == SHEAR_OK ? replace_config(s, fresh, names, err) : code;
+    code = code == SHEAR_OK ? replace_config(s, fresh, reply, err) : code;
     if (code != SHEAR_OK) {
         permissions_deinit(&found);
         return code;
@@ -112,7 +108,7 @@ static int replace_all(service *s, sheard_config *fresh, setting_names *names, s
     return SHEAR_OK;
 }
 
-static int read_and_replace(service *s, setting_names *names, shear_error *err) {
+static int read_and_replace(service *s, sheard_msg_reloaded *reply, shear_error *err) {
     sheard_config fresh;
     problems = (sheard_problems){0};
     int code = sheard_config_read(&fresh, s->config_path, &s->assignments, &problems);
@@ -120,17 +116,16 @@ static int read_and_replace(service *s, setting_names *names, shear_error *err) 
         sheard_problems_error(&problems, err);
         return code;
     }
-    code = replace_all(s, &fresh, names, err);
+    code = replace_all(s, &fresh, reply, err);
     sheard_config_deinit(&fresh);
     return code;
 }
 
 int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *error) {
     shear_error err = {0};
-    setting_names names = {0};
     *reply = (sheard_msg_reloaded){0};
     notify_reloading(&s->notify, NULL);
-    if (read_and_replace(s, &names, &err) != SHEAR_OK) {
+    if (read_and_replace(s, reply, &err) != SHEAR_OK) {
         log_error("the configuration was not reloaded, the old one stays: %s", err.message);
         notify_ready(&s->notify, NULL, NULL);
         return sheard_rpc_fail(error, SHEARD_RPC_BAD_CONFIG,
@@ -140,10 +135,6 @@ int reload_config(service *s, sheard_msg_reloaded *reply, sheard_rpc_error *erro
         log_warning("%s", err.message);
     }
     reload_warn_names(s);
-    *reply = (sheard_msg_reloaded){.changed = names.changed,
-                                   .n_changed = names.n_changed,
-                                   .restart = names.restart,
-                                   .n_restart = names.n_restart};
     reply->warnings = warnings_of(s, &reply->n_warnings);
     apply(s);
     log_notice("configuration reloaded: %zu settings changed, %zu of them need a restart",

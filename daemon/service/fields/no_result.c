@@ -2,7 +2,7 @@
 #include "service/fields/no_result.h"
 
 #include "base/cleanup.h"
-#include "service/jobs/job_file.h"
+#include "service/jobs/spooled_file.h"
 #include "sheard/messages.h"
 #include "sheard/no_shear.h"
 #include "sheard/rpc.h"
@@ -75,7 +75,7 @@ static char *file_of(store *s, int64_t id) {
     if (store_job_get(s, id, &job, &ignored) != SHEAR_OK) {
         return NULL;
     }
-    if (job_file_is_field(&job)) {
+    if (spooled_file_is_field(&job)) {
         return strdup(job.dropped);
     }
     if (sheard_source_parse(&source, job.source, &error) != SHEARD_RPC_OK) {

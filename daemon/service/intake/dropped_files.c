@@ -9,10 +9,10 @@
 #include "service/core/tuning.h"
 #include "service/intake/file_disposal.h"
 #include "service/intake/submission.h"
-#include "service/jobs/job_file.h"
 #include "service/jobs/job_message.h"
 #include "service/jobs/job_source.h"
 #include "service/jobs/rpc_errors.h"
+#include "service/jobs/spooled_file.h"
 
 /* ---- a file that is a job ---- */
 
@@ -65,7 +65,7 @@ static void submit(service *s, const spool_file *file, const submission *sub) {
 }
 
 /* A file that was told before is a job already, most likely. What it would become now (the
- * defaults, or the files that a description names, may have changed) is not asked. */
+ * defaults, or the files that a job file names, may have changed) is not asked. */
 static bool is_known(service *s, const spool_file *file) {
     shear_error err = {0};
     int64_t id = 0;
@@ -86,11 +86,11 @@ static bool is_known(service *s, const spool_file *file) {
     return id != 0;
 }
 
-/* ---- a description of a job ---- */
+/* ---- a job file ---- */
 
 /* Read whole, bounded: *text is malloc'd. */
-static int read_description(const service *s, const spool_file *file, char **text, size_t *n,
-                            sheard_rpc_error *error) {
+static int read_job_file(const service *s, const spool_file *file, char **text, size_t *n,
+                         sheard_rpc_error *error) {
     CLEANUP(release_fd) int fd = -1;
     shear_error err = {0};
     *text = malloc(SHEARD_MSG_JOB_FILE_MAX + 1);
@@ -110,7 +110,7 @@ static int read_description(const service *s, const spool_file *file, char **tex
 }
 
 /* As a submit of the file's owner. */
-static void submit_description(service *s, const spool_file *file, submission *sub) {
+static void submit_job_file(service *s, const spool_file *file, submission *sub) {
     CLEANUP(release_free) char *text = NULL;
     CLEANUP(access_peer_deinit) access_peer peer = {0};
     CLEANUP(sheard_submit_deinit) sheard_msg_submit described = {0};
@@ -121,7 +121,7 @@ static void submit_description(service *s, const spool_file *file, submission *s
         file_disposal_put_off(s, file->active_name, shear_code_name(err.code), err.message);
         return;
     }
-    if (read_description(s, file, &text, &n, &error) != SHEARD_RPC_OK ||
+    if (read_job_file(s, file, &text, &n, &error) != SHEARD_RPC_OK ||
         sheard_job_file_parse(&described, text, n, &s->config.measure, &error) != SHEARD_RPC_OK) {
         file_disposal_reject(s, file, &error);
         return;
@@ -166,8 +166,8 @@ static void on_found(void *context, const spool_file *file) {
     if (is_known(s, file)) {
         return;
     }
-    if (job_file_is_description(file->name)) {
-        submit_description(s, file, &sub);
+    if (spooled_file_is_job_file(file->name)) {
+        submit_job_file(s, file, &sub);
     } else {
         submit_field(s, file, &sub);
     }

@@ -5,8 +5,8 @@
 #include "log/log.h"
 #include "service/core/clock.h"
 #include "service/core/parts.h"
-#include "service/jobs/job_file.h"
 #include "service/jobs/job_message.h"
+#include "service/jobs/spooled_file.h"
 #include "shear/version.h"
 
 #include <inttypes.h>
@@ -65,7 +65,7 @@ static void keep_place(service *s, store_job *job, const spool_place *place) {
 void file_disposal_end(service *s, store_job *job) {
     char name[SPOOL_NAME_SIZE];
     spool_place place = {.name = ""};
-    if (s->spool == NULL || !store_state_is_final(job->state) || !job_file_name(job, name)) {
+    if (s->spool == NULL || !store_state_is_final(job->state) || !spooled_file_name(job, name)) {
         return;
     }
     sheard_msg_side side = {.file = job->dropped,

@@ -84,7 +84,7 @@ int submission_store(service *s, const submission *sub, int64_t *id, bool *known
     if (sheard_settings_apply(&settings, sub->submit->settings, &err) != SHEAR_OK) {
         return sheard_rpc_fail(error, SHEARD_RPC_BAD_SETTING, err.advice, "%s", err.message);
     }
-    if (sub->submit->priority > 0 && !permissions_priority(&s->permissions, &sub->peer)) {
+    if (sub->submit->priority > 0 && !permissions_may_give_priority(&s->permissions, &sub->peer)) {
         sheard_rpc_fail(error, SHEARD_RPC_PRIORITY_NOT_ALLOWED, NULL,
                         "'priority': you may give 0 and below, not %lld ([access] priority_users, "
                         "priority_groups)",

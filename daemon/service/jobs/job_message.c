@@ -4,7 +4,7 @@
 #include "service/core/clock.h"
 #include "service/core/parts.h"
 #include "service/jobs/active_jobs.h"
-#include "service/jobs/job_file.h"
+#include "service/jobs/spooled_file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,34 +66,35 @@ void job_to_message(service *s, const store_job *job, sheard_msg_job *out) {
     sheard_rpc_error ignored;
     const char *user = user_names_get(&s->users, job->owner, (int64_t)uv_now(&s->loop));
     /* The numbers of the enums of the store and the protocol are the same. */
-    *out = (sheard_msg_job){.id = job->id,
-                            .state = (enum sheard_job_state)job->state,
-                            .job_class = (enum sheard_job_class)job->failure_class,
-                            .code = job->code,
-                            .message = job->message,
-                            .advice = job->advice,
-                            .field = job->field,
-                            .owner = job->owner,
-                            .user = user != NULL ? strdup(user) : NULL,
-                            .origin = (enum sheard_job_origin)job->origin,
-                            .priority = job->priority,
-                            .force = job->force,
-                            .key = job->key,
-                            .cancel_asked = job->cancel_asked,
-                            .created_ms = job->created_ms,
-                            .started_ms = job->started_ms,
-                            .finished_ms = job->finished_ms,
-                            .not_before_ms = job->not_before_ms,
-                            .attempts = job->attempts,
-                            .outcome = (enum sheard_job_outcome)job->outcome,
-                            .duplicate_of = job->duplicate_of,
-                            .settings = job->settings,
-                            .digest = job->settings_digest,
-                            .checksum = job->content,
-                            .result = job->result,
-                            .catalog = job->state != STORE_RETRACTED ? job->catalog : NULL,
-                            .dropped_name = job->dropped,
-                            .file_now = job_file_where(s->spool, s->config.spool.directory, job)};
+    *out =
+        (sheard_msg_job){.id = job->id,
+                         .state = (enum sheard_job_state)job->state,
+                         .job_class = (enum sheard_job_class)job->failure_class,
+                         .code = job->code,
+                         .message = job->message,
+                         .advice = job->advice,
+                         .field = job->field,
+                         .owner = job->owner,
+                         .user = user != NULL ? strdup(user) : NULL,
+                         .origin = (enum sheard_job_origin)job->origin,
+                         .priority = job->priority,
+                         .force = job->force,
+                         .key = job->key,
+                         .cancel_asked = job->cancel_asked,
+                         .created_ms = job->created_ms,
+                         .started_ms = job->started_ms,
+                         .finished_ms = job->finished_ms,
+                         .not_before_ms = job->not_before_ms,
+                         .attempts = job->attempts,
+                         .outcome = (enum sheard_job_outcome)job->outcome,
+                         .duplicate_of = job->duplicate_of,
+                         .settings = job->settings,
+                         .digest = job->settings_digest,
+                         .checksum = job->content,
+                         .result = job->result,
+                         .catalog = job->state != STORE_RETRACTED ? job->catalog : NULL,
+                         .dropped_name = job->dropped,
+                         .file_now = spooled_file_where(s->spool, s->config.spool.directory, job)};
     if (sheard_source_parse(&out->source, job->source, &ignored) != SHEARD_RPC_OK) {
         out->source = (sheard_msg_source){0};
     }

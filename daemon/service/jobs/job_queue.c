@@ -137,6 +137,7 @@ static bool mark_next(service *s) {
         return false;
     }
     if (group_then(&s->group, start_marked, job.id, sizeof(post_commit)) == NULL) {
+        s->jobs->may_have_orphans = true;
         return false;
     }
     s->jobs->marked++;

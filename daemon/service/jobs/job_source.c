@@ -3,8 +3,8 @@
 
 #include "base/cleanup.h"
 #include "service/core/parts.h"
-#include "service/jobs/job_file.h"
 #include "service/jobs/rpc_errors.h"
+#include "service/jobs/spooled_file.h"
 
 #include <string.h>
 #include <sys/stat.h>
@@ -116,7 +116,7 @@ static int open_spooled(const service *s, const store_job *job, const char *acti
     }
     o->input = shear_input_of_file(o->files.paths[0]);
     if (s->spool == NULL) {
-        return fail_as(o, job_file_no_spool(job, err), STORE_TRANSIENT, SHEARD_RPC_IO);
+        return fail_as(o, spooled_file_no_spool(job, err), STORE_TRANSIENT, SHEARD_RPC_IO);
     }
     int code = spool_open_file(s->spool, active_name, &o->files.fds[0], err);
     code = code == SHEAR_OK ? source_files_check_size(s, o->files.fds[0], o->files.paths[0], err)
@@ -148,7 +148,7 @@ int job_source_open(const service *s, const store_job *job, job_source *o, shear
                    error.message);
         return fail_as(o, SHEAR_E_INTERNAL, STORE_DATA, SHEARD_RPC_IO);
     }
-    return job_file_is_field(job) && job_file_name(job, active_name)
+    return spooled_file_is_field(job) && spooled_file_name(job, active_name)
                ? open_spooled(s, job, active_name, o, err)
                : open_clients(s, job, o, err);
 }

@@ -59,7 +59,7 @@ bool job_reply_may_change(service *s, const server_request *r, int64_t id) {
         refuse_store(s, r->handle, code, &err);
         return false;
     }
-    if (job.owner != r->peer->uid && !permissions_admin(&s->permissions, r->peer)) {
+    if (job.owner != r->peer->uid && !permissions_is_admin(&s->permissions, r->peer)) {
         refuse_with(s, r->handle, SHEARD_RPC_NOT_OWNER, "the job belongs to somebody else");
         return false;
     }

@@ -7,9 +7,9 @@
 #include "service/fields/estimates.h"
 #include "service/intake/file_disposal.h"
 #include "service/jobs/catalogs.h"
-#include "service/jobs/job_file.h"
 #include "service/jobs/job_source.h"
 #include "service/jobs/rpc_errors.h"
+#include "service/jobs/spooled_file.h"
 #include "service/rpc/job_reply.h"
 #include "service/rpc/methods.h"
 #include "service/rpc/refuse.h"
@@ -73,7 +73,7 @@ void method_retract(service *s, const server_request *r) {
 /* The dropped file of a job that is to be tried again goes back into active/. */
 static int take_back(service *s, const store_job *job, sheard_rpc_error *error) {
     shear_error err = {0};
-    const int code = job_file_take_back(s->spool, job, &err);
+    const int code = spooled_file_restore(s->spool, job, &err);
     switch (code) {
     case SHEAR_OK:
         return SHEARD_RPC_OK;
@@ -93,7 +93,7 @@ static int try_to_open(const service *s, const store_job *job, sheard_rpc_error 
     CLEANUP(job_source_deinit) job_source o = {.files = SOURCE_FILES_NONE};
     shear_error err = {0};
     const int code = job_source_open(s, job, &o, &err);
-    if (code != SHEAR_OK && job_file_is_field(job)) {
+    if (code != SHEAR_OK && spooled_file_is_field(job)) {
         return rpc_error_as(error, sheard_rpc_code_find(o.fail_name), &err);
     }
     return code == SHEAR_OK ? SHEARD_RPC_OK : rpc_error_from_access(error, code, &err);
@@ -163,7 +163,7 @@ void method_retry(service *s, const server_request *r) {
         return;
     }
     retry_reply *later = job_reply_later(s, reply_retried, sizeof *later, r->handle, id);
-    if (later != NULL && !job_file_name(&job, later->active_name)) {
+    if (later != NULL && !spooled_file_name(&job, later->active_name)) {
         later->active_name[0] = '\0';
     }
 }

@@ -18,7 +18,7 @@ void method_hello(service *s, const server_request *r) {
                                     .newest = SHEARD_PROTOCOL_VERSION,
                                     .server = "sheard " SHEAR_VERSION_STRING,
                                     .uid = r->peer->uid,
-                                    .admin = permissions_admin(&s->permissions, r->peer)}};
+                                    .admin = permissions_is_admin(&s->permissions, r->peer)}};
     reply.hello.methods = sheard_method_names(&reply.hello.n_methods);
     reply.hello.limits = status_limits(s);
     server_reply(s->server, r->handle, &reply);

@@ -25,7 +25,7 @@ void method_submit(service *s, const server_request *r) {
     sheard_rpc_error error;
     int64_t id = 0;
     bool known = false;
-    if (!permissions_submit(&s->permissions, r->peer)) {
+    if (!permissions_may_submit(&s->permissions, r->peer)) {
         refuse_with(s, r->handle, SHEARD_RPC_NOT_OWNER,
                     "you are in none of the groups that may submit jobs ([access] submit_groups)");
         return;

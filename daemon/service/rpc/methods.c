@@ -16,7 +16,7 @@ void methods_request(void *context, const server_request *r) {
     service *s = context;
     const int method = r->request->method;
     assert(method >= 0 && method < SHEARD_N_METHODS);
-    if (sheard_method_needs_admin(method) && !permissions_admin(&s->permissions, r->peer)) {
+    if (sheard_method_needs_admin(method) && !permissions_is_admin(&s->permissions, r->peer)) {
         refuse_with(s, r->handle, SHEARD_RPC_NOT_ADMIN,
                     "only administrators may do this ([access] admin_users, admin_groups)");
         return;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "service/jobs/job_file.h"
+#include "service/jobs/spooled_file.h"
 
 #include "base/text.h"
 #include "sheard/messages.h"
@@ -9,11 +9,11 @@
 /* How many names are looked at for a file whose place is not known: of many jobs, and of one. */
 enum { GLANCE = 8, SEARCH = 256 };
 
-bool job_file_is_description(const char *name) {
+bool spooled_file_is_job_file(const char *name) {
     return text_ends_with(name, ".json");
 }
 
-bool job_file_name(const store_job *job, char name[SPOOL_NAME_SIZE]) {
+bool spooled_file_name(const store_job *job, char name[SPOOL_NAME_SIZE]) {
     if (job->origin != STORE_SPOOL || job->key == NULL || job->dropped == NULL) {
         return false;
     }
@@ -21,9 +21,9 @@ bool job_file_name(const store_job *job, char name[SPOOL_NAME_SIZE]) {
     return n > 0 && n < SPOOL_NAME_SIZE;
 }
 
-bool job_file_is_field(const store_job *job) {
+bool spooled_file_is_field(const store_job *job) {
     return job->origin == STORE_SPOOL && job->dropped != NULL &&
-           !job_file_is_description(job->dropped);
+           !spooled_file_is_job_file(job->dropped);
 }
 
 static spool_place place_of(const store_job *job) {
@@ -35,11 +35,11 @@ static spool_place place_of(const store_job *job) {
     return place;
 }
 
-char *job_file_where(const spool *sp, const char *directory, const store_job *job) {
+char *spooled_file_where(const spool *sp, const char *directory, const store_job *job) {
     char name[SPOOL_NAME_SIZE];
     char buffer[SPOOL_PLACE_SIZE];
     char *path = NULL;
-    if (sp == NULL || !job_file_name(job, name)) {
+    if (sp == NULL || !spooled_file_name(job, name)) {
         return NULL;
     }
     spool_place place = place_of(job);
@@ -50,24 +50,24 @@ char *job_file_where(const spool *sp, const char *directory, const store_job *jo
     return where != NULL && asprintf(&path, "%s/%s", directory, where) > 0 ? path : NULL;
 }
 
-int job_file_no_spool(const store_job *job, shear_error *err) {
+int spooled_file_no_spool(const store_job *job, shear_error *err) {
     return shear_fail(err, SHEAR_E_IO, "switch the watch folder on again ([spool] enabled)",
                       "'%s' was dropped into the watch folder, which is switched off",
                       job->dropped);
 }
 
-int job_file_take_back(spool *sp, const store_job *job, shear_error *err) {
+int spooled_file_restore(spool *sp, const store_job *job, shear_error *err) {
     char name[SPOOL_NAME_SIZE];
-    if (!job_file_name(job, name)) {
+    if (!spooled_file_name(job, name)) {
         return SHEAR_OK;
     }
     if (sp == NULL) {
-        return job_file_no_spool(job, err);
+        return spooled_file_no_spool(job, err);
     }
     spool_place place = place_of(job);
     if (place.name[0] == '\0') { /* of an older version's job, or the power failed */
         spool_find_place(sp, name, SEARCH, &place);
     }
     const int code = spool_restore(sp, name, &place, err);
-    return job_file_is_description(job->dropped) ? SHEAR_OK : code;
+    return spooled_file_is_job_file(job->dropped) ? SHEAR_OK : code;
 }
