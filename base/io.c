@@ -50,6 +50,16 @@ int io_write(int fd, const void *bytes, size_t n) {
     return 0;
 }
 
+int io_finish(int fd, int error) {
+    if (error == 0 && fsync(fd) != 0) {
+        error = errno;
+    }
+    if (close(fd) != 0 && error == 0) {
+        error = errno;
+    }
+    return error;
+}
+
 int io_open_nameless(const char *directory) {
     const int fd = open(directory, O_TMPFILE | O_RDWR | O_EXCL | O_CLOEXEC, 0600);
     if (fd >= 0) {

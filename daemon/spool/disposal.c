@@ -82,14 +82,7 @@ static int write_report(const folders *f, const disposal *e, const char *text) {
     if (fd < 0) {
         return errno;
     }
-    int error = io_write(fd, text, strlen(text));
-    if (error == 0 && fsync(fd) != 0) {
-        error = errno;
-    }
-    if (close(fd) != 0 && error == 0) {
-        error = errno;
-    }
-    return error;
+    return io_finish(fd, io_write(fd, text, strlen(text)));
 }
 
 /* The report is in its folder, on disk, and the file follows. */

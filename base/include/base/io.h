@@ -16,6 +16,10 @@ ssize_t io_read_at(int fd, void *buffer, size_t size, off_t offset);
 /* Write all. A descriptor that does not block is waited for. Returns 0 or errno. */
 int io_write(int fd, const void *bytes, size_t n);
 
+/* Bring what was written to the disk, if `error` is 0, and close the descriptor, whatever it is.
+ * Returns `error`, or else 0 or errno. */
+int io_finish(int fd, int error);
+
 /* A file without a name in `directory`, open for reading and writing, gone when it is closed.
  * Returns a descriptor (close-on-exec), or -1 with errno set. */
 int io_open_nameless(const char *directory);

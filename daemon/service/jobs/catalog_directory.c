@@ -85,21 +85,6 @@ static int sync_directory(const char *path) {
     return fd >= 0 && fsync(fd) == 0 ? 0 : errno;
 }
 
-static int write_whole(const char *path, const char *text) {
-    const int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
-    if (fd < 0) {
-        return errno;
-    }
-    int error = io_write(fd, text, strlen(text));
-    if (error == 0 && fsync(fd) != 0) {
-        error = errno;
-    }
-    if (close(fd) != 0 && error == 0) {
-        error = errno;
-    }
-    return error;
-}
-
 /* It appears whole; EEXIST where another service was faster. */
 static int write_mark(const char *identity, const char *directory, const char *path) {
     char text[MARK_SIZE];
@@ -107,7 +92,8 @@ static int write_mark(const char *identity, const char *directory, const char *p
     snprintf(temporary, sizeof temporary, "%s.%ld", path, (long)getpid());
     snprintf(text, sizeof text, "%s\n", identity);
     unlink(temporary);
-    int error = write_whole(temporary, text);
+    const int fd = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0640);
+    int error = fd >= 0 ? io_finish(fd, io_write(fd, text, strlen(text))) : errno;
     if (error == 0 && link(temporary, path) != 0) {
         error = errno;
     }
