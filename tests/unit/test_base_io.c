@@ -65,6 +65,8 @@ static void errors_are_told(void **state) {
     assert_int_equal(errno, EBADF);
     assert_int_equal(io_write(-1, "x", 1), EBADF);
     assert_int_equal(io_write(-1, "x", 0), 0);
+    assert_int_equal(io_finish(-1, 0), EBADF);
+    assert_int_equal(io_finish(-1, EPIPE), EPIPE);
     assert_int_equal(io_open_nameless("/no/such/directory"), -1);
     assert_int_equal(errno, ENOENT);
 }
