@@ -56,7 +56,7 @@ static enum connection_status bad_message(const sheard_rpc_error *error) {
     return error->code == SHEARD_RPC_OUT_OF_MEMORY ? CONNECTION_FAILED : CONNECTION_MISMATCH;
 }
 
-static enum connection_status bad_line(int event, sheard_rpc_error *error) {
+static enum connection_status bad_line(enum sheard_frame_event event, sheard_rpc_error *error) {
     switch (event) {
     case SHEARD_FRAME_NOMEM:
         return connection_fail(error, CONNECTION_FAILED, NULL,
@@ -78,7 +78,8 @@ static enum connection_status receive(connection *c, double deadline, sheard_mes
     for (;;) {
         const char *line = NULL;
         size_t n = 0;
-        const int event = sheard_frame_next(&c->frame, &c->at, &c->left, &line, &n);
+        const enum sheard_frame_event event =
+            sheard_frame_next(&c->frame, &c->at, &c->left, &line, &n);
         if (event == SHEARD_FRAME_LINE) {
             return sheard_message_parse(m, line, n, error) != 0 ? bad_message(error)
                                                                 : CONNECTION_OK;

@@ -35,7 +35,7 @@ static void reset(sheard_frame *f) {
 
 /* Doubling, so that a line that comes byte by byte costs no more than its length; never beyond the
  * limit. */
-static int reserve(sheard_frame *f, size_t n) {
+static enum sheard_frame_event reserve(sheard_frame *f, size_t n) {
     assert(n <= f->limit);
     if (n <= f->size) {
         return SHEARD_FRAME_MORE;
@@ -53,14 +53,14 @@ static int reserve(sheard_frame *f, size_t n) {
 
 /* Is there something wrong with the line that goes on with these n bytes? The first wrong byte
  * counts, so that the answer does not depend on the pieces. */
-static int first_fault(const sheard_frame *f, const char *bytes, size_t n) {
+static enum sheard_frame_event first_fault(const sheard_frame *f, const char *bytes, size_t n) {
     const size_t left = f->limit - f->used;
     const char *nul = memchr(bytes, '\0', n < left ? n : left);
     return nul != NULL ? SHEARD_FRAME_NUL : n > left ? SHEARD_FRAME_TOO_LONG : SHEARD_FRAME_MORE;
 }
 
-static int append(sheard_frame *f, const char *bytes, size_t n) {
-    const int event = reserve(f, f->used + n);
+static enum sheard_frame_event append(sheard_frame *f, const char *bytes, size_t n) {
+    const enum sheard_frame_event event = reserve(f, f->used + n);
     if (event == SHEARD_FRAME_MORE) {
         memcpy(f->kept + f->used, bytes, n);
         f->used += n;
@@ -69,12 +69,12 @@ static int append(sheard_frame *f, const char *bytes, size_t n) {
 }
 
 /* The n bytes end a line, which may have begun in `kept`. An empty line is no event. */
-static int end_line(sheard_frame *f, const char *bytes, size_t n, const char **line,
-                    size_t *length) {
+static enum sheard_frame_event end_line(sheard_frame *f, const char *bytes, size_t n,
+                                        const char **line, size_t *length) {
     *line = bytes;
     *length = n;
     if (f->used > 0) {
-        const int event = n > 0 ? append(f, bytes, n) : SHEARD_FRAME_MORE;
+        const enum sheard_frame_event event = n > 0 ? append(f, bytes, n) : SHEARD_FRAME_MORE;
         if (event != SHEARD_FRAME_MORE) {
             return event;
         }
@@ -89,13 +89,13 @@ static int end_line(sheard_frame *f, const char *bytes, size_t n, const char **l
 }
 
 /* Add n bytes of one line, `ended` if its \n follows. */
-static int add_bytes(sheard_frame *f, const char *bytes, size_t n, bool ended, const char **line,
-                     size_t *length) {
+static enum sheard_frame_event add_bytes(sheard_frame *f, const char *bytes, size_t n, bool ended,
+                                         const char **line, size_t *length) {
     if (f->skipping) {
         f->skipping = !ended;
         return SHEARD_FRAME_MORE;
     }
-    int event = first_fault(f, bytes, n);
+    enum sheard_frame_event event = first_fault(f, bytes, n);
     if (event == SHEARD_FRAME_MORE) {
         event = ended   ? end_line(f, bytes, n, line, length)
                 : n > 0 ? append(f, bytes, n)
@@ -108,8 +108,8 @@ static int add_bytes(sheard_frame *f, const char *bytes, size_t n, bool ended, c
     return event;
 }
 
-int sheard_frame_next(sheard_frame *f, const char **input, size_t *n, const char **line,
-                      size_t *length) {
+enum sheard_frame_event sheard_frame_next(sheard_frame *f, const char **input, size_t *n,
+                                          const char **line, size_t *length) {
     *line = NULL;
     *length = 0;
     for (;;) {
@@ -124,7 +124,8 @@ int sheard_frame_next(sheard_frame *f, const char **input, size_t *n, const char
         const size_t taken = newline != NULL ? (size_t)(newline - bytes) : *n;
         *input += taken + (newline != NULL);
         *n -= taken + (newline != NULL);
-        const int event = add_bytes(f, bytes, taken, newline != NULL, line, length);
+        const enum sheard_frame_event event =
+            add_bytes(f, bytes, taken, newline != NULL, line, length);
         if (event != SHEARD_FRAME_MORE) {
             return event;
         }

@@ -106,8 +106,9 @@ static void as_stream(const char *bytes, size_t n, size_t piece, int method) {
         size_t left = piece < n - at ? piece : n - at;
         const char *line = NULL;
         size_t length = 0;
-        for (int event; (event = sheard_frame_next(&frame, &input, &left, &line, &length)) !=
-                        SHEARD_FRAME_MORE;) {
+        for (enum sheard_frame_event event;
+             (event = sheard_frame_next(&frame, &input, &left, &line, &length)) !=
+             SHEARD_FRAME_MORE;) {
             if (event == SHEARD_FRAME_LINE) {
                 as_request(line, length);
                 as_reply(line, length, method);

@@ -11,7 +11,7 @@
 enum { LIMIT = 12, LOG_SIZE = 4096 };
 
 /* A diary of events: "L<line>" "T" "N" "M" */
-static void note(char *diary, int event, const char *line, size_t length) {
+static void note(char *diary, enum sheard_frame_event event, const char *line, size_t length) {
     const size_t used = strlen(diary);
     switch (event) {
     case SHEARD_FRAME_LINE:
@@ -39,7 +39,7 @@ static void feed(sheard_frame *f, const char *bytes, size_t n, char *diary) {
     for (;;) {
         const char *line = NULL;
         size_t length = 0;
-        const int event = sheard_frame_next(f, &at, &left, &line, &length);
+        const enum sheard_frame_event event = sheard_frame_next(f, &at, &left, &line, &length);
         assert_true(f->size <= f->limit && f->used <= f->size);
         if (event == SHEARD_FRAME_MORE) {
             break;

@@ -36,8 +36,8 @@ void sheard_frame_deinit(sheard_frame *f); /* zeroed or deinited: fine */
 /* Take bytes from *input (*n of them; both move on) up to the next event, which is returned. Call
  * again until SHEARD_FRAME_MORE; a caller may also stop in between and go on later with the rest.
  * *line is valid until the next call and as long as the input; it has no NUL at its end. */
-int sheard_frame_next(sheard_frame *f, const char **input, size_t *n, const char **line,
-                      size_t *length);
+enum sheard_frame_event sheard_frame_next(sheard_frame *f, const char **input, size_t *n,
+                                          const char **line, size_t *length);
 
 /* Bytes held of a line that has not ended: not 0 at the end of a stream that was cut off. */
 size_t sheard_frame_pending(const sheard_frame *f);
