@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "exact/exact.h"
 
+#include <assert.h>
 #include <gmp.h>
 #include <math.h>
 #include <stdint.h>
@@ -29,6 +30,7 @@ void exact_free(exact_sum *sums, int n) {
 }
 
 void exact_add(exact_sum *sums, int i, double value) {
+    assert(isfinite(value));
     if (value == 0.0) {
         return;
     }

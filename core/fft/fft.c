@@ -4,6 +4,7 @@
 #include "base/simd.h"
 #include "fft/pass.h"
 
+#include <assert.h>
 #include <fftw3.h>
 #include <math.h>
 #include <pthread.h>
@@ -153,6 +154,7 @@ SHEAR_SIMD static void part(int n, const double *restrict in, fft_lanes out) {
 
 fft_lanes fft_run(const fft_plan *plan, const double *re, const double *im, size_t step,
                   fft_lanes a, fft_lanes b) {
+    assert(step >= FFT_LANES && a.re != b.re);
     if (plan->other != NULL) {
         join(plan->n, re, im, step, a.re);
         fftw_execute_dft(plan->other, (fftw_complex *)a.re, (fftw_complex *)b.re);

@@ -3,6 +3,7 @@
 #include "base/simd.h"
 #include "fft/fft.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,6 +61,7 @@ static axis_point point(enum axis_kind kind, int n, int s, int fine) {
 }
 
 bool axis_init(axis *ax, enum axis_kind kind, int n, int s) {
+    assert(n >= 2 && s >= 1);
     const size_t fine = (size_t)n * (size_t)s;
     *ax = (axis){.kind = kind, .n = n, .s = s};
     ax->points = calloc(fine + FFT_LANES, sizeof *ax->points);

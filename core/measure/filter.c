@@ -4,6 +4,7 @@
 #include "base/simd.h"
 #include "fft/fft.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -131,6 +132,7 @@ static double sum_of(const double *values, size_t n) {
 }
 
 void filter_map_fill(filter_map *m, double core_px, double width_px) {
+    assert(core_px >= 0.0 && width_px > 0.0);
     if (m->core_px == core_px && m->width_px == width_px) {
         return;
     }

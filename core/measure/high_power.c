@@ -4,6 +4,7 @@
 #include "base/simd.h"
 #include "fft/fft.h"
 
+#include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -144,6 +145,7 @@ SHEAR_SIMD static void sum_columns(const mode_rows *rows, const high_band *b, la
 }
 
 void high_power_add(high_power *p, const high_band *b, const mode_rows *rows) {
+    assert(high_band_wants(b, rows->group));
     lane_power s;
     sum_columns(rows, b, &s);
     p->edge_galaxy += 0.25 * fft_total(s.edge_galaxy);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/monotone.h"
 
+#include <assert.h>
 #include <math.h>
 
 enum { MAX_STEPS = 60 };
@@ -8,6 +9,7 @@ enum { MAX_STEPS = 60 };
 double monotone_find_root(const monotone *f, double low, double high, double tolerance) {
     double at_low = f->at(f->context, low);
     double at_high = f->at(f->context, high);
+    assert(low < high && at_low > 0.0 && at_high <= 0.0);
     double x = low;
     for (int i = 0, side = 0; i < MAX_STEPS && high - low > tolerance; i++) {
         const double before = x;

@@ -4,6 +4,7 @@
 #include "base/simd.h"
 #include "fft/fft.h"
 
+#include <assert.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -81,12 +82,14 @@ static double sum_of(const double *lanes) {
 }
 
 double plateau_part(const plateau *p, const mode_rows *r) {
+    assert(r->group >= 0 && r->group <= p->last_group && r->nx == p->nx);
     double sums[FFT_LANES] = {0};
     sum_rows(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
     return sum_of(sums);
 }
 
 double plateau_of_noise(const plateau *p, const mode_rows *r) {
+    assert(r->group >= 0 && r->group <= p->last_group && r->nx == p->nx);
     double sums[FFT_LANES] = {0};
     sum_noise(r, p->share + (size_t)r->group * FFT_LANES, p->stride, sums);
     return sum_of(sums);

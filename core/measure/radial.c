@@ -9,6 +9,7 @@
  * with the filtered A' and B'. Factors that do not depend on the filter drop out. */
 #include "measure/radial.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +44,7 @@ static void fill(radial *q, double step_k, double scale2) {
 }
 
 bool radial_init(radial *q, double r_max, double r_psf, double beta) {
+    assert(r_max > 0.0 && r_psf > 0.0 && beta > 0.0);
     /* a target narrower than the PSF has no limit of its own: any will do */
     const double scale2 = fmax(beta * beta - r_psf * r_psf, 0.1 * beta * beta);
     const double k_max = fmin(M_PI, last_scale / sqrt(scale2));

@@ -5,6 +5,7 @@
 #include "base/sort.h"
 #include "measure/radial.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -170,6 +171,7 @@ static int stack(reach *r) {
 
 /* The profile at any radius: as it was seen, then with the slope of the last 40 % of what was. */
 static double profile_at(const reach *r, int last, double fall, double radius) {
+    assert(last >= 0 && last < r->n_rings);
     if (radius >= r->radius[last]) {
         return r->profile[last] * exp(fall * (sqrt(r->radius[last]) - sqrt(radius)));
     }

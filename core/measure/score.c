@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/score.h"
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,7 @@ int scores_terms(double stamps) {
 }
 
 int scores_init(scores *s, int bins, shear_error *err) {
+    assert(bins >= 1);
     const size_t nb = (size_t)bins;
     const size_t all = (SIGN_GROUPS + 1) * nb;
     *s = (scores){.bins = bins};
@@ -79,6 +81,7 @@ static void solve_normal(double m[SCORE_TERMS][SCORE_TERMS], double *r, int n, d
 }
 
 void score_curve(const double *fall, const double *size, int bins, int terms, double *score) {
+    assert(terms >= 1 && terms <= SCORE_TERMS);
     double m[SCORE_TERMS][SCORE_TERMS] = {{0.0}};
     double r[SCORE_TERMS] = {0.0};
     double c[SCORE_TERMS] = {0.0};

@@ -3,6 +3,7 @@
 
 #include "base/sort.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,6 +77,7 @@ void sign_histogram_quantiles(const sign_histogram *h, double g, double *scratch
             scratch[n++] = fabs(h->x[i] - g * h->b[i]);
         }
     }
+    assert(n > 0);
     sort_doubles(scratch, n);
     edge[0] = 0.0;
     for (int i = 1; i < h->bins; i++) {

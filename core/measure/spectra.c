@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/spectra.h"
 
+#include <assert.h>
+
 static void add_rows(const shear_plan *plan, const transfer *t, const mode_rows *rows, spectra *s) {
     const transfer_plan *p = &plan->transfer_plan;
     if (rows->group * FFT_LANES <= t->jy) {
@@ -42,6 +44,7 @@ void spectra_add_noise(spectra *all, const spectra *pair, double share) {
 }
 
 void spectra_set_noise(spectra *s, const spectra *all, int n) {
+    assert(n > 1);
     moments mean = {0};
     moments_join(&mean, 1.0 / n, &all->noise);
     moments_join(&s->difference, 1.0, &s->noise);

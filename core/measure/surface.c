@@ -4,6 +4,7 @@
 #include "base/simd.h"
 #include "fft/fft.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -283,6 +284,7 @@ static void copy_columns(const surface *s, const surface_grid *g, int x0, int y0
 }
 
 void surface_strip(surface *s, const surface_grid *g, int x0, int y0, int y1, double *out) {
+    assert(x0 >= 0 && x0 < g->fine_nx && y0 >= 0 && y0 <= y1 && y1 <= g->fine_ny);
     const axis_point *x = g->x.points + x0;
     const axis_point *y = g->y.points;
     if (g->x.kind == AXIS_NONE) {

@@ -3,6 +3,7 @@
 #include "base/cleanup.h"
 #include "measure/symmetry_solver.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -63,6 +64,7 @@ static bool alternate(symmetry_solver *v) {
 
 /* Covariance of the two shears: a stamp moves each by its score over the slope. */
 static int covariance(symmetry_solver *v, double *cov12, shear_error *err) {
+    assert(v->components[0].slope > 0.0 && v->components[1].slope > 0.0);
     const size_t nb = (size_t)v->bins;
     CLEANUP(release_free)
     int64_t *joint = calloc(nb * nb, sizeof *joint); /* w^2, by both bins, with both signs */

@@ -4,6 +4,7 @@
 #include "base/simd.h"
 #include "shear/psf.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -221,6 +222,7 @@ static void end_table(transfer *t, const transfer_plan *p) {
 }
 
 static int last_mode(double k_cut, int n, int max_j) {
+    assert(k_cut >= 0.0);
     const int j = (int)floor(k_cut * n / (2.0 * M_PI));
     return j < max_j ? j : max_j;
 }

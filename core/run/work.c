@@ -244,6 +244,7 @@ static int measure_unit(shear_work *work, shear_worker *worker, const work_unit 
 
 static int hand_over(shear_work *work, const shear_worker *worker, const work_unit *u,
                      shear_error *err) {
+    assert(u->first < u->end && u->n <= worker->size.blocks);
     const block_result r = {
         .block = u->block, .n = u->n, .sums = worker->sums, .terms = worker->terms};
     pthread_mutex_lock(&work->results);

@@ -3,6 +3,7 @@
 
 #include "base/array.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 const sf_column_def sf_column_defs[SF_COLUMNS] = {
@@ -63,6 +64,7 @@ void sf_columns_deinit(sf_columns *c) {
 }
 
 static const sf_column *column_of(const sf_columns *c, unsigned bit) {
+    assert((c->have & bit) != 0);
     return c->column[__builtin_ctz(bit)];
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/array.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -112,6 +113,7 @@ static int read_run(sf_stamps *s, int64_t first, int64_t count, double *out, she
 }
 
 int sf_stamps_read(sf_stamps *s, int64_t first, int64_t count, double *out, shear_error *err) {
+    assert(first >= 0 && count >= 0 && first <= s->n - count);
     if (s->layout == SHEAR_LAYOUT_CUBE) {
         const int64_t low[SF_AXES] = {0, 0, first};
         const int64_t size[SF_AXES] = {s->nx, s->ny, count};

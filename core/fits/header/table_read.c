@@ -4,6 +4,7 @@
 #include "fits/header/table.h"
 #include "fits/io/bits.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -12,6 +13,7 @@ enum { BUFFER = 1 << 15 };
 
 int sf_table_bytes(const sf_table *t, int64_t row, int64_t offset, int64_t bytes, void *out,
                    shear_error *err) {
+    assert(row >= 0 && offset >= 0 && bytes >= 0);
     const int64_t at = t->hdu->data_offset + row * t->hdu->axes[0] + offset;
     const ssize_t n = io_read_at(t->file->source.fd, out, (size_t)bytes, (off_t)at);
     if (n < 0) {

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/io/bits.h"
 
+#include <assert.h>
+
 bool sf_bits_skip(sf_bits *b, int64_t n) {
     b->position += n;
     return b->position <= b->count;
 }
 
 bool sf_bits_read(sf_bits *b, int n, int *out) {
+    assert(n >= 0 && n < 31);
     *out = 0;
     for (int i = 0; i < n; i++, b->position++) {
         if (b->position >= b->count) {
@@ -31,6 +34,7 @@ bool sf_bits_skip_unary(sf_bits *b) {
 }
 
 uint64_t sf_bits_big_endian(const unsigned char *bytes, int64_t n) {
+    assert(n >= 0 && n <= 8);
     uint64_t v = 0;
     for (int64_t i = 0; i < n; i++) {
         v = v << 8 | bytes[i];

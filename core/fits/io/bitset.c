@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/io/bitset.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 bool sf_bitset_init(sf_bitset *b, int64_t size) {
@@ -15,6 +16,7 @@ void sf_bitset_deinit(sf_bitset *b) {
 }
 
 bool sf_bitset_has(const sf_bitset *b, int64_t i) {
+    assert(i >= 0 && i < b->size);
     return (b->bytes[i / 8] >> (i % 8) & 1) != 0;
 }
 

@@ -4,6 +4,7 @@
 #include "base/cleanup.h"
 #include "fits/io/source.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
@@ -81,6 +82,7 @@ static void name_for_cfitsio(const sf_output *out, char proc[320]) {
 }
 
 static int create_file(sf_output *out, shear_error *err) {
+    assert(out->directory >= 0 && out->fits == NULL);
     char proc[320];
     int status = 0;
     name_for_cfitsio(out, proc);

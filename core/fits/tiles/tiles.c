@@ -6,6 +6,7 @@
 #include "fits/io/bits.h"
 #include "fits/tiles/tile_stream.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,6 +69,7 @@ static int descriptor(const sf_tiles *t, int column, int64_t tile, int64_t *coun
 
 static int load(sf_tiles *t, int64_t tile, int64_t pixels, int64_t bytes, int64_t offset,
                 shear_error *err) {
+    assert(bytes >= 0 && offset >= 0 && offset <= t->heap_bytes - bytes);
     if (bytes > max_stream_bytes(pixels)) {
         return bad_tile(t, tile, "its data are absurdly long", err);
     }

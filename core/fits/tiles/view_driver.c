@@ -8,6 +8,7 @@
 
 #include "base/io.h"
 
+#include <assert.h>
 #include <fitsio2.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -70,6 +71,7 @@ static int on_close(int handle) {
 }
 
 static int on_size(int handle, LONGLONG *size) {
+    assert(handle >= 0 && handle < MAX_VIEWS && slots[handle].view != NULL);
     *size = padded_bytes(slots[handle].view);
     return 0;
 }
