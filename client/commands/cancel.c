@@ -14,11 +14,15 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_cancel = {
     .name = "cancel",
     .summary = "cancel jobs",
-    .usage = "usage: shearctl cancel [OPTION...] ID...\n"
-             "\n"
-             "Cancel jobs that are not finished. A running one stops at its next block. Only the "
-             "owner of a job and\n"
-             "administrators may.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl cancel [OPTION...] ID...\n"
+    "\n"
+    "Cancel jobs that are not finished. A running one stops at its next block. Only the owner of a job and\n"
+    "administrators may.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

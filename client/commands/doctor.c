@@ -19,21 +19,19 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_doctor = {
     .name = "doctor",
     .summary = "is the set-up of the service sound?",
-    .usage =
-        "usage: shearctl doctor [OPTION...]\n"
-        "\n"
-        "Look at the program and configuration of the service, its socket and who may "
-        "connect, release and\n"
-        "protocol, disks, spool, clocks, data roots. The service that answers is asked for its "
-        "paths and\n"
-        "for what it sees of them, and measures a tiny field of its own. Where none answers, "
-        "it is looked\n"
-        "with the eyes of who runs doctor (root tries as the user sheard), and at what the "
-        "kernel offers.\n"
-        "Each line is OK, WARN or FAIL, with the remedy. Nothing is changed.\n"
-        "\n"
-        "  --config FILE           the configuration (default: the installed "
-        "one)\n" SERVICE_OPTIONS_HELP "\n"
-        "exit status: 0 sound (maybe with warnings), 1 something failed, 2 usage.\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl doctor [OPTION...]\n"
+    "\n"
+    "Look at the program and configuration of the service, its socket and who may connect, release and\n"
+    "protocol, disks, spool, clocks, data roots. The service that answers is asked for its paths and\n"
+    "for what it sees of them, and measures a tiny field of its own. Where none answers, it is looked\n"
+    "with the eyes of who runs doctor (root tries as the user sheard), and at what the kernel offers.\n"
+    "Each line is OK, WARN or FAIL, with the remedy. Nothing is changed.\n"
+    "\n"
+    "  --config FILE           the configuration (default: the installed one)\n"
+    SERVICE_OPTIONS_HELP "\n"
+    "exit status: 0 sound (maybe with warnings), 1 something failed, 2 usage.\n",
+    /* clang-format on */
 };

@@ -15,11 +15,15 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_drain = {
     .name = "drain",
     .summary = "finish what runs, take nothing new",
-    .usage = "usage: shearctl drain [OPTION...]\n"
-             "\n"
-             "Have the service finish the running jobs and take no new ones: submitting is "
-             "refused, and files stay in\n"
-             "incoming. Administrators only. It goes on working after a restart.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl drain [OPTION...]\n"
+    "\n"
+    "Have the service finish the running jobs and take no new ones: submitting is refused, and files stay in\n"
+    "incoming. Administrators only. It goes on working after a restart.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

@@ -127,16 +127,19 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_field = {
     .name = "field",
     .summary = "the shear of one field, as it is now",
-    .usage = "usage: shearctl field [OPTION...] NAME\n"
-             "\n"
-             "Print the shear of a field with its errors, over all jobs that are finished. Jobs "
-             "of different\n"
-             "settings are kept apart, a result for each digest of settings.\n"
-             "\n"
-             "  --digest TEXT           only the result of these settings\n"
-             "  --jobs                  list the jobs that were counted (the first 100)\n"
-             "  --limit N               list so many of them (at most 1000)\n"
-             "  --after ENTRY           list them from behind this entry\n" SERVICE_OPTIONS_HELP
-             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl field [OPTION...] NAME\n"
+    "\n"
+    "Print the shear of a field with its errors, over all jobs that are finished. Jobs of different\n"
+    "settings are kept apart, a result for each digest of settings.\n"
+    "\n"
+    "  --digest TEXT           only the result of these settings\n"
+    "  --jobs                  list the jobs that were counted (the first 100)\n"
+    "  --limit N               list so many of them (at most 1000)\n"
+    "  --after ENTRY           list them from behind this entry\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

@@ -62,17 +62,19 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_fields = {
     .name = "fields",
     .summary = "list the fields and their shear",
-    .usage = "usage: shearctl fields [OPTION...] [PREFIX]\n"
-             "\n"
-             "List the fields whose names begin with PREFIX, or all, by name: the shear with its "
-             "errors, the\n"
-             "stamps used, the jobs counted and those to come. A field that was measured with "
-             "different\n"
-             "settings has a line for each of them.\n"
-             "\n"
-             "  --limit N               at most so many\n"
-             "  --cursor TEXT           go on where an earlier list ended\n"
-             "  --brief                 only the names\n" SERVICE_OPTIONS_HELP
-             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl fields [OPTION...] [PREFIX]\n"
+    "\n"
+    "List the fields whose names begin with PREFIX, or all, by name: the shear with its errors, the\n"
+    "stamps used, the jobs counted and those to come. A field that was measured with different\n"
+    "settings has a line for each of them.\n"
+    "\n"
+    "  --limit N               at most so many\n"
+    "  --cursor TEXT           go on where an earlier list ended\n"
+    "  --brief                 only the names\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

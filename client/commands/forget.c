@@ -63,17 +63,18 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_forget = {
     .name = "forget",
     .summary = "take back all that was counted in a field",
-    .usage = "usage: shearctl forget [OPTION...] NAME\n"
-             "\n"
-             "Take everything that was counted in a field back, as retract does for each of its "
-             "jobs, also those\n"
-             "that the service no longer lists. Not while jobs of the field are unfinished. "
-             "Administrators.\n"
-             "The field is gone at once; very many jobs take a while, and go on without shearctl, "
-             "too.\n"
-             "\n"
-             "  --digest TEXT           only the result of these settings\n"
-             "  --yes                   do it; without, only say what it would take "
-             "back\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl forget [OPTION...] NAME\n"
+    "\n"
+    "Take everything that was counted in a field back, as retract does for each of its jobs, also those\n"
+    "that the service no longer lists. Not while jobs of the field are unfinished. Administrators.\n"
+    "The field is gone at once; very many jobs take a while, and go on without shearctl, too.\n"
+    "\n"
+    "  --digest TEXT           only the result of these settings\n"
+    "  --yes                   do it; without, only say what it would take back\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

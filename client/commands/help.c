@@ -48,8 +48,11 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_help = {
     .name = "help",
     .summary = "explain a subcommand",
-    .usage = "usage: shearctl help [SUBCOMMAND]\n"
-             "\n"
-             "Explain a subcommand and its options, or list all subcommands.\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl help [SUBCOMMAND]\n"
+    "\n"
+    "Explain a subcommand and its options, or list all subcommands.\n",
+    /* clang-format on */
 };

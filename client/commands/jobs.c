@@ -97,18 +97,21 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_jobs = {
     .name = "jobs",
     .summary = "list the service's jobs",
-    .usage = "usage: shearctl jobs [OPTION...]\n"
-             "\n"
-             "List jobs, the newest first.\n"
-             "\n"
-             "  --state STATES          only these, with commas between them: queued, running, "
-             "waiting,\n"
-             "                          done, failed, cancelled, retracted\n"
-             "  --field NAME            only jobs of this field\n"
-             "  --user USER             only jobs of this user (a name, a number, or me)\n"
-             "  --limit N               at most so many (default 50)\n"
-             "  --cursor TEXT           go on where an earlier list ended\n"
-             "  --brief                 only the numbers of the jobs\n" SERVICE_OPTIONS_HELP
-             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl jobs [OPTION...]\n"
+    "\n"
+    "List jobs, the newest first.\n"
+    "\n"
+    "  --state STATES          only these, with commas between them: queued, running, waiting,\n"
+    "                          done, failed, cancelled, retracted\n"
+    "  --field NAME            only jobs of this field\n"
+    "  --user USER             only jobs of this user (a name, a number, or me)\n"
+    "  --limit N               at most so many (default 50)\n"
+    "  --cursor TEXT           go on where an earlier list ended\n"
+    "  --brief                 only the numbers of the jobs\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

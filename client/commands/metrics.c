@@ -14,9 +14,14 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_metrics = {
     .name = "metrics",
     .summary = "print the service's metrics (Prometheus text)",
-    .usage = "usage: shearctl metrics [OPTION...]\n"
-             "\n"
-             "Print the metrics of the service in the text format of Prometheus.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl metrics [OPTION...]\n"
+    "\n"
+    "Print the metrics of the service in the text format of Prometheus.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

@@ -28,11 +28,15 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_reload = {
     .name = "reload",
     .summary = "make the service read its configuration again",
-    .usage = "usage: shearctl reload [OPTION...]\n"
-             "\n"
-             "Have the service read its configuration again. Where something is wrong in it, the "
-             "old one stays in\n"
-             "force and the errors are told. Administrators only.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl reload [OPTION...]\n"
+    "\n"
+    "Have the service read its configuration again. Where something is wrong in it, the old one stays in\n"
+    "force and the errors are told. Administrators only.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

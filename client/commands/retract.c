@@ -14,14 +14,16 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_retract = {
     .name = "retract",
     .summary = "take back what jobs counted",
-    .usage =
-        "usage: shearctl retract [OPTION...] ID...\n"
-        "\n"
-        "Take the contributions of counted jobs out of their fields again: the results are, to the "
-        "last bit,\n"
-        "as if they had never been. The same files may be submitted again; dropped ones stay in "
-        "done/. Only\n"
-        "the owner of a job and administrators may.\n"
-        "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl retract [OPTION...] ID...\n"
+    "\n"
+    "Take the contributions of counted jobs out of their fields again: the results are, to the last bit,\n"
+    "as if they had never been. The same files may be submitted again; dropped ones stay in done/. Only\n"
+    "the owner of a job and administrators may.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

@@ -14,10 +14,14 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_retry = {
     .name = "retry",
     .summary = "run failed or cancelled jobs again",
-    .usage = "usage: shearctl retry [OPTION...] ID...\n"
-             "\n"
-             "Queue jobs again that failed or were cancelled. Only the owner of a job and "
-             "administrators may.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl retry [OPTION...] ID...\n"
+    "\n"
+    "Queue jobs again that failed or were cancelled. Only the owner of a job and administrators may.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

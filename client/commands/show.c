@@ -14,9 +14,14 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_show = {
     .name = "show",
     .summary = "everything about a job",
-    .usage = "usage: shearctl show [OPTION...] ID...\n"
-             "\n"
-             "Show a job: its state, source, result, settings, and what happened to it.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl show [OPTION...] ID...\n"
+    "\n"
+    "Show a job: its state, source, result, settings, and what happened to it.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

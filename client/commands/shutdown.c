@@ -48,15 +48,17 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_shutdown = {
     .name = "shutdown",
     .summary = "stop the service",
-    .usage = "usage: shearctl shutdown [OPTION...]\n"
-             "\n"
-             "Stop the service: it waits for the running jobs, as long as its configuration says. "
-             "What is\n"
-             "unfinished then goes on from its checkpoint at the next start. Administrators "
-             "only.\n"
-             "\n"
-             "  --now                   do not wait\n"
-             "  --timeout TIME          wait no longer than this (as 90, 500ms, "
-             "5min)\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl shutdown [OPTION...]\n"
+    "\n"
+    "Stop the service: it waits for the running jobs, as long as its configuration says. What is\n"
+    "unfinished then goes on from its checkpoint at the next start. Administrators only.\n"
+    "\n"
+    "  --now                   do not wait\n"
+    "  --timeout TIME          wait no longer than this (as 90, 500ms, 5min)\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

@@ -16,11 +16,15 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_status = {
     .name = "status",
     .summary = "the state of the service",
-    .usage = "usage: shearctl status [OPTION...]\n"
-             "\n"
-             "Print the state of the service: queue, workers, rates, disks, totals, and what an "
-             "operator should\n"
-             "look at.\n"
-             "\n" SERVICE_OPTIONS_HELP "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl status [OPTION...]\n"
+    "\n"
+    "Print the state of the service: queue, workers, rates, disks, totals, and what an operator should\n"
+    "look at.\n"
+    "\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

@@ -176,30 +176,30 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_submit = {
     .name = "submit",
     .summary = "hand files to the service, as jobs",
-    .usage =
-        "usage: shearctl submit [OPTION...] FILE|JOB.json|-...\n"
-        "       shearctl submit [OPTION...] FILE --catalog-in FILE[:HDU]\n"
-        "       shearctl submit [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf "
-        "FILE[:HDU]\n"
-        "\n"
-        "Have the service measure field files, or what job files say (JSON, the parameters of "
-        "submit in\n"
-        "docs/protocol.md; - is one on standard input). A job that was accepted is on disk: it "
-        "will be done,\n"
-        "whatever is killed when. Options beat what a job file says.\n"
-        "\n"
-        "  --field NAME            count to this field, whatever the file calls it\n"
-        "  --priority N            from -100 to 100; larger is sooner (default 0)\n"
-        "  --key TEXT              idempotency key: submitting again with it gives the same job\n"
-        "  --force                 count even what the field already has\n" PART_OPTIONS_HELP
-        "  --wait                  wait until the jobs are finished, and print their results\n"
-        "  --timeout TIME          with --wait: no longer than this (as 90, 500ms, 5min, 2h)\n"
-        "  --quiet                 no progress bar\n" SERVICE_OPTIONS_HELP "\n"
-        "settings, where they differ from the service's own:\n" COMMAND_SETTINGS_MARK "\n"
-        "\n"
-        "exit status: 0 accepted (with --wait: done), 2 usage, 3 bad input, 4 some failed, 7 the "
-        "service\n"
-        "cannot be reached, 1 anything else; with --wait also 5 failed, 6 timed out, 8 "
-        "cancelled.\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl submit [OPTION...] FILE|JOB.json|-...\n"
+    "       shearctl submit [OPTION...] FILE --catalog-in FILE[:HDU]\n"
+    "       shearctl submit [OPTION...] --galaxy FILE[:HDU] --noise FILE[:HDU] --psf FILE[:HDU]\n"
+    "\n"
+    "Have the service measure field files, or what job files say (JSON, the parameters of submit in\n"
+    "docs/protocol.md; - is one on standard input). A job that was accepted is on disk: it will be done,\n"
+    "whatever is killed when. Options beat what a job file says.\n"
+    "\n"
+    "  --field NAME            count to this field, whatever the file calls it\n"
+    "  --priority N            from -100 to 100; larger is sooner (default 0)\n"
+    "  --key TEXT              idempotency key: submitting again with it gives the same job\n"
+    "  --force                 count even what the field already has\n"
+    PART_OPTIONS_HELP
+    "  --wait                  wait until the jobs are finished, and print their results\n"
+    "  --timeout TIME          with --wait: no longer than this (as 90, 500ms, 5min, 2h)\n"
+    "  --quiet                 no progress bar\n"
+    SERVICE_OPTIONS_HELP "\n"
+    "settings, where they differ from the service's own:\n"
+    COMMAND_SETTINGS_MARK "\n"
+    "\n"
+    "exit status: 0 accepted (with --wait: done), 2 usage, 3 bad input, 4 some failed, 7 the service\n"
+    "cannot be reached, 1 anything else; with --wait also 5 failed, 6 timed out, 8 cancelled.\n",
+    /* clang-format on */
 };

@@ -121,18 +121,20 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_validate = {
     .name = "validate",
     .summary = "tell what is in field files, and whether they would measure",
-    .usage =
-        "usage: shearctl validate [OPTION...] FILE...\n"
-        "\n"
-        "Tell what is in each field file, how it would be measured with these settings, which "
-        "stamps would be\n"
-        "left out and why. Stamps count from 0.\n"
-        "\n"
-        "  --json                  one JSON object per file and line, instead of words\n"
-        "  --quiet                 no progress bar\n"
-        "\n"
-        "settings:\n" COMMAND_SETTINGS_MARK "\n"
-        "\n"
-        "exit status: 0 all files are good, 2 usage, 3 all are bad, 4 some are, 1 anything else.\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl validate [OPTION...] FILE...\n"
+    "\n"
+    "Tell what is in each field file, how it would be measured with these settings, which stamps would be\n"
+    "left out and why. Stamps count from 0.\n"
+    "\n"
+    "  --json                  one JSON object per file and line, instead of words\n"
+    "  --quiet                 no progress bar\n"
+    "\n"
+    "settings:\n"
+    COMMAND_SETTINGS_MARK "\n"
+    "\n"
+    "exit status: 0 all files are good, 2 usage, 3 all are bad, 4 some are, 1 anything else.\n",
+    /* clang-format on */
 };

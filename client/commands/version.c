@@ -18,8 +18,11 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_version = {
     .name = "version",
     .summary = "print the version, and the libraries that it was built with",
-    .usage = "usage: shearctl version\n"
-             "\n"
-             "Print the version, and the compiler and libraries that it was built with.\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl version\n"
+    "\n"
+    "Print the version, and the compiler and libraries that it was built with.\n",
+    /* clang-format on */
 };

@@ -144,17 +144,19 @@ static enum exit_code run(const command *self, int argc, char **argv) {
 const command cmd_watch = {
     .name = "watch",
     .summary = "watch the service live",
-    .usage = "usage: shearctl watch [OPTION...]\n"
-             "\n"
-             "Show the queue, the workers, the rate, the running and the last finished jobs and "
-             "their fields,\n"
-             "refreshed in place; q or ^C ends. A service that goes away is waited for. With "
-             "--json, or where\n"
-             "standard input or output is no terminal, a picture is printed per interval.\n"
-             "\n"
-             "  --interval TIME         time between two pictures (default 1s)\n"
-             "  --count N               end after so many pictures\n"
-             "  --jobs N                jobs in each list (default 8)\n" SERVICE_OPTIONS_HELP
-             "\n" SERVICE_EXIT_CODES_HELP ".\n",
     .run = run,
+    /* clang-format off */
+    .usage =
+    "usage: shearctl watch [OPTION...]\n"
+    "\n"
+    "Show the queue, the workers, the rate, the running and the last finished jobs and their fields,\n"
+    "refreshed in place; q or ^C ends. A service that goes away is waited for. With --json, or where\n"
+    "standard input or output is no terminal, a picture is printed per interval.\n"
+    "\n"
+    "  --interval TIME         time between two pictures (default 1s)\n"
+    "  --count N               end after so many pictures\n"
+    "  --jobs N                jobs in each list (default 8)\n"
+    SERVICE_OPTIONS_HELP "\n"
+    SERVICE_EXIT_CODES_HELP ".\n",
+    /* clang-format on */
 };

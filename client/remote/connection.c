@@ -196,9 +196,8 @@ static enum connection_status greet(connection *c, const char *path, double time
         (version < SHEARD_PROTOCOL_OLDEST || version > SHEARD_PROTOCOL_VERSION)) {
         return connection_fail(
             error, CONNECTION_MISMATCH, "use a client and a service of the same release",
-            "the service speaks version %" PRId64 " of the protocol, this client %d "
-            "to %d",
-            version, SHEARD_PROTOCOL_OLDEST, SHEARD_PROTOCOL_VERSION);
+            "the service speaks version %" PRId64 " of the protocol, this client %d to %d", version,
+            SHEARD_PROTOCOL_OLDEST, SHEARD_PROTOCOL_VERSION);
     }
     return status;
 }

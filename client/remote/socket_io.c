@@ -77,8 +77,7 @@ static enum connection_status say_why(const char *path, int why, sheard_rpc_erro
     case ECONNREFUSED:
         return connection_fail(
             error, CONNECTION_UNREACHABLE,
-            "the service has stopped: systemctl start sheard; systemctl status sheard "
-            "tells why",
+            "the service has stopped: systemctl start sheard; systemctl status sheard tells why",
             "nobody listens at the socket %s", path);
     case EACCES:
     case EPERM:
