@@ -12,7 +12,7 @@
 #include "table.h"
 #include "value.h"
 
-/* "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin, where there is one. */
+/* "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin, if there is one. */
 static bool find_beneath_prefix(char *path, size_t size) {
     static const char name[] = "/etc/sheard/sheard.conf";
     const ssize_t n = readlink("/proc/self/exe", path, size - 1);

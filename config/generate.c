@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* sheard-config-text sample            the commented sample file
- * sheard-config-text manual PAGE.in    the page, with the settings where its comment line SETTINGS
- * is Both on standard output. Run by the build only. */
-#include "sheard/config.h"
-
+/* "sheard-config-text sample": the commented sample file. "sheard-config-text manual PAGE.in": the
+ * page, with the settings in place of its comment line SETTINGS. Both on standard output. Run by
+ * the build only. */
 #include <stdlib.h>
 #include <string.h>
+
+#include "sheard/config.h"
 
 static const char marker[] = ".\\\" SETTINGS\n";
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A configuration from all its sources, and its check for an administrator. */
-#include "sheard/config.h"
-
 #include "origin.h"
+#include "sheard/config.h"
 
 static void assign_all(sheard_config *config, const sheard_list *assignments,
                        sheard_problems *problems) {
@@ -14,7 +13,7 @@ static void assign_all(sheard_config *config, const sheard_list *assignments,
     }
 }
 
-/* The code of the first error, where there are more than `before`. */
+/* The code of the first error, if there are more than `before`. */
 static int first_code(const sheard_problems *problems, size_t before) {
     shear_error error;
     return problems->n_errors == before ? SHEAR_OK : sheard_problems_error(problems, &error);

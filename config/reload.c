@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Two configurations: how they differ, and one taking over from the other while it is in use. */
-#include "sheard/config.h"
-
 #include <assert.h>
 #include <string.h>
 
 #include "origin.h"
+#include "sheard/config.h"
 #include "table.h"
 #include "value.h"
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is allowed but will hardly work on this system. */
-#include "origin.h"
-
 #include <errno.h>
 #include <grp.h>
 #include <inttypes.h>
@@ -10,6 +8,8 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+
+#include "origin.h"
 
 enum { ENTRY_BYTES = 1 << 20 }; /* of a group with very many members */
 
@@ -24,7 +24,7 @@ static const char *where(struct scene *scene, const char *section, const char *k
     return config_where(scene->config, index, scene->where, sizeof scene->where);
 }
 
-/* False only where the user database answered, and does not know the name. */
+/* False only if the user database answered, and does not know the name. */
 static bool group_known(const char *name, char *buf) {
     struct group entry;
     struct group *found = NULL;

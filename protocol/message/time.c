@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Times: milliseconds since 1970, UTC, to RFC 3339 and back. */
-#include "sheard/messages.h"
-
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
+
+#include "sheard/messages.h"
 
 enum { LAST_YEAR = 9999 };
 
@@ -30,7 +30,7 @@ char *sheard_time_format(int64_t ms, char buf[SHEARD_TIME_SIZE]) {
 }
 
 /* Exactly `digits` digits as a number; false if they are not there. */
-static bool take_number(const char **text, int digits, int *value) {
+static bool read_number(const char **text, int digits, int *value) {
     *value = 0;
     for (int i = 0; i < digits; i++, (*text)++) {
         if (**text < '0' || **text > '9') {
@@ -41,7 +41,7 @@ static bool take_number(const char **text, int digits, int *value) {
     return true;
 }
 
-static bool take_char(const char **text, char a, char b) {
+static bool read_char(const char **text, char a, char b) {
     if (**text != a && **text != b) {
         return false;
     }
@@ -49,13 +49,13 @@ static bool take_char(const char **text, char a, char b) {
     return true;
 }
 
-static bool take_date(const char **text, struct tm *tm) {
-    return take_number(text, 4, &tm->tm_year) && take_char(text, '-', '-') &&
-           take_number(text, 2, &tm->tm_mon) && take_char(text, '-', '-') &&
-           take_number(text, 2, &tm->tm_mday) && take_char(text, 'T', 't') &&
-           take_number(text, 2, &tm->tm_hour) && take_char(text, ':', ':') &&
-           take_number(text, 2, &tm->tm_min) && take_char(text, ':', ':') &&
-           take_number(text, 2, &tm->tm_sec);
+static bool read_date(const char **text, struct tm *tm) {
+    return read_number(text, 4, &tm->tm_year) && read_char(text, '-', '-') &&
+           read_number(text, 2, &tm->tm_mon) && read_char(text, '-', '-') &&
+           read_number(text, 2, &tm->tm_mday) && read_char(text, 'T', 't') &&
+           read_number(text, 2, &tm->tm_hour) && read_char(text, ':', ':') &&
+           read_number(text, 2, &tm->tm_min) && read_char(text, ':', ':') &&
+           read_number(text, 2, &tm->tm_sec);
 }
 
 /* A leap second (:60) is taken as the second after :59. */
@@ -69,7 +69,7 @@ static bool date_is_real(const struct tm *tm) {
 }
 
 /* ".25" in milliseconds, further digits cut off; nothing there is 0. */
-static bool take_fraction(const char **text, int *ms) {
+static bool read_fraction(const char **text, int *ms) {
     *ms = 0;
     if (**text != '.') {
         return true;
@@ -82,16 +82,16 @@ static bool take_fraction(const char **text, int *ms) {
 }
 
 /* "Z" or "+01:30", in seconds. */
-static bool take_offset(const char **text, int *seconds) {
+static bool read_offset(const char **text, int *seconds) {
     *seconds = 0;
-    if (take_char(text, 'Z', 'z')) {
+    if (read_char(text, 'Z', 'z')) {
         return true;
     }
     const int sign = **text == '-' ? -1 : 1;
     int hours = 0;
     int minutes = 0;
-    if (!take_char(text, '+', '-') || !take_number(text, 2, &hours) || !take_char(text, ':', ':') ||
-        !take_number(text, 2, &minutes) || hours > 23 || minutes > 59) {
+    if (!read_char(text, '+', '-') || !read_number(text, 2, &hours) || !read_char(text, ':', ':') ||
+        !read_number(text, 2, &minutes) || hours > 23 || minutes > 59) {
         return false;
     }
     *seconds = sign * (hours * 3600 + minutes * 60);
@@ -103,8 +103,8 @@ bool sheard_time_parse(int64_t *ms, const char *text) {
     int fraction = 0;
     int offset = 0;
     *ms = 0;
-    if (!take_date(&text, &tm) || !date_is_real(&tm) || !take_fraction(&text, &fraction) ||
-        !take_offset(&text, &offset) || *text != '\0') {
+    if (!read_date(&text, &tm) || !date_is_real(&tm) || !read_fraction(&text, &fraction) ||
+        !read_offset(&text, &offset) || *text != '\0') {
         return false;
     }
     tm.tm_year -= 1900;

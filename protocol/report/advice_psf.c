@@ -9,7 +9,7 @@
 
 #include "report/advice_say.h"
 
-/* "3 of 64 PSFs looked at (the worst): " where there are several, then the words. */
+/* "3 of 64 PSFs looked at (the worst): " if there are several, then the words. */
 static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,
                        const char *format, ...) __attribute__((format(printf, 5, 6)));
 

@@ -33,7 +33,7 @@ static int read_error(sheard_rpc_error *said, const json_t *value, sheard_rpc_er
     return SHEARD_RPC_OK;
 }
 
-/* A notification that this version does not know is none of the errors. */
+/* A notification that this version does not know is no error. */
 static int read_notice(sheard_message *m, const json_t *root, sheard_rpc_error *error) {
     const char *name = json_text_string_at(root, "method");
     m->kind = SHEARD_MESSAGE_NOTICE;

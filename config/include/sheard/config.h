@@ -17,13 +17,13 @@
 #ifndef SHEARD_CONFIG_H
 #define SHEARD_CONFIG_H
 
-#include "shear/error.h"
-#include "shear/settings.h"
-
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+
+#include "shear/error.h"
+#include "shear/settings.h"
 
 struct option; /* getopt.h */
 
@@ -52,7 +52,7 @@ typedef struct sheard_keep {
     int64_t max_age_ms, max_count, max_bytes;
 } sheard_keep;
 
-/* Strings are never NULL ("" where nothing is set). The help texts of the table say what each does.
+/* Strings are never NULL ("" if nothing is set). The help texts of the table say what each does.
  */
 typedef struct sheard_config {
     struct {
@@ -189,7 +189,7 @@ int sheard_problems_error(const sheard_problems *problems, shear_error *err);
 /* ---- reading ---- */
 
 /* Where the configuration is looked for when nobody says otherwise: etc/sheard/sheard.conf beside
- * the directory of the running program, where there is one, else /etc/sheard/sheard.conf (the
+ * the directory of the running program, if there is one, else /etc/sheard/sheard.conf (the
  * build's SHEARD_CONFIG_DIR), which need not exist. Not for several threads at once. */
 const char *sheard_config_default_path(void);
 

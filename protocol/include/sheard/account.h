@@ -10,7 +10,7 @@
 int sheard_account_format(char **text, const sheard_report_file *file, shear_error *err);
 
 typedef struct sheard_account {
-    sheard_report_file file; /* file.plan is &plan, or NULL where it is not known */
+    sheard_report_file file; /* file.plan is &plan, or NULL if it is not known */
     shear_plan_info plan;    /* the members that a report and its warnings need */
     void *texts;
 } sheard_account;

@@ -2,16 +2,16 @@
 /* sheard/advice.h: what a result says about the settings it was measured with. Pure functions of
  * result and plan.
  *
- * Each writes one line into buf and returns it, or returns NULL where there is nothing to say. */
+ * Each writes one line into buf and returns it, or returns NULL if there is nothing to say. */
 #ifndef SHEARD_ADVICE_H
 #define SHEARD_ADVICE_H
+
+#include <stdbool.h>
+#include <stddef.h>
 
 #include "shear/plan.h"
 #include "shear/sums.h"
 #include "sheard/report.h"
-
-#include <stdbool.h>
-#include <stddef.h>
 
 typedef const char *sheard_advice(const shear_result *r, const shear_plan_info *plan, char *buf,
                                   size_t size);
@@ -107,10 +107,10 @@ typedef struct sheard_advice_list {
 void sheard_advice_psf(sheard_advice_list *list, const shear_plan_info *plan);
 /* sheard_advice_all is on the first file's PSF; this is on those of the others of `files`, as many
  * as are known: how many are doubtful, and what one of them is. `first`: the path of the first.
- * Returns buf, or NULL where there is nothing to say. */
+ * Returns buf, or NULL if there is nothing to say. */
 const char *sheard_advice_other_psfs(const sheard_report_file *files, size_t n, const char *first,
                                      char *buf, size_t size);
-/* `plan`: of the field's first file; NULL where it is not known: then only influence is told.
+/* `plan`: of the field's first file; NULL if it is not known: then only influence is told.
  * `top_file` as above. */
 void sheard_advice_all(sheard_advice_list *list, const shear_result *r, const shear_plan_info *plan,
                        const char *top_file);

@@ -13,7 +13,7 @@ typedef struct sheard_check_result {
     const char *subject; /* "socket" */
     int level;
     const char *message;
-    const char *remedy; /* "" where there is nothing to do */
+    const char *remedy; /* "" if there is nothing to do */
 } sheard_check_result;
 
 /* {"subject", "level", "message", "remedy"} on one line; *text is malloc'd and the caller's to

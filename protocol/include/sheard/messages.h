@@ -10,13 +10,13 @@
 #ifndef SHEARD_MESSAGES_H
 #define SHEARD_MESSAGES_H
 
-#include "shear/error.h"
-#include "shear/input.h"
-#include "shear/settings.h"
-
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include "shear/error.h"
+#include "shear/input.h"
+#include "shear/settings.h"
 
 enum { SHEARD_PROTOCOL_VERSION = 1, SHEARD_PROTOCOL_OLDEST = 1 };
 
@@ -304,7 +304,7 @@ typedef struct sheard_msg_contribution {
 /* Whose contribution keeps a field from being measured. */
 typedef struct sheard_msg_culprit {
     int64_t job, contribution;
-    const char *file, *checksum; /* file: NULL where the job is forgotten */
+    const char *file, *checksum; /* file: NULL if the job is forgotten */
 } sheard_msg_culprit;
 
 /* A field as measured with one set of settings: all keys of `report`, and these. */
@@ -321,7 +321,7 @@ typedef struct sheard_msg_field_row {
     const sheard_msg_contribution *contributions; /* [n_contributions] */
     size_t n_contributions;
     bool more;                  /* contributions follow */
-    const char *reason;         /* why it has no result; NULL where it has one */
+    const char *reason;         /* why it has no result; NULL if it has one */
     sheard_msg_culprit culprit; /* job 0: none in particular */
 } sheard_msg_field_row;
 
@@ -569,7 +569,7 @@ enum { SHEARD_TIME_SIZE = 32 };
 /* RFC 3339, UTC, milliseconds. Returns buf. */
 char *sheard_time_format(int64_t ms, char buf[SHEARD_TIME_SIZE]);
 /* Reads any RFC 3339 time (an offset, other fractions of a second: cut to milliseconds); false if
- * it is none. */
+ * the text is no time. */
 bool sheard_time_parse(int64_t *ms, const char *text);
 
 #endif

@@ -4,18 +4,18 @@
 #ifndef SHEARD_NO_SHEAR_H
 #define SHEARD_NO_SHEAR_H
 
-#include "shear/sums.h"
-
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "shear/sums.h"
+
 /* "too_few_stamps", "no_weight", "same_stamps", "no_signal", "swapped", "too_narrow",
- * "no_symmetry", "not_finite": names that stay. NULL where there is a shear. */
+ * "no_symmetry", "not_finite": names that stay. NULL if there is a shear. */
 const char *sheard_no_shear_name(enum shear_no_shear why);
 /* Back again; SHEAR_HAS_SHEAR for NULL and what is no such name. */
 enum shear_no_shear sheard_no_shear_of(const char *name);
 
-/* In a few words, without numbers; static. NULL where there is a shear. Of the enum alone, and of
+/* In a few words, without numbers; static. NULL if there is a shear. Of the enum alone, and of
  * a result, which also tells whether one stamp spoils the others. */
 const char *sheard_no_shear_words(enum shear_no_shear why);
 const char *sheard_no_shear_brief(const shear_result *r);

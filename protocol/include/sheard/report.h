@@ -8,15 +8,15 @@
 #ifndef SHEARD_REPORT_H
 #define SHEARD_REPORT_H
 
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
-
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 /* One file that went into a field's result. */
 typedef struct sheard_report_file {
@@ -56,11 +56,11 @@ typedef struct sheard_report {
  * g2_err cov12 n_stamps n_used n_flagged flags{} settings{} resolved{} files[] estimator
  * ("mean" or "pdf-sym") error_method ("delta", "jackknife" or "symmetry") jackknife (groups or
  * null) truth{g1,g2} pull{g1,g2} (null without truth; (measured - true)/error) delta_err{g1,g2}
- * (null where the errors are the delta method's) no_shear (sheard/no_shear.h; null)
+ * (null if the errors are the delta method's) no_shear (sheard/no_shear.h; null)
  * noise_level{alpha,alpha_err,effect,shape,shape_err,share}
  * influence{n_eff,top_share,top_stamp,top_file} (shear/sums.h)
- * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (of `shearctl measure` only: where they
- * are not told, the key is not there; null where there are none) filter_removed
+ * estimators{name:{g1,g1_err,g2,g2_err,cov12,error_method}} (of `shearctl measure` only: if they
+ * are not told, the key is not there; null if there are none) filter_removed
  * warnings[] version seconds. SHEAR_E_NOMEM. */
 int sheard_report_json(char **text, const sheard_report *report, shear_error *err);
 

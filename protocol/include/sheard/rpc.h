@@ -132,7 +132,7 @@ int sheard_request_parse(sheard_request *request, const char *line, size_t n,
 void sheard_request_deinit(sheard_request *request); /* zeroed or deinited: fine */
 
 /* `reply` is the member of `method`. What is not UTF-8 becomes U+FFFD. SHEARD_RPC_OUT_OF_MEMORY; or
- * SHEARD_RPC_INTERNAL: a raw JSON text in it is none. */
+ * SHEARD_RPC_INTERNAL: a raw JSON text in it is no object. */
 int sheard_reply_line(char **line, size_t *n, const sheard_rpc_id *id, int method,
                       const sheard_reply *reply, sheard_rpc_error *error);
 /* The same, made item by item: the text of an item of the one list in replies of `method` (jobs of
@@ -171,7 +171,7 @@ typedef struct sheard_message {
     void *body;                  /* of a reply; see below */
 } sheard_message;
 
-/* One line from the daemon. SHEARD_RPC_BAD_REPLY where it is none of the three. Members that this
+/* One line from the daemon. SHEARD_RPC_BAD_REPLY if it is none of the three. Members that this
  * version does not know are passed over. */
 int sheard_message_parse(sheard_message *message, const char *line, size_t n,
                          sheard_rpc_error *error);
