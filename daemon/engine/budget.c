@@ -36,6 +36,7 @@ enum budget_answer budget_wait(job *j, int64_t bytes) {
     engine *e = j->engine;
     enum budget_answer answer = BUDGET_RESERVED;
     pthread_mutex_lock(&e->lock);
+    assert(j->phase == JOB_PREPARING && bytes >= 0);
     const int stage = atomic_load(&j->stage);
     reserve(e, j, 0);
     j->waiting_since = ++e->budget.tickets;

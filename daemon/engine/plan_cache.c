@@ -5,6 +5,7 @@
 
 #include "base/cleanup.h"
 
+#include <assert.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -218,6 +219,7 @@ void plan_cache_release(plan_cache *p, const shear_plan *plan) {
     pthread_mutex_lock(&p->lock);
     TAILQ_FOREACH(kept, &p->list, link) {
         if (kept->plan == plan) {
+            assert(kept->users > 0);
             kept->users--;
             break;
         }

@@ -11,6 +11,7 @@
 #include "spool/place.h"
 #include "spool/undo_log.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
@@ -132,6 +133,7 @@ static int settle(const folders *f, const disposal *e) {
 static int dispose(spool *s, disposal *e, const char *text, spool_place *place) {
     struct stat st;
     const folders *f = &s->folders;
+    assert(e->folder == DONE || e->folder == FAILED);
     int error = folder_stat(f, ACTIVE, e->active_name, &st);
     if (error == ENOENT) {
         undo_log_remove(f, e->active_name);

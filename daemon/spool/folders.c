@@ -3,6 +3,7 @@
 
 #include "spool/spool.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -212,6 +213,7 @@ int folders_check(folders *f, bool *incoming_changed, shear_error *err) {
 int folder_move(const folders *f, enum folder from, const char *name, enum folder to,
                 const char *new_name) {
     struct stat st;
+    assert(from < N_FOLDERS && to < N_FOLDERS && f->fd[from] >= 0 && f->fd[to] >= 0);
     if (renameat2(f->fd[from], name, f->fd[to], new_name, RENAME_NOREPLACE) == 0) {
         return 0;
     }

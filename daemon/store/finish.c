@@ -109,6 +109,8 @@ static int add_contribution(store *s, const job_row *job, int64_t field, const j
 static int count(store *s, const job_row *job, const job_sums *j, const store_work *w,
                  shear_error *err) {
     CLEANUP(field_row_deinit) field_row field = {0};
+    OPERATION_ASSERT_OPEN(s);
+    assert(job->field != NULL && job->content != NULL && j->sums != NULL);
     int code = field_row_get(s, job->field, job->settings_digest, &field, err);
     if (code != SHEAR_OK) {
         return code;

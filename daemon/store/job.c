@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "store/job.h"
 
+#include "store/operation.h"
+
 #include <assert.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -48,6 +50,7 @@ int job_row_get_running(store *s, int64_t id, job_row *job, shear_error *err) {
 
 int job_close_attempt(store *s, int64_t id, enum store_attempt_outcome outcome, int64_t now_ms,
                       const store_failure *why, shear_error *err) {
+    OPERATION_ASSERT_OPEN(s);
     assert(outcome != STORE_ATTEMPT_OPEN);
     assert((why != NULL) == (outcome == STORE_ATTEMPT_FAILED));
     query q = query_on(s, SQL_ATTEMPT_CLOSE);
@@ -61,6 +64,7 @@ int job_close_attempt(store *s, int64_t id, enum store_attempt_outcome outcome, 
 }
 
 int job_make_cancelled(store *s, int64_t id, int64_t now_ms, shear_error *err) {
+    OPERATION_ASSERT_OPEN(s);
     query q = query_on(s, SQL_JOB_CANCEL);
     query_int(&q, id);
     query_int(&q, now_ms);

@@ -6,6 +6,11 @@
 
 #include "store/database.h"
 
+#include <assert.h>
+
+/* Called within an operation. */
+#define OPERATION_ASSERT_OPEN(s) assert(sqlite3_get_autocommit((s)->db) == 0)
+
 int operation_begin(store *s, shear_error *err);
 /* After a successful begin, always: keep what was done where `code` is SHEAR_OK, else undo it.
  * Returns `code`, or why it could not be kept. */

@@ -49,6 +49,8 @@ void query_blob(query *q, const unsigned char *bytes, size_t size) {
 }
 
 int query_step(query *q, bool *row, shear_error *err) {
+    assert(q->stmt == NULL || q->bound == sqlite3_bind_parameter_count(q->stmt) ||
+           q->rc != SQLITE_OK);
     int rc = q->rc;
     if (rc == SQLITE_OK) {
         rc = sqlite3_step(q->stmt);

@@ -2,6 +2,7 @@
 #include "store/terms.h"
 
 #include "store/field_row.h"
+#include "store/operation.h"
 #include "store/query.h"
 
 #include <inttypes.h>
@@ -42,6 +43,7 @@ static int cut(store *s, int64_t job, int64_t from_block, int64_t *end, shear_er
 
 int terms_add_checkpoint(store *s, int64_t job, const store_progress *p, shear_error *err) {
     int64_t end = 0;
+    OPERATION_ASSERT_OPEN(s);
     const int code = cut(s, job, p->from_block, &end, err);
     if (code != SHEAR_OK) {
         return code;
@@ -64,6 +66,7 @@ int terms_add_checkpoint(store *s, int64_t job, const store_progress *p, shear_e
 
 int terms_add_contribution(store *s, const unsigned char *bytes, size_t size, shear_error *err) {
     const int64_t contribution = sqlite3_last_insert_rowid(s->db);
+    OPERATION_ASSERT_OPEN(s);
     int64_t part = 0;
     int code = SHEAR_OK;
     for (size_t at = 0; code == SHEAR_OK && (at < size || part == 0); at += PART_BYTES) {

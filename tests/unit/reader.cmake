@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The daemon's side of a reader, with the real child and with stand-ins for it.
+# The daemon's side of a reader, with the real child and with stubs for it.
 shear_add_test(reader SOURCES test_reader.c LIBRARIES fits_fixtures sheard_reader LABELS reader)
 target_compile_definitions(test_reader PRIVATE SHEARD_READER="$<TARGET_FILE:sheard-reader>")
 add_dependencies(test_reader sheard-reader)

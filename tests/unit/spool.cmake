@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The watch folder. The tests see the room's inner headers too.
+# The watch folder. The tests see the private headers of the room, too.
 add_library(spool_fixture STATIC ${CMAKE_CURRENT_LIST_DIR}/spool_fixture.c)
 target_link_libraries(spool_fixture PUBLIC shear_flags sheard_spool PkgConfig::CMOCKA)
-target_include_directories(spool_fixture PUBLIC ${CMAKE_CURRENT_LIST_DIR} ${PROJECT_SOURCE_DIR}/daemon/spool)
+target_include_directories(spool_fixture PUBLIC ${CMAKE_CURRENT_LIST_DIR})
 
 function(spool_test name)
   shear_add_test(spool_${name} SOURCES ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/test_spool_${name}.c LIBRARIES spool_fixture LABELS spool TIMEOUT 60)

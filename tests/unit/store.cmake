@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# The tests of daemon/store. They see the room's inner headers too, and SQLite.
+# The tests of daemon/store. They see the private headers of the room, and SQLite.
 add_library(store_fixtures STATIC store_fixture.c store_vfs.c store_model.c)
 target_link_libraries(store_fixtures PUBLIC
   sheard_store shear_flags PkgConfig::CMOCKA PkgConfig::SQLITE)
 target_include_directories(store_fixtures PUBLIC
-  ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/daemon/store)
+  ${CMAKE_CURRENT_SOURCE_DIR})
 
 function(store_test name)
   shear_add_test(store_${name}

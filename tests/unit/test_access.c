@@ -3,7 +3,7 @@
 #include "test.h"
 
 #include "access/access.h"
-#include "roots.h"
+#include "access/roots.h"
 
 #include <fcntl.h>
 #include <ftw.h>

@@ -3,7 +3,7 @@
  * its bounds; and while names move. */
 #include "test.h"
 
-#include "beneath.h"
+#include "access/beneath.h"
 
 #include <errno.h>
 #include <fcntl.h>

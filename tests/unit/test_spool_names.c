@@ -2,7 +2,7 @@
 /* Which names are taken, and what becomes of them. */
 #include "test.h"
 
-#include "names.h"
+#include "spool/names.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the store keeps of every file that was counted, and what it tells of the jobs that wait. */
-#include "database.h"
-#include "schema.h"
+#include "store/database.h"
+#include "store/schema.h"
 #include "store_test.h"
 
 #include <stdio.h>

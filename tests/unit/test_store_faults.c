@@ -2,7 +2,7 @@
 /* The disk fails at the n-th call of every operation, for all n: an I/O error, a full disk, a power
  * cut. After it the database says what it said before the operation, or what it says after it,
  * never something between; an operation that was acknowledged has happened. */
-#include "database.h"
+#include "store/database.h"
 #include "store_test.h"
 #include "store_vfs.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Groups: many operations, one commit, all or nothing. Failures of the disk in them:
  * test_store_faults.c. */
-#include "database.h"
+#include "store/database.h"
 #include "store_test.h"
 
 #include "store_vfs.h"

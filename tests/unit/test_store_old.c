@@ -2,10 +2,10 @@
 /* A database of schema version 5 (before 0.2): its sums have no noise parts and do not tell the
  * stamp that counts most, its stamps' terms are shorter. What was counted stays, and can be joined
  * and taken back as before. */
-#include "database.h"
-#include "schema.h"
+#include "store/database.h"
+#include "store/schema.h"
+#include "store/sums_text.h"
 #include "store_test.h"
-#include "sums_text.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Opening: whose database, which version, one owner, its settings. */
-#include "database.h"
-#include "schema.h"
+#include "store/database.h"
+#include "store/schema.h"
+#include "store/sums_text.h"
 #include "store_fixture.h"
-#include "sums_text.h"
 #include "test.h"
 
 #include <errno.h>

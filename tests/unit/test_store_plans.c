@@ -2,7 +2,7 @@
 /* No statement reads a whole table, or sorts: SQLite's own plan of each says so. With triggers and
  * foreign keys, whose steps are in the program but not in the plan: those are looked at one by one.
  */
-#include "database.h"
+#include "store/database.h"
 #include "store_test.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What was counted is taken back: the database's fields are then, byte for byte, those of a
  * database that never had it. */
-#include "database.h"
+#include "store/database.h"
 #include "store_test.h"
 
 #include <stdio.h>

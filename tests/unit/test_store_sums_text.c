@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Packing is exact for any text, and small for the texts it is made for. */
+#include "store/sums_text.h"
 #include "store_test.h"
-#include "sums_text.h"
 
 #include <stdlib.h>
 #include <string.h>

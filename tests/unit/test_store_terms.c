@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Terms of stamps beside checkpoints and contributions: pieces follow each other without a gap, go
  * with their checkpoint, and what was counted is all there. */
-#include "database.h"
+#include "store/database.h"
 #include "store_test.h"
 
 #include <stdlib.h>
