@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/catalog/keywords.h"
 
+#include "base/cleanup.h"
+#include "base/text.h"
 #include "fits/catalog/schema.h"
 #include "fits/field/name.h"
 #include "fits/header/key_write.h"
@@ -8,6 +10,7 @@
 #include "shear/version.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +18,7 @@
 static void put_string(fitsfile *f, const char *key, const char *text, const char *comment,
                        int *status) {
     char clean[1024]; /* FITS knows printable ASCII only */
-    snprintf(clean, sizeof clean, "%s", text != NULL ? text : "");
+    text_set(clean, sizeof clean, text);
     for (char *c = clean; *c != '\0'; c++) {
         if (*c < ' ' || *c > '~') {
             *c = '?';
@@ -91,19 +94,30 @@ static void put_counts(fitsfile *f, const shear_result *r, int *status) {
     }
 }
 
+/* Numbers of the result, and how many of them need a valid one. */
+enum { N_SHEARS = 5, N_NUMBERS = 9 };
+static const struct {
+    const char *key;
+    size_t offset; /* of the double in shear_result */
+    const char *comment;
+} numbers[N_NUMBERS] = {
+    {"G1", offsetof(shear_result, g1), "shear of the field"},
+    {"G2", offsetof(shear_result, g2), "shear of the field"},
+    {"G1_ERR", offsetof(shear_result, g1_err), "1-sigma error of G1"},
+    {"G2_ERR", offsetof(shear_result, g2_err), "1-sigma error of G2"},
+    {"COV12", offsetof(shear_result, cov12), "covariance of G1 and G2"},
+    {"NOISELVL", offsetof(shear_result, noise_level),
+     "noise under galaxies over that of noise stamps"},
+    {"NOISELER", offsetof(shear_result, noise_level_err), "1-sigma error of NOISELVL"},
+    {"N_EFF", offsetof(shear_result, n_eff), "effective number of stamps"},
+    {"TOPSHARE", offsetof(shear_result, top_share), "part of the stamp that counts most"},
+};
+
 static void put_result(fitsfile *f, const shear_result *r, int *status) {
-    if (r->valid) {
-        sf_key_write_double(f, "G1", r->g1, "shear of the field", status);
-        sf_key_write_double(f, "G2", r->g2, "shear of the field", status);
-        sf_key_write_double(f, "G1_ERR", r->g1_err, "1-sigma error of G1", status);
-        sf_key_write_double(f, "G2_ERR", r->g2_err, "1-sigma error of G2", status);
-        sf_key_write_double(f, "COV12", r->cov12, "covariance of G1 and G2", status);
+    for (int i = r->valid ? 0 : N_SHEARS; i < N_NUMBERS; i++) {
+        const double *value = (const void *)((const char *)r + numbers[i].offset);
+        sf_key_write_double(f, numbers[i].key, *value, numbers[i].comment, status);
     }
-    sf_key_write_double(f, "NOISELVL", r->noise_level,
-                        "noise under galaxies over that of noise stamps", status);
-    sf_key_write_double(f, "NOISELER", r->noise_level_err, "1-sigma error of NOISELVL", status);
-    sf_key_write_double(f, "N_EFF", r->n_eff, "effective number of stamps", status);
-    sf_key_write_double(f, "TOPSHARE", r->top_share, "part of the stamp that counts most", status);
     if (r->top_stamp >= 0) {
         put_integer(f, "TOPSTAMP", r->top_stamp, "its number, from 0", status);
     }
@@ -158,7 +172,7 @@ static int64_t get_integer(reading *r, const char *key, int64_t max) {
 }
 
 static void get_name(reading *r, char out[72]) {
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     if (r->rc == SHEAR_OK) {
         r->rc = sf_key_string(r->cards, "FIELD", &text, r->err);
     }
@@ -166,12 +180,11 @@ static void get_name(reading *r, char out[72]) {
         r->rc =
             sf_field_name_copy(out, text, SHEAR_E_FORMAT, r->cards->at, "keyword FIELD", r->err);
     }
-    free(text);
 }
 
 /* A name that this version does not know, or none, counts as the mean. */
 static enum shear_estimator get_estimator(reading *r) {
-    char *text = NULL;
+    CLEANUP(release_free) char *text = NULL;
     if (r->rc == SHEAR_OK) {
         r->rc = sf_key_string(r->cards, "ESTIMAT", &text, r->err);
     }
@@ -180,7 +193,6 @@ static enum shear_estimator get_estimator(reading *r) {
     if (text != NULL) {
         (void)shear_settings_set(&settings, "estimator", text, NULL);
     }
-    free(text);
     return settings.estimator;
 }
 
@@ -188,15 +200,10 @@ static void get_result(reading *r, shear_result *out) {
     const int64_t most = INT64_C(1) << 53; /* integers that are read by way of a double */
     *out = result_unknown();
     out->sum_weight = out->sum_d = NAN;
-    out->g1 = get_double(r, "G1");
-    out->g2 = get_double(r, "G2");
-    out->g1_err = get_double(r, "G1_ERR");
-    out->g2_err = get_double(r, "G2_ERR");
-    out->cov12 = get_double(r, "COV12");
-    out->noise_level = get_double(r, "NOISELVL");
-    out->noise_level_err = get_double(r, "NOISELER");
-    out->n_eff = get_double(r, "N_EFF");
-    out->top_share = get_double(r, "TOPSHARE");
+    for (int i = 0; i < N_NUMBERS; i++) {
+        double *value = (void *)((char *)out + numbers[i].offset);
+        *value = get_double(r, numbers[i].key);
+    }
     out->valid = isfinite(out->g1) && isfinite(out->g2);
     out->jackknife = (int)get_integer(r, "NJACK", INT32_MAX);
     out->estimator = get_estimator(r);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/name.h"
 
-#include <stdio.h>
+#include "base/text.h"
+
 #include <string.h>
-#include <strings.h>
 
 int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, const char *whence,
                        shear_error *err) {
@@ -30,15 +30,13 @@ int sf_field_name_copy(char out[72], const char *name, int code, sf_place at, co
 }
 
 static void strip(char *name, const char *ending) {
-    const size_t length = strlen(name);
-    const size_t cut = strlen(ending);
-    if (length > cut && strcasecmp(name + length - cut, ending) == 0) {
-        name[length - cut] = '\0';
+    if (text_ends_with(name, ending) && strlen(name) > strlen(ending)) {
+        name[strlen(name) - strlen(ending)] = '\0';
     }
 }
 
 void sf_field_name_default(char *out, size_t size, const char *base) {
-    snprintf(out, size, "%s", base);
+    text_set(out, size, base);
     strip(out, ".gz");
     strip(out, ".fz");
     strip(out, ".fits");

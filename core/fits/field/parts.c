@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/field/parts.h"
 
+#include "base/text.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -75,7 +77,7 @@ static int find_default(const sf_hdu_index *s, int part, const sf_hdu **hdu, she
 static void label(sf_part *part) {
     const sf_hdu *hdu = part->hdu;
     if (hdu->name[0] != '\0') {
-        snprintf(part->label, sizeof part->label, "%s", hdu->name);
+        text_set(part->label, sizeof part->label, hdu->name);
     } else {
         snprintf(part->label, sizeof part->label, "%d (from 0)", hdu->number);
     }
@@ -101,7 +103,7 @@ static int choose(sf_parts *p, int i, const shear_input_part *wanted, shear_erro
 /* As a field file has it. What is missing is told when its turn comes (sf_part_require). */
 static int choose_by_name(sf_parts *p, int i, const sf_file *file, shear_error *err) {
     p->of[i].file = file;
-    snprintf(p->of[i].label, sizeof p->of[i].label, "%s", extnames[i]);
+    text_set(p->of[i].label, sizeof p->of[i].label, extnames[i]);
     return sf_hdu_index_find(&file->index, extnames[i], false, &p->of[i].hdu, err);
 }
 

@@ -10,41 +10,41 @@ static int bad(sf_place at, const char *what, shear_error *err) {
     return sf_fail(err, SHEAR_E_SETTING, at, NULL, "cannot be made: %s", what);
 }
 
-static bool inside(int value, int min, int max) {
+static bool inside(int64_t value, int64_t min, int64_t max) {
     return value >= min && value <= max;
 }
 
 static int check_sizes(const shear_field_spec *s, sf_place at, shear_error *err) {
     const shear_geometry *g = &s->geometry;
-    if (!inside(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) ||
-        !inside(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE)) {
-        return bad(at, "a stamp's side must have 8 to 1024 pixels", err);
+    const bool has_ids = (s->columns & SHEAR_COL_PSF_ID) != 0;
+    const struct {
+        bool kept;
+        const char *what;
+    } rules[] = {
+        {inside(g->nx, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE) &&
+             inside(g->ny, SHEAR_MIN_SIDE, SHEAR_MAX_SIDE),
+         "a stamp's side must have 8 to 1024 pixels"},
+        {inside(g->psf_nx, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE) &&
+             inside(g->psf_ny, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE),
+         "a PSF's side must have 3 to 4096 samples"},
+        {inside(g->psf_oversample, 1, SF_MAX_OVERSAMPLE), "the PSF's oversampling must be 1 to 64"},
+        {inside(s->n_stamps, 1, INT32_MAX), "the number of stamps must be 1 to 2147483647"},
+        {inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES),
+         "there must be 1 to 64 noise stamps a galaxy"},
+        {s->n_psf == 1 || s->n_psf == s->n_stamps || (has_ids && inside(s->n_psf, 1, INT32_MAX)),
+         "there must be one PSF, or one a stamp, or a column PSF_ID"},
+        {s->layout == SHEAR_LAYOUT_CUBE || s->layout == SHEAR_LAYOUT_MOSAIC,
+         "the layout is neither cube nor mosaic"},
+        {inside(s->mosaic_columns, 0, s->n_stamps),
+         "a mosaic's row must have 1 to n_stamps stamps"},
+        {s->bitpix == -32 || s->bitpix == -64, "BITPIX must be -32 or -64"},
+    };
+    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+        if (!rules[i].kept) {
+            return bad(at, rules[i].what, err);
+        }
     }
-    if (!inside(g->psf_nx, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE) ||
-        !inside(g->psf_ny, SF_PSF_MIN_SIDE, SF_PSF_MAX_SIDE)) {
-        return bad(at, "a PSF's side must have 3 to 4096 samples", err);
-    }
-    if (!inside(g->psf_oversample, 1, SF_MAX_OVERSAMPLE)) {
-        return bad(at, "the PSF's oversampling must be 1 to 64", err);
-    }
-    if (s->n_stamps < 1 || s->n_stamps > INT32_MAX) {
-        return bad(at, "the number of stamps must be 1 to 2147483647", err);
-    }
-    if (!inside(s->noise_planes, 0, SHEAR_MAX_NOISE_PLANES)) {
-        return bad(at, "there must be 1 to 64 noise stamps a galaxy", err);
-    }
-    if (s->n_psf != 1 && s->n_psf != s->n_stamps &&
-        (s->n_psf < 1 || (s->columns & SHEAR_COL_PSF_ID) == 0 || s->n_psf > INT32_MAX)) {
-        return bad(at, "there must be one PSF, or one a stamp, or a column PSF_ID", err);
-    }
-    if (s->layout != SHEAR_LAYOUT_CUBE && s->layout != SHEAR_LAYOUT_MOSAIC) {
-        return bad(at, "the layout is neither cube nor mosaic", err);
-    }
-    if (s->mosaic_columns < 0 || s->mosaic_columns > s->n_stamps) {
-        return bad(at, "a mosaic's row must have 1 to n_stamps stamps", err);
-    }
-    return s->bitpix == -32 || s->bitpix == -64 ? SHEAR_OK
-                                                : bad(at, "BITPIX must be -32 or -64", err);
+    return SHEAR_OK;
 }
 
 int sf_field_spec_check(const shear_field_spec *s, const char *file, shear_error *err) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/header/header.h"
 
+#include "base/text.h"
 #include "fits/header/card.h"
 
 #include <stddef.h>
@@ -48,7 +49,7 @@ void sf_header_init(sf_header *h, int number) {
 
 const char *sf_header_label(const sf_header *h, char out[SF_NAME]) {
     if (h->label[0] != '\0') {
-        snprintf(out, SF_NAME, "%s", h->label);
+        text_set(out, SF_NAME, h->label);
     } else if (h->hdu.number == 0) {
         snprintf(out, SF_NAME, "primary");
     } else {
@@ -146,11 +147,11 @@ static void wanted_key(const sf_header *h, char key[24]) {
     const int n = h->cards;
     key[0] = '\0';
     if (n == 1 || n == 2) {
-        snprintf(key, 24, "%s", n == 1 ? "BITPIX" : "NAXIS");
+        text_set(key, 24, n == 1 ? "BITPIX" : "NAXIS");
     } else if (n >= 3 && n - 2 <= h->hdu.naxis) {
         snprintf(key, 24, "NAXIS%d", n - 2);
     } else if (n == 5 || n == 6 || n == 7) {
-        snprintf(key, 24, "%s", kind_of(h) == SF_TABLE ? table[n - 5] : "");
+        text_set(key, 24, kind_of(h) == SF_TABLE ? table[n - 5] : "");
     }
 }
 

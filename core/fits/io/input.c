@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "shear/input.h"
 
+#include "base/text.h"
+
 #include <stdio.h>
-#include <string.h>
 
 const char *shear_part_name(int part) {
     static const char *const names[SHEAR_N_PARTS] = {"galaxy", "noise", "psf", "catalog"};
@@ -18,18 +19,16 @@ shear_input shear_input_of_file(const char *path) {
 }
 
 static void append(char *buf, size_t size, const char *separator, const shear_input_part *part) {
-    const size_t used = strlen(buf);
     char hdu[24] = "";
     if (part->extname == NULL && part->hdu >= 0) {
         snprintf(hdu, sizeof hdu, "%lld", (long long)part->hdu);
     }
     const char *chosen = part->extname != NULL ? part->extname : hdu;
-    snprintf(buf + used, size - used, "%s%s%s%s", separator, part->path,
-             chosen[0] != '\0' ? ":" : "", chosen);
+    text_append(buf, size, "%s%s%s%s", separator, part->path, chosen[0] != '\0' ? ":" : "", chosen);
 }
 
 char *shear_input_text(const shear_input *input, char *buf, size_t size) {
-    snprintf(buf, size, "%s", input->path != NULL ? input->path : "");
+    text_set(buf, size, input->path);
     for (int i = 0; i < SHEAR_N_PARTS && input->path == NULL; i++) {
         if (input->parts[i].path != NULL) {
             append(buf, size, buf[0] != '\0' ? " + " : "", &input->parts[i]);

@@ -2,6 +2,7 @@
 #include "fits/io/output.h"
 
 #include "base/cleanup.h"
+#include "base/text.h"
 #include "fits/io/source.h"
 
 #include <assert.h>
@@ -31,7 +32,7 @@ static int open_directory(sf_output *out, const char *path, shear_error *err) {
     if (strlen(base) >= sizeof out->base) {
         return sf_fail_errno(err, at, ENAMETOOLONG, "cannot be written");
     }
-    snprintf(out->base, sizeof out->base, "%s", base);
+    text_set(out->base, sizeof out->base, base);
     CLEANUP(release_free)
     char *directory = slash == NULL   ? strdup(".")
                       : slash == path ? strdup("/")

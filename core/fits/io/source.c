@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fits/io/source.h"
 
+#include "base/text.h"
 #include "fits/io/gunzip.h"
 #include "shear/text.h"
 
@@ -71,7 +72,7 @@ static void prepare(sf_source *s, const char *path) {
     *s = (sf_source){.fd = -1};
     sf_printable_name(s->name, sizeof s->name, path);
     const char *slash = strrchr(path, '/');
-    snprintf(s->base, sizeof s->base, "%s", slash != NULL ? slash + 1 : path);
+    text_set(s->base, sizeof s->base, slash != NULL ? slash + 1 : path);
 }
 
 /* Unpack where needed; then s->fd begins like FITS. */
