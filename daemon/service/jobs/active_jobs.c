@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "service/jobs/active_jobs.h"
 
-#include "base/cleanup.h"
 #include "service/core/clock.h"
 #include "sheard/messages.h"
 
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 
 void active_jobs_deinit(active_jobs *all) {

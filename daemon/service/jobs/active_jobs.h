@@ -3,7 +3,10 @@
 #ifndef SHEARD_SERVICE_ACTIVE_JOBS_H
 #define SHEARD_SERVICE_ACTIVE_JOBS_H
 
-#include "service/jobs/job_hooks.h"
+#include "engine/engine.h"
+#include "store/store.h"
+
+typedef struct service service;
 
 typedef struct active_job {
     struct active_job *next;
@@ -20,6 +23,20 @@ typedef struct active_job {
     int64_t failed_commits; /* as the group's when the store was told of its content */
     bool ended;             /* the engine's last event of it needs no more attention */
 } active_job;
+
+/* Whom the jobs concern in the rooms above; set once, at the start. What they are told is on disk.
+ */
+typedef struct job_hooks {
+    /* Where the job is final: its file, if it has one, goes to done/ or failed/, and *job says
+     * where it is. */
+    void (*dispose_file)(service *s, store_job *job);
+    /* The job is final, and its file where it belongs: answer those who waited for it. */
+    void (*ended)(service *s, const store_job *job);
+    /* The job counts in its field from now on. */
+    void (*counted)(service *s, const store_job *job);
+    /* An event of the engine about none of the store's jobs. */
+    void (*other_event)(service *s, const engine_event *e);
+} job_hooks;
 
 typedef struct active_jobs {
     active_job *first;

@@ -2,7 +2,6 @@
 #include "service/jobs/spooled_file.h"
 
 #include "base/text.h"
-#include "sheard/messages.h"
 
 #include <stdio.h>
 
