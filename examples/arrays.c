@@ -10,8 +10,11 @@ static const double pi = 3.14159265358979323846;
 static const double psf_px = 1.5; /* standard deviation of the Gaussian PSF */
 static const double true_g1 = 0.02, true_g2 = -0.01;
 
+/* Between 0 and 1, by a linear congruential generator. */
 static double uniform(void) {
-    return (rand() + 0.5) / (RAND_MAX + 1.0);
+    static uint64_t state = 2026;
+    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return ((double)(state >> 32) + 0.5) / 4294967296.0;
 }
 
 static double normal(void) {

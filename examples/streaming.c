@@ -15,16 +15,18 @@ typedef struct stream {
 } stream;
 
 static int open_stream(stream *s, const char *path, shear_error *err) {
+    int code = shear_field_open(&s->field, path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     shear_settings settings;
     shear_settings_init(&settings);
-    int code = shear_field_open(&s->field, path, err);
-    if (code == SHEAR_OK) {
-        code = shear_plan_for_field(&s->plan, &settings, s->field, err);
+    code = shear_plan_for_field(&s->plan, &settings, s->field, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
-    if (code == SHEAR_OK) {
-        code = shear_block_new(&s->block, shear_field_get_info(s->field), STAMPS, err);
-    }
-    return code == SHEAR_OK ? shear_field_sums_new(&s->sums, err) : code;
+    code = shear_block_new(&s->block, shear_field_get_info(s->field), STAMPS, err);
+    return code != SHEAR_OK ? code : shear_field_sums_new(&s->sums, err);
 }
 
 static void close_stream(stream *s) {
@@ -47,42 +49,51 @@ static void add_rows(shear_field_sums *sums, const shear_row *rows, int count) {
     }
 }
 
-static int measure(stream *s, shear_error *err) {
+static int measure(stream *s, int64_t first, int count, shear_error *err) {
+    shear_row rows[STAMPS];
+    int code = shear_field_read(s->field, first, count, s->block, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    code = shear_measure_batch(s->plan, &s->block->stamps, 0, NULL, rows, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
+    add_rows(s->sums, rows, count);
+    return SHEAR_OK;
+}
+
+static int run(stream *s, const char *path, shear_result *result, shear_error *err) {
+    int code = open_stream(s, path, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     const int64_t n = shear_field_get_info(s->field)->n_stamps;
     for (int64_t first = 0; first < n; first += STAMPS) {
-        shear_row rows[STAMPS];
-        const int count = n - first < STAMPS ? (int)(n - first) : STAMPS;
-        int code = shear_field_read(s->field, first, count, s->block, err);
-        if (code == SHEAR_OK) {
-            code = shear_measure_batch(s->plan, &s->block->stamps, 0, NULL, rows, err);
-        }
+        code = measure(s, first, n - first < STAMPS ? (int)(n - first) : STAMPS, err);
         if (code != SHEAR_OK) {
             return code;
         }
-        add_rows(s->sums, rows, count);
     }
+    shear_field_result(s->sums, result);
     return SHEAR_OK;
 }
 
 int main(int argc, char **argv) {
     stream s = {0};
+    shear_result result;
     shear_error err;
     if (argc != 2) {
         fprintf(stderr, "usage: streaming FIELD.fits\n");
         return EXIT_FAILURE;
     }
-    int code = open_stream(&s, argv[1], &err);
-    if (code == SHEAR_OK) {
-        code = measure(&s, &err);
-    }
+    const int code = run(&s, argv[1], &result, &err);
+    close_stream(&s);
     if (code != SHEAR_OK) {
         fprintf(stderr, "%s (%s)\n", err.message, err.advice);
-    } else {
-        shear_result result;
-        shear_field_result(s.sums, &result);
-        printf("g1 = %+.17g +- %.2g\n", result.g1, result.g1_err);
-        printf("g2 = %+.17g +- %.2g\n", result.g2, result.g2_err);
+        return EXIT_FAILURE;
     }
-    close_stream(&s);
-    return code == SHEAR_OK ? EXIT_SUCCESS : EXIT_FAILURE;
+    printf("g1 = %+.17g +- %.2g\n", result.g1, result.g1_err);
+    printf("g2 = %+.17g +- %.2g\n", result.g2, result.g2_err);
+    return EXIT_SUCCESS;
 }

@@ -7,6 +7,7 @@
 #include "run/team.h"
 #include "shear/run.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -151,6 +152,7 @@ static void convert_psfs(const array_source *s, int64_t first, int count, shear_
     const size_t samples = (size_t)g->psf_nx * (size_t)g->psf_ny;
     const int32_t *index = s->in->psf_index;
     int n = 0;
+    assert(copies != NULL); /* init_slots */
     for (int i = 0; i < count; i++) {
         const int64_t wanted = index != NULL ? index[first + i] : first + i;
         if (wanted < 0 || wanted >= s->info.n_psf) {
