@@ -2,6 +2,7 @@
 /* store-bench: what the store's operations cost on a big database beside a small one (they should
  * cost the same), and durable submits a second beside SQLite's own bare commits in the same
  * directory, alternately, so that the machine's noise cancels. */
+#include "base/cleanup.h"
 #include "store_fill.h"
 #include "timer.h"
 
@@ -71,7 +72,7 @@ static void call_submit(database *d, shear_error *err) {
 static void call_life(database *d, shear_error *err) {
     char field[32];
     char content[32];
-    store_job job;
+    CLEANUP(store_job_deinit) store_job job = {0};
     int64_t of = 0;
     store_finished end;
     const int64_t id = submit(d->s, 1, err);
@@ -82,7 +83,6 @@ static void call_life(database *d, shear_error *err) {
     must(store_next(d->s, 6, &job, err), err);
     must(store_set_input(d->s, job.id, &input, &of, err), err);
     must(store_finish(d->s, job.id, &work, &end, err), err);
-    store_job_deinit(&job);
 }
 
 static void call_count(database *d, shear_error *err) {
@@ -96,54 +96,48 @@ static void call_totals(database *d, shear_error *err) {
 }
 
 static void call_job(database *d, shear_error *err) {
-    store_job job;
+    CLEANUP(store_job_deinit) store_job job = {0};
     must(store_job_get(d->s, 1 + pick(d, d->jobs), &job, err), err);
-    store_job_deinit(&job);
 }
 
 static void call_jobs(database *d, shear_error *err) {
-    store_job_page page;
+    CLEANUP(store_job_page_deinit) store_job_page page = {0};
     const store_job_filter filter = {.states = 1u << STORE_DONE,
                                      .before = PAGE + 1 + pick(d, d->jobs - PAGE)};
     must(store_jobs(d->s, &filter, PAGE, &page, err), err);
-    store_job_page_deinit(&page);
 }
 
 static void call_jobs_of_field(database *d, shear_error *err) {
     char field[32];
-    store_job_page page;
+    CLEANUP(store_job_page_deinit) store_job_page page = {0};
     pick_field(d, field);
     const store_job_filter filter = {.field = field, .by_owner = true, .owner = 1000};
     must(store_jobs(d->s, &filter, PAGE, &page, err), err);
-    store_job_page_deinit(&page);
 }
 
 static void call_field(database *d, shear_error *err) {
     char field[32];
-    store_field_page page;
+    CLEANUP(store_field_page_deinit) store_field_page page = {0};
     pick_field(d, field);
     must(store_field_get(d->s, field, &page, err), err);
-    store_field_page_deinit(&page);
 }
 
 /* Full pages only: not the last ones. */
 static void call_fields(database *d, shear_error *err) {
     char field[32];
-    store_field_page page;
+    CLEANUP(store_field_page_deinit) store_field_page page = {0};
     snprintf(field, sizeof field, "field-%07" PRId64, pick(d, d->fields - PAGE));
     const store_field_filter filter = {
         .prefix = "field-", .after_name = field, .after_digest = "1"};
     must(store_fields(d->s, &filter, PAGE, &page, err), err);
-    store_field_page_deinit(&page);
 }
 
 static void call_contributions(database *d, shear_error *err) {
     char field[32];
-    store_contribution_page page;
+    CLEANUP(store_contribution_page_deinit) store_contribution_page page = {0};
     pick_field(d, field);
     must(store_contributions(d->s, field, "0123456789abcdef0123456789abcdef", 0, PAGE, &page, err),
          err);
-    store_contribution_page_deinit(&page);
 }
 
 typedef struct operation {

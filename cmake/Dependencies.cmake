@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Every outside library, found once. Only the room named beside it may link it (tests/rooms checks the includes).
+# Every outside library, found once. Only the room named beside it may link it (tests/house/rooms.txt has the same rooms).
 find_package(PkgConfig REQUIRED)
 find_package(OpenMP 4.5 REQUIRED COMPONENTS C)
 find_package(Threads REQUIRED)

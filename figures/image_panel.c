@@ -21,13 +21,13 @@ static uint32_t packed(shear_colour c) {
 
 /* The colours of an image, worked out once: far more steps than a screen can show. */
 enum { STEPS = 4096 };
-struct paint {
+typedef struct paint {
     uint32_t steps[STEPS + 1]; /* brightness 0 .. 1 */
     uint32_t negative, not_finite;
     bool mark_negative;
-};
+} paint;
 
-static void paint_init(struct paint *p, const shear_image *image) {
+static void paint_init(paint *p, const shear_image *image) {
     for (int i = 0; i <= STEPS; i++) {
         p->steps[i] = packed(shear_map_colour(image->map, (double)i / STEPS));
     }
@@ -36,7 +36,7 @@ static void paint_init(struct paint *p, const shear_image *image) {
     p->mark_negative = image->mark_negative;
 }
 
-static uint32_t paint_of(const struct paint *p, const shear_stretch *stretch, double value) {
+static uint32_t paint_of(const paint *p, const shear_stretch *stretch, double value) {
     if (!isfinite(value)) {
         return p->not_finite;
     }
@@ -75,15 +75,15 @@ static cairo_surface_t *surface_of(shear_figure *f, const shear_image *image,
         figure_failed(f, SHEAR_E_NOMEM, "no memory for an image");
         return NULL;
     }
-    struct paint paint;
-    paint_init(&paint, image);
+    paint p;
+    paint_init(&p, image);
     unsigned char *data = cairo_image_surface_get_data(surface);
     const ptrdiff_t stride = cairo_image_surface_get_stride(surface);
     for (int row = 0; row < image->ny; row++) {
         const double *pixels = image->pixels + (ptrdiff_t)row * image->nx;
         uint32_t *out = (uint32_t *)(void *)(data + stride * (image->ny - 1 - row));
         for (int column = 0; column < image->nx; column++) {
-            out[column] = paint_of(&paint, stretch, pixels[column]);
+            out[column] = paint_of(&p, stretch, pixels[column]);
         }
     }
     cairo_surface_mark_dirty(surface);

@@ -49,13 +49,6 @@ static void area(shear_figure *f, double x0, double y0, double x1, double y1,
     legend_add_band(f, style);
 }
 
-void shear_axes_hband(shear_figure *f, double lo, double hi, const shear_style *style) {
-    if (axes_ready(f)) {
-        const shear_rect r = f->axes.frame;
-        area(f, r.x, axes_y(&f->axes, lo), r.x + r.w, axes_y(&f->axes, hi), style, BAND_OPACITY);
-    }
-}
-
 void shear_axes_vband(shear_figure *f, double lo, double hi, const shear_style *style) {
     if (axes_ready(f)) {
         const shear_rect r = f->axes.frame;
