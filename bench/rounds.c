@@ -5,6 +5,7 @@
 #include "floor.h"
 #include "timer.h"
 
+#include <assert.h>
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -89,6 +90,7 @@ typedef struct record {
 } record;
 
 static void one_round(const timed_case *b, record *r, int at) {
+    assert(b->data.count > 0 && at < ROUNDS_MAX);
     const int repeats = b->repeats / b->data.count;
     double us[N_STAGES];
     r->pair[at] = bench_data_time_pairs(&b->data, b->ws[0], repeats);

@@ -74,8 +74,10 @@ static int poisson(dice *d, double mean) {
     double u = dice_uniform(d);
     double p = exp(-mean);
     int n = 0;
-    for (double sum = p; u > sum && n < 2000; sum += p) {
+    double sum = p;
+    while (u > sum && n < 2000) {
         p *= mean / ++n;
+        sum += p;
     }
     return n;
 }

@@ -49,12 +49,14 @@ static void parse_parameter(const parameter *p, const char *text, parameter_valu
     const int most = p->many ? MAX_VALUES : 1;
     char *end = NULL;
     out->n = 0;
-    for (const char *at = text; at != NULL; at = *end == ',' ? end + 1 : NULL) {
+    const char *at = text;
+    do {
         if (out->n == most) {
             must_fail(SHEAR_E_SETTING, NULL, "option '--%s': more than %d values", p->name, most);
         }
         out->v[out->n++] = parse_number(p->name, at, &end, p->min, p->max);
-    }
+        at = end + 1;
+    } while (*end == ',');
     if (*end != '\0') {
         must_fail(SHEAR_E_SETTING, NULL, "option '--%s': '%s' is not a list of numbers", p->name,
                   text);

@@ -117,8 +117,8 @@ static void estimate(const shear_row *rows, int count, double beta_px, int estim
 
 /* Where in a field's values an estimate stands. */
 static size_t place(int i_case, int estimator, int sign) {
-    return (size_t)(i_case * EFFICIENCY_PER_CASE +
-                    (estimator * 2 + sign) * EFFICIENCY_PER_ESTIMATE);
+    const int estimate = i_case * 2 * N_ESTIMATORS + estimator * 2 + sign;
+    return (size_t)estimate * EFFICIENCY_PER_ESTIMATE;
 }
 
 /* Shapes of the galaxies without noise, the shear taken off. */

@@ -252,7 +252,7 @@ static void do_sampling(run *r, jackknife_sums *const *sums, int psf) {
 
 static void run_pixels(run *r) {
     const parameter_values *sizes = options_list(r->options, "sizes");
-    jackknife_sums *sums[MAX_SIZES];
+    jackknife_sums *sums[MAX_SIZES] = {NULL};
     table_columns(r->table, columns);
     table_components(r->table, components);
     table_columns(r->table, gain);

@@ -242,7 +242,7 @@ static void prepare(measuring *m, const options *o) {
     m->drawn = trial_stamps_new(t, (int)most);
     m->stamps = must_allocate(2 * (size_t)t->stamps, sizeof *m->stamps, "stamps");
     m->rows = must_allocate((size_t)most, sizeof *m->rows, "rows");
-    m->aperture = must_allocate((size_t)(m->side * m->side), sizeof *m->aperture, "pixels");
+    m->aperture = must_allocate((size_t)m->side * (size_t)m->side, sizeof *m->aperture, "pixels");
     fill_aperture(m);
 }
 
