@@ -9,7 +9,8 @@ import subprocess
 import time
 import unittest
 
-from fake_service import FakeService, job, summary
+from fake_service import job, summary
+from service_test import ServiceTest
 from tool import SANITIZERS, SHEARCTL, ToolTest
 
 COMPLETIONS = os.path.abspath(os.environ["COMPLETIONS"])
@@ -100,16 +101,14 @@ class Zsh:
 
 
 @unittest.skipUnless(shutil.which("zsh"), "no zsh")
-class ZshCompletion(ToolTest):
+class ZshCompletion(ServiceTest):
     def setUp(self):
         super().setUp()
-        service = FakeService(self.path("socket"),
-                              jobs={"jobs": [job(7), job(12)], "cursor": None},
-                              fields={"fields": [summary("deep"), summary("wide")], "cursor": None})
-        self.addCleanup(service.close)
+        self.serve(jobs={"jobs": [job(7), job(12)], "cursor": None},
+                   fields={"fields": [summary("deep"), summary("wide")], "cursor": None})
         for name in ("a.fits", "b.fits"):
-            open(self.path(name), "w", encoding="utf-8").close()
-        self.zsh = Zsh(self.directory, {"SHEARD_SOCKET": self.path("socket")})
+            self.touch(name)
+        self.zsh = Zsh(self.directory, {"SHEARD_SOCKET": self.socket})
         self.addCleanup(self.zsh.close)
 
     def names(self, kind, command=None):

@@ -8,10 +8,11 @@ import subprocess
 import time
 import unittest
 
-from fake_service import FakeService, job, status, summary
+from fake_service import job, status, summary
 from fitsfile import Field
+from service_test import ServiceTest
 from terminal_test import WAIT, TerminalTest
-from tool import DONE, OTHER, SANITIZERS, SHEARCTL, ToolTest
+from tool import DONE, OTHER, SANITIZERS, SHEARCTL
 
 
 class Terminal(TerminalTest):
@@ -63,7 +64,7 @@ class Terminal(TerminalTest):
 
 
 @unittest.skipUnless(shutil.which("tmux"), "no tmux")
-class InTmux(ToolTest):
+class InTmux(ServiceTest):
     """`shearctl watch` as a terminal shows it, not as bytes."""
 
     def tmux(self, *args):
@@ -82,12 +83,10 @@ class InTmux(ToolTest):
         return text
 
     def test_watch(self):
-        service = FakeService(self.path("socket"), status=status(),
-                              jobs=lambda params, _: {"jobs": [job(7, "running")] if "running" in params["states"]
-                                                      else [job(5)], "cursor": None},
-                              fields={"fields": [summary()], "cursor": None})
-        self.addCleanup(service.close)
-        environment = {**SANITIZERS, "LC_ALL": "C.UTF-8", "SHEARD_SOCKET": self.path("socket")}
+        self.serve(status=status(), fields={"fields": [summary()], "cursor": None},
+                   jobs=lambda params, _: {"jobs": [job(7, "running")] if "running" in params["states"] else [job(5)],
+                                           "cursor": None})
+        environment = {**SANITIZERS, "LC_ALL": "C.UTF-8", "SHEARD_SOCKET": self.socket}
         settings = " ".join(f"{name}={shlex.quote(value)}" for name, value in environment.items())
         self.tmux("new-session", "-d", "-s", "w", "-x", "90", "-y", "30",
                   f"echo before; {settings} {shlex.quote(SHEARCTL)} watch --interval 100ms; echo ended $?; cat")
