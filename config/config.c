@@ -70,6 +70,7 @@ static int set_index(sheard_config *config, size_t index, const char *text, shea
 
 int config_set_at(sheard_config *config, size_t index, const char *text, int line,
                   shear_error *err) {
+    assert(index < sheard_settings_count() && line >= ORIGIN_EARLIER);
     const int code = set_index(config, index, text, err);
     if (code == SHEAR_OK) {
         config->lines[index] = line;

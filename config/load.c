@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The file's values into a config. A value may have further lines, so that it is set when the next
  * one begins. */
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -112,6 +113,7 @@ static bool identify(loader *l, int line, const char *key) {
 
 static void on_value(void *context, int line, const char *key, const char *text, bool continued) {
     loader *l = context;
+    assert(!l->holds || l->text != NULL);
     if (continued) {
         continue_value(l, line, text);
         return;

@@ -44,6 +44,7 @@ size_t sheard_settings_count(void) {
 }
 
 sheard_setting sheard_setting_at(size_t i) {
+    assert(i < sheard_settings_count());
     if (i < config_n_rows) {
         return config_rows[i];
     }

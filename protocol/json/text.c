@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "json/text.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -25,6 +26,7 @@ json_t *json_text_string(const char *text) {
 }
 
 void json_text_set(json_t **object, const char *key, json_t *value) {
+    assert(*object == NULL || json_is_object(*object));
     if (json_object_set_new(*object, key, value) != 0) {
         json_decref(*object);
         *object = NULL;

@@ -2,6 +2,8 @@
 /* The names of states and kinds. "" is null in JSON. The order is that of the enums. */
 #include "message/table.h"
 
+#include <assert.h>
+
 const char *const msg_job_states[] = {"queued", "running",   "waiting",   "done",
                                       "failed", "cancelled", "retracted", NULL};
 const char *const msg_job_classes[] = {"", "transient", "data", "bug", NULL};
@@ -13,6 +15,9 @@ const char *const msg_attempt_outcomes[] = {"",         "done",        "failed",
                                             "released", "interrupted", NULL};
 const char *const msg_server_states[] = {"running", "draining", "stopping", NULL};
 const char *const msg_shutdown_modes[] = {"drain", "now", NULL};
+
+static_assert(sizeof msg_job_states / sizeof msg_job_states[0] == SHEARD_N_JOB_STATES + 1,
+              "a name for each state");
 
 #define NAME_OF(function, names)                                                                   \
     const char *function(int index) {                                                              \

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages in memory: their beginning and their end. */
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +37,7 @@ size_t msg_item_size(const msg_member *m) {
 
 /* How a member that is neither an object nor a list lies in memory. */
 static enum member_type memory_of(const msg_member *m) {
+    assert(m->table == NULL);
     static const enum member_type types[] = {
         [MSG_BOOL] = MEMBER_BOOL,  [MSG_INT] = MEMBER_INT64,     [MSG_REAL] = MEMBER_DOUBLE,
         [MSG_TEXT] = MEMBER_TEXT,  [MSG_NAME] = MEMBER_INT,      [MSG_TIME] = MEMBER_INT64,

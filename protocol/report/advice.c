@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/advice.h"
 
+#include <assert.h>
 #include <math.h>
 
 #include "report/advice_say.h"
@@ -177,4 +178,5 @@ void sheard_advice_all(sheard_advice_list *list, const shear_result *r, const sh
     if (plan != NULL) {
         sheard_advice_psf(list, plan);
     }
+    assert(list->n <= SHEARD_ADVICES);
 }

@@ -11,6 +11,7 @@
 enum { SMALL = 4096 };
 
 void sheard_frame_init(sheard_frame *f, size_t limit) {
+    assert(limit >= 1);
     *f = (sheard_frame){.limit = limit};
 }
 
@@ -54,6 +55,7 @@ static enum sheard_frame_event reserve(sheard_frame *f, size_t n) {
 /* Is there something wrong with the line that goes on with these n bytes? The first wrong byte
  * counts, so that the answer does not depend on the pieces. */
 static enum sheard_frame_event first_fault(const sheard_frame *f, const char *bytes, size_t n) {
+    assert(f->used <= f->size && f->size <= f->limit);
     const size_t left = f->limit - f->used;
     const char *nul = memchr(bytes, '\0', n < left ? n : left);
     return nul != NULL ? SHEARD_FRAME_NUL : n > left ? SHEARD_FRAME_TOO_LONG : SHEARD_FRAME_MORE;
