@@ -6,7 +6,7 @@
  *     the owner calls     what happens                                     events
  *     engine_add          a thread of the job's own starts a reader,       OPENED, or FAILED
  *                         has it hash the file, and has a plan made
- *     engine_go           the workers take turns at its blocks             RESUMED, CHECKPOINT
+ *     engine_go           the workers measure its blocks, unit by unit     RESUMED, CHECKPOINT
  *     or engine_stop_job  its own thread finishes it                       DONE, FAILED, STOPPED
  *
  * The last event of a job is DONE, FAILED or STOPPED; after it the engine has forgotten the job.
@@ -97,7 +97,7 @@ typedef struct engine_event {
 void engine_event_deinit(engine_event *event);
 
 int engine_new(engine **e, const engine_options *options, shear_error *err);
-/* Stops all jobs after the turns under way, joins the threads, drops unread events. NULL is
+/* Stops all jobs after the units of work under way, joins the threads, drops unread events. NULL is
  * accepted. */
 void engine_free(engine *e);
 
@@ -107,7 +107,7 @@ int engine_add(engine *e, const engine_job *job, shear_error *err);
  * belong to the sums. */
 void engine_go(engine *e, int64_t job, const engine_checkpoint *checkpoint);
 /* Stop a job: its last event is STOPPED (after a CHECKPOINT where there is something to save),
- * unless it was DONE or FAILED already. Turns under way are finished,
+ * unless it was DONE or FAILED already. Units of work under way are finished,
  * unless a reader does not answer for a second. */
 void engine_stop_job(engine *e, int64_t job);
 

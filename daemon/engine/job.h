@@ -32,11 +32,11 @@ typedef struct job {
     atomic_int stage;      /* enum engine_stage, for engine_get_progress */
     atomic_llong hashed;   /* bytes of the files */
     int64_t bytes;         /* of the files, in all */
-    int64_t served;        /* stamps of whole turns, for fairness */
+    int64_t served;        /* stamps of whole units of work, for fairness */
     int64_t counted;       /* stamps measured that are in the engine's total */
-    int holders;           /* workers inside this job's turns */
+    int holders;           /* workers that are at this job */
     int reading;           /* of those, the ones that read, or are about to */
-    bool *entering;        /* [workers] about to read for the first time in its turn */
+    bool *entering;        /* [workers] about to read for the first time in its unit of work */
     int team_size;         /* workers that may serve it: memory is reserved for so many */
     int members;           /* those that do, up to now */
     bool *is_member;       /* [workers] */
@@ -89,7 +89,7 @@ void job_prepare(job *j, engine_event *event);
 /* Make its work, from the checkpoint where there is one, and the rows before it are in the
  * catalog. SHEAR_OK or an error. */
 int job_begin(job *j, shear_error *err);
-/* One unit of work on behalf of worker thread `slot`; false where nothing is left to take. */
+/* One unit of work on behalf of worker thread `slot`; false where nothing is left to do. */
 bool job_step(job *j, int slot, shear_error *err);
 
 /* ---- job_result.c ---- */

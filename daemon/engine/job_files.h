@@ -23,7 +23,7 @@ void job_files_close(job_files *f);
 /* Bytes of all of them, each file once. */
 int64_t job_files_bytes(const job_files *f);
 
-/* ENGINE_E_CHANGED where one of the files is not what it was when it was taken: its size or the
+/* ENGINE_E_CHANGED where one of the files is not what it was when it was acquired: its size or the
  * time of its last change (of content, mode, names). Seen on the descriptors that are read from, so
  * that it does not matter where their names lead meanwhile. */
 int job_files_check(const job_files *f, shear_error *err);

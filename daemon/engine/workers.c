@@ -46,7 +46,7 @@ static bool checkpoint_due(engine *e, job *j) {
     return due;
 }
 
-/* A file's last turn has fewer stamps than others. The lock is held. */
+/* A file's last unit of work has fewer stamps than others. The lock is held. */
 static void count_stamps(engine *e, job *j) {
     const int64_t done = shear_work_get_status(j->work).stamps_done;
     e->stamps_total += done - j->counted;
@@ -55,11 +55,11 @@ static void count_stamps(engine *e, job *j) {
 
 /* Serve a job once; the lock is held on entry and on return. */
 static void serve(engine *e, job *j, int slot) {
-    const int64_t turn = (int64_t)j->size.blocks * SHEAR_BLOCK;
+    const int64_t unit = (int64_t)j->size.blocks * SHEAR_BLOCK;
     shear_error err;
     ENGINE_ASSERT_LOCKED(e);
     assert(j->phase == JOB_MEASURING);
-    j->served += turn;
+    j->served += unit;
     j->holders++;
     j->reading++;
     j->entering[slot] = true;

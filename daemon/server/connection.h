@@ -29,7 +29,7 @@ struct connection {
     bool in_deferred; /* in the user's list of those whose work waits */
 
     sheard_frame frame;
-    const char *input; /* [n_input] of `kept`: read and not yet taken */
+    const char *input; /* [n_input] of `kept`: read and not processed yet */
     size_t n_input;
     char *kept;
 
@@ -45,9 +45,9 @@ struct connection {
     uint64_t progress_ms; /* the last time that the client took something of what is queued */
 
     bool reading;
-    bool held_up;   /* nothing is taken of it for now */
+    bool held_up;   /* nothing of it is processed for now */
     bool ended;     /* the client sends no more */
-    bool finishing; /* nothing is taken any more; closed when all is written */
+    bool finishing; /* nothing is processed any more; closed when all is written */
     bool aborted;   /* to be closed in the next slice, whatever is queued */
     bool closed;
     bool unflushed, subscribed; /* in the server's lists */

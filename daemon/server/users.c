@@ -90,7 +90,7 @@ void users_remove_ready(server_user *u, connection *c) {
     }
 }
 
-/* ---- whose turn it is ---- */
+/* ---- who is next ---- */
 
 static uint64_t not_before(uint64_t used_ns, uint64_t clock_ns) {
     const uint64_t least = clock_ns > USERS_CREDIT_NS ? clock_ns - USERS_CREDIT_NS : 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* server/users.h: users and whose turn it is. Of those that have something to do, the one that has
- * had the least time is next: users first, then the user's connections. Time that somebody did not
- * ask for is not saved up, but for USERS_CREDIT_NS. */
+/* server/users.h: users, and which of them is next. Of those that have something to do, the one
+ * that has had the least time is next: users first, then the user's connections. Time that somebody
+ * did not ask for is not saved up, but for USERS_CREDIT_NS. */
 #ifndef SERVER_USERS_H
 #define SERVER_USERS_H
 
@@ -20,7 +20,7 @@ struct server_user {
     uint64_t clock_ns;  /* ... and, the least of its connections' that are ready */
     connection **ready; /* [n] of [capacity], a heap: the one with the least time on top */
     size_t n, capacity;
-    connection_list deferred; /* whose deferred work waits for its turn, in the order of coming */
+    connection_list deferred; /* whose deferred work waits, in the order of coming */
     connection *at_work;      /* the one whose work is being done */
     size_t held;              /* memory of replies that are not sent */
 };
@@ -35,7 +35,8 @@ void users_part(server_user_list *all, server_user *u);
 /* The connection is ready. */
 void users_add_ready(server_user *u, connection *c, uint64_t clock_ns);
 void users_remove_ready(server_user *u, connection *c);
-/* Whose turn it is, taken out of its user's heap; NULL: nobody is ready. Moves *clock_ns on. */
+/* The connection that is next, out of its user's heap; NULL: nobody is ready. Moves *clock_ns on.
+ */
 connection *users_next(server_user_list *all, uint64_t *clock_ns);
 /* It has had so much time. Not while it is ready. */
 void users_charge(connection *c, uint64_t ns);

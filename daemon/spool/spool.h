@@ -1,29 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* spool/spool.h: the watch folder. Knows the loop and files; no jobs, no SQL, no JSON.
+/* spool/spool.h: the watch folder. It knows the loop and files; no jobs, no SQL, no JSON.
  *
  *     <directory>/incoming/NAME             put there by anybody who may
- *     <directory>/active/KEY-NAME           taken: `found` tells the owner; KEY is unique for ever
- *     <directory>/done/NAME, NAME.json      ended, with the report; or failed/NAME, NAME.json
+ *     <directory>/active/KEY-NAME           acquired: `found` tells the owner; KEY is never used
+ * again <directory>/done/NAME, NAME.json      disposed of, with the report; or failed/NAME,
+ * NAME.json
  *
  * A file is in exactly one of these places at any moment, whatever is killed when; a name is never
  * overwritten (the second a.fits becomes a.1.fits, its report a.1.fits.json).
  *
- * Taken are regular files *.fits, *.fit, *.fits.gz, *.fit.gz, *.fz and *.json, in upper and lower
- * case. Dotfiles, *.tmp and *.part are passed over in silence; other names, and what is no regular
- * file, are left lying with one message each (and told by spool_get_ignored). A file
- * is taken as soon as its writer has closed it or has renamed it into place; where only a scan
- * found it (it was there at the start, events were lost, or another machine wrote it), where it is
- * empty, or a second link to a file, when it has stood still for settle_ms. A file that was made
- * here and has not been closed is not taken before it has stood still for twelve times as long (and
- * two seconds at least).
+ * Regular files *.fits, *.fit, *.fits.gz, *.fit.gz, *.fz and *.json, in upper and lower case, are
+ * acquired. Dotfiles, *.tmp and *.part are passed over in silence; other names, and what is not a
+ * regular file, are left lying with one message each (spool_get_ignored lists them).
  *
- * Crashes: a file that was taken but has not ended is found again by the next spool_open, with the
- * same key. So the owner submits with the key as idempotency key, and commits a job's end before it
- * calls spool_dispose; then each file counts once.
+ * A file is acquired as soon as its writer has closed it or has renamed it into place. It must
+ * stand still for settle_ms where only a scan found it (it was there at the start, events were
+ * lost, or another machine wrote it), where it is empty, and where it is a second link to a file;
+ * and for twelve times as long (two seconds at least) where it was made here and has not been
+ * closed.
  *
- * One thread: the loop's. Callbacks come from the loop (only messages come from within calls, too).
- * `found` may call everything here; the other callbacks nothing. The calls may wait for the disk.
- */
+ * Crashes: a file that was acquired but not disposed of is found again by the next spool_open, with
+ * the same key. So the owner submits with the key as idempotency key, and commits a job's end
+ * before it calls spool_dispose; then each file counts once.
+ *
+ * Threads: one, the loop's. Callbacks come from the loop (only messages come from within calls,
+ * too). `found` may call everything here; the other callbacks nothing. The calls may wait for the
+ * disk. */
 #ifndef SHEARD_SPOOL_H
 #define SHEARD_SPOOL_H
 
@@ -103,13 +105,14 @@ typedef struct spool spool;
  * (out of inotify instances), there is a warning, and scans alone find files. */
 int spool_open(spool **s, uv_loop_t *loop, const char *directory, const spool_tuning *tuning,
                const spool_callbacks *callbacks, shear_error *err);
-/* No callback comes any more, and the lock is free; memory is freed by the loop's next turn, which
- * must come. NULL is accepted. */
+/* No callback comes any more, and the lock is free; memory is freed by the loop's next iteration,
+ * which must come. NULL is accepted. */
 void spool_close(spool *s);
 
 void spool_tune(spool *s, const spool_tuning *tuning); /* takes effect with the next scan */
 
-/* There is room again, or what made the owner refuse is over: look now, not at the next scan. */
+/* More files may be acquired again, or what made the owner refuse is over: look now, not at the
+ * next scan. */
 void spool_wake(spool *s);
 /* Tell this file again (`found` with `again`) at the next scan or spool_wake. SHEAR_E_NOMEM: it is
  * told again by the next spool_open only. */
@@ -140,7 +143,8 @@ const char *spool_locate(const spool *s, const char *active_name, const spool_pl
 void spool_find_place(const spool *s, const char *active_name, int names, spool_place *place);
 
 typedef struct spool_stats {
-    int64_t waiting; /* in incoming/: those that settle, and those that wait for room */
+    int64_t waiting; /* in incoming/: those that settle, and those that wait until more may be
+                        acquired */
     int64_t ignored; /* in incoming/: neither taken nor meant to be passed over */
     int64_t active;
     int64_t taken, done, failed, removed; /* since spool_open; removed: by retention */
@@ -153,7 +157,8 @@ spool_stats spool_get_stats(const spool *s);
 
 /* A file that is left lying in incoming/, and why. */
 typedef struct spool_ignored {
-    const char *name; /* any bytes; lives until the next call that is given this spool, or turn */
+    const char
+        *name; /* any bytes; lives until the next call for this spool, or the next iteration */
     char reason[96];
 } spool_ignored;
 /* The first `capacity` of them; how many. */
