@@ -29,18 +29,19 @@ void *fft_alloc(size_t bytes) {
     return aligned_alloc(ALIGNMENT, (bytes / ALIGNMENT + 1) * ALIGNMENT);
 }
 
+double *fft_zeros(size_t n) {
+    double *made = fft_alloc(n * sizeof *made);
+    return made != NULL ? memset(made, 0, n * sizeof *made) : NULL;
+}
+
 void fft_free(void *p) {
     free(p);
 }
 
 fft_lanes fft_lanes_new(int n) {
     const size_t half = (size_t)n * FFT_LANES;
-    double *memory = fft_alloc(2 * half * sizeof *memory);
-    if (memory == NULL) {
-        return (fft_lanes){0};
-    }
-    memset(memory, 0, 2 * half * sizeof *memory);
-    return (fft_lanes){.re = memory, .im = memory + half};
+    double *memory = fft_zeros(2 * half);
+    return (fft_lanes){.re = memory, .im = memory != NULL ? memory + half : NULL};
 }
 
 void fft_lanes_free(fft_lanes lanes) {

@@ -16,6 +16,7 @@
 
 /* Aligned to a cache line, which vectors of 64 bytes then never straddle. NULL: no memory. */
 void *fft_alloc(size_t bytes);
+double *fft_zeros(size_t n); /* n numbers */
 void fft_free(void *p);
 
 enum { FFT_LANES = 8 };

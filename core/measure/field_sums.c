@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure/field_sums.h"
 
+#include "base/text.h"
+#include "common/release.h"
+
 #include <ctype.h>
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -40,16 +42,15 @@ static const int old_terms[] = {
 enum { N_OLD_TERMS = sizeof old_terms / sizeof old_terms[0] };
 
 int shear_field_sums_new(shear_field_sums **out, shear_error *err) {
-    shear_field_sums *f = calloc(1, sizeof *f);
+    *out = NULL;
+    CLEANUP(shear_field_sums_release) shear_field_sums *f = calloc(1, sizeof *f);
     if (f != NULL) {
         f->sums = exact_new(SHEAR_N_TERMS);
     }
     if (f == NULL || f->sums == NULL) {
-        shear_field_sums_free(f);
-        *out = NULL;
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
     }
-    *out = f;
+    *out = CLEANUP_TAKE(f);
     return SHEAR_OK;
 }
 
@@ -153,13 +154,7 @@ static char *next_word(char **rest) {
 
 static bool read_count(char **rest, int64_t *count) {
     const char *word = next_word(rest);
-    char *end = NULL;
-    if (word == NULL || !isdigit((unsigned char)*word)) {
-        return false;
-    }
-    errno = 0;
-    *count = strtoll(word, &end, 10);
-    return *end == '\0' && errno == 0;
+    return word != NULL && isdigit((unsigned char)*word) && text_to_int64(word, count);
 }
 
 static bool read_flags(shear_field_sums *f, int64_t n, char **rest) {
@@ -194,15 +189,8 @@ static bool top_is_possible(const shear_field_sums *f) {
 static bool read_top(shear_field_sums *f, char **rest) {
     const char *size = next_word(rest);
     const char *stamp = next_word(rest);
-    char *end = NULL;
-    if (size == NULL || stamp == NULL || *size == '\0' || *stamp == '\0') {
-        return false;
-    }
-    f->top.size = strtod(size, &end);
-    bool good = *end == '\0';
-    errno = 0;
-    f->top.stamp = strtoll(stamp, &end, 10);
-    return good && *end == '\0' && errno == 0 && top_is_possible(f);
+    return size != NULL && stamp != NULL && text_to_double(size, &f->top.size) &&
+           text_to_int64(stamp, &f->top.stamp) && top_is_possible(f);
 }
 
 /* NULL, or which part of the text is wrong. */
@@ -227,30 +215,34 @@ static const char *read_text(shear_field_sums *f, bool old, char *rest) {
     return rest == NULL ? NULL : "what follows them";
 }
 
-int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error *err) {
-    const int code = shear_field_sums_new(out, err);
+/* What follows the magic word, to *out. */
+static int parse_rest(shear_field_sums **out, bool old, const char *text, shear_error *err) {
+    CLEANUP(shear_field_sums_release) shear_field_sums *f = NULL;
+    CLEANUP(release_free) char *copy = strdup(text);
+    const int code = shear_field_sums_new(&f, err);
     if (code != SHEAR_OK) {
         return code;
     }
+    if (copy == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums");
+    }
+    const char *wrong = read_text(f, old, copy);
+    if (wrong != NULL) {
+        return shear_fail(err, SHEAR_E_FORMAT, NULL,
+                          "these are not the sums of a field: %s cannot be right", wrong);
+    }
+    *out = CLEANUP_TAKE(f);
+    return SHEAR_OK;
+}
+
+int shear_field_sums_parse(shear_field_sums **out, const char *text, shear_error *err) {
     _Static_assert(sizeof magic == sizeof old_magic, "of one length");
     const size_t head = sizeof magic - 1;
     const bool old = strncmp(text, old_magic, head) == 0;
+    *out = NULL;
     if (!(old || strncmp(text, magic, head) == 0) || text[head] != ' ') {
-        shear_field_sums_free(*out);
-        *out = NULL;
         return shear_fail(err, SHEAR_E_FORMAT, NULL,
                           "these are not the sums of a field (expected '%s ...')", magic);
     }
-    char *copy = strdup(text + head + 1);
-    const char *wrong = copy != NULL ? read_text(*out, old, copy) : NULL;
-    const bool no_memory = copy == NULL;
-    free(copy);
-    if (!no_memory && wrong == NULL) {
-        return SHEAR_OK;
-    }
-    shear_field_sums_free(*out);
-    *out = NULL;
-    return no_memory ? shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a field's sums")
-                     : shear_fail(err, SHEAR_E_FORMAT, NULL,
-                                  "these are not the sums of a field: %s cannot be right", wrong);
+    return parse_rest(out, old, text + head + 1, err);
 }

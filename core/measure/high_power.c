@@ -67,16 +67,11 @@ bool high_band_init(high_band *b, int nx, int ny, bool corners_only) {
     const int rows = rows_of(ny);
     *b = (high_band){
         .nx = nx, .ny = ny, .last_group = (rows - 1) / FFT_LANES, .stride = fft_padded(rows)};
-    const size_t bytes = table_doubles(b) * sizeof(double);
     b->first_jx = malloc(((size_t)b->last_group + 1) * sizeof *b->first_jx);
-    b->corner = fft_alloc(bytes);
-    b->edge = corners_only ? NULL : fft_alloc(bytes);
+    b->corner = fft_zeros(table_doubles(b));
+    b->edge = corners_only ? NULL : fft_zeros(table_doubles(b));
     if (b->first_jx == NULL || b->corner == NULL || (b->edge == NULL && !corners_only)) {
         return false;
-    }
-    memset(b->corner, 0, bytes);
-    if (b->edge != NULL) {
-        memset(b->edge, 0, bytes);
     }
     for (int group = 0; group <= b->last_group; group++) {
         b->first_jx[group] = nx / 2 + 1;

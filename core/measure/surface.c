@@ -49,25 +49,20 @@ void surface_grid_deinit(surface_grid *g) {
 }
 
 /* Slopes stay zero under the linear methods, and what is beyond the pixels always. */
-static double *new_zeros(size_t n) {
-    double *made = fft_alloc(n * sizeof *made);
-    return made != NULL ? memset(made, 0, n * sizeof *made) : NULL;
-}
-
 bool surface_init(surface *s, const surface_grid *g) {
     *s = (surface){0};
     if (g->x.kind == AXIS_NONE) {
         return true;
     }
     const size_t n = g->wide * g->high;
-    s->rows = new_zeros(n);
-    s->row_slopes = new_zeros(n);
-    s->f = new_zeros(n);
-    s->fx = new_zeros(n);
-    s->fy = new_zeros(n);
-    s->fxy = new_zeros(n);
-    s->strip_f = new_zeros(g->high * FFT_LANES);
-    s->strip_fy = new_zeros(g->high * FFT_LANES);
+    s->rows = fft_zeros(n);
+    s->row_slopes = fft_zeros(n);
+    s->f = fft_zeros(n);
+    s->fx = fft_zeros(n);
+    s->fy = fft_zeros(n);
+    s->fxy = fft_zeros(n);
+    s->strip_f = fft_zeros(g->high * FFT_LANES);
+    s->strip_fy = fft_zeros(g->high * FFT_LANES);
     return s->rows != NULL && s->row_slopes != NULL && s->f != NULL && s->fx != NULL &&
            s->fy != NULL && s->fxy != NULL && s->strip_f != NULL && s->strip_fy != NULL;
 }

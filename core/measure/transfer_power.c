@@ -11,21 +11,16 @@
 /* Columns that are transformed along y together: two strips, one real and one imaginary. */
 enum { PAIR = 2 * FFT_LANES };
 
-static double *new_zeros(size_t n) {
-    double *made = fft_alloc(n * sizeof *made);
-    return made != NULL ? memset(made, 0, n * sizeof *made) : NULL;
-}
-
 bool transfer_scratch_init(transfer_scratch *t, const transfer_plan *p) {
     const int longest = p->period_nx > p->period_ny ? p->period_nx : p->period_ny;
     *t = (transfer_scratch){.aliased_stride = ((size_t)p->period_nx + PAIR - 1) / PAIR * PAIR};
     const bool image_made = surface_init(&t->image, &p->grid);
     t->strip = fft_alloc((size_t)p->grid.fine_ny * FFT_LANES * sizeof *t->strip);
-    t->aliased = new_zeros((size_t)p->period_ny * t->aliased_stride);
+    t->aliased = fft_zeros((size_t)p->period_ny * t->aliased_stride);
     for (int i = 0; i < 2; i++) {
         t->lanes[i] = fft_lanes_new(longest + 1);
     }
-    t->modes = new_zeros(2 * p->stride * t->aliased_stride);
+    t->modes = fft_zeros(2 * p->stride * t->aliased_stride);
     t->power = fft_alloc(p->table_size * sizeof *t->power);
     return image_made && t->strip != NULL && t->aliased != NULL && t->lanes[0].re != NULL &&
            t->lanes[1].re != NULL && t->modes != NULL && t->power != NULL;
