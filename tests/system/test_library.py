@@ -70,6 +70,20 @@ class Headers(Installation):
             for standard in ("c++11", "c++20"):
                 self.compile_alone(compiler, standard, ".cpp")
 
+    def declared(self):
+        names = set()
+        for header in self.headers:
+            with open(os.path.join(self.prefix, "include", header), encoding="utf-8") as file:
+                text = re.sub(r"/\*.*?\*/", "", file.read(), flags=re.S)
+            names.update(re.findall(r"^(?!static)\w[\w *]*?\b(\w+)\(", text, re.M))
+        return names
+
+    @unittest.skipIf(SANITIZED, "a sanitizer has symbols of its own")
+    @needs("nm")
+    def test_the_library_has_what_they_declare_and_nothing_else(self):
+        symbols = run("nm", "-D", "--defined-only", os.path.join(self.lib, "libshear.so"))
+        self.assertEqual(set(re.findall(r" [A-Z] (\w+)", symbols)), self.declared())
+
     def test_names_are_the_librarys(self):
         for header in self.headers:
             with open(os.path.join(self.prefix, "include", header), encoding="utf-8") as file:
