@@ -4,6 +4,7 @@
 #include "log/log.h"
 #include "service/core/parts.h"
 
+#include <inttypes.h>
 #include <math.h>
 
 enum { FLUSH_MS = 2000 };
@@ -31,7 +32,7 @@ void lifecycle_drain(service *s) {
     const sheard_msg_stopping left = lifecycle_get(s);
     s->life.state = SHEARD_SERVER_DRAINING;
     s->life.drain_pending = left.running + left.queued > 0;
-    log_notice("draining: %lld jobs are left", (long long)(left.running + left.queued));
+    log_notice("draining: %" PRId64 " jobs are left", left.running + left.queued);
 }
 
 /* The last job of a drain has ended: tell it, once. */

@@ -51,6 +51,10 @@ static void follow(service *s, const spool_file *file, int64_t id) {
     text_set(later->active_name, sizeof later->active_name, file->active_name);
 }
 
+static submission submission_of(const spool_file *file) {
+    return (submission){.origin = STORE_SPOOL, .key = file->key, .dropped = file->name};
+}
+
 static void submit(service *s, const spool_file *file, const submission *sub) {
     sheard_rpc_error error;
     int64_t id = 0;
@@ -110,7 +114,7 @@ static int read_job_file(const service *s, const spool_file *file, char **text, 
 }
 
 /* As a submit of the file's owner. */
-static void submit_job_file(service *s, const spool_file *file, submission *sub) {
+static void submit_job_file(service *s, const spool_file *file) {
     CLEANUP(release_free) char *text = NULL;
     CLEANUP(access_peer_deinit) access_peer peer = {0};
     CLEANUP(sheard_submit_deinit) sheard_msg_submit described = {0};
@@ -126,9 +130,10 @@ static void submit_job_file(service *s, const spool_file *file, submission *sub)
         file_disposal_reject(s, file, &error);
         return;
     }
-    sub->peer = peer;
-    sub->submit = &described;
-    submit(s, file, sub);
+    submission sub = submission_of(file);
+    sub.peer = peer;
+    sub.submit = &described;
+    submit(s, file, &sub);
 }
 
 /* ---- a field ---- */
@@ -141,7 +146,7 @@ static bool is_too_large(const service *s, const spool_file *file, shear_error *
            source_files_check_size(s, fd, file->name, err) != SHEAR_OK;
 }
 
-static void submit_field(service *s, const spool_file *file, submission *sub) {
+static void submit_field(service *s, const spool_file *file) {
     static const sheard_msg_submit plain = {0};
     char path[4400];
     shear_error err = {0};
@@ -152,24 +157,24 @@ static void submit_field(service *s, const spool_file *file, submission *sub) {
         return;
     }
     snprintf(path, sizeof path, "%s/active/%s", s->config.spool.directory, file->active_name);
-    sub->submit = &plain;
-    sub->peer.uid = file->owner;
-    sub->source = path;
-    submit(s, file, sub);
+    submission sub = submission_of(file);
+    sub.submit = &plain;
+    sub.peer.uid = file->owner;
+    sub.source = path;
+    submit(s, file, &sub);
 }
 
 /* ---- the watch folder's callbacks ---- */
 
 static void on_found(void *context, const spool_file *file) {
     service *s = context;
-    submission sub = {.origin = STORE_SPOOL, .key = file->key, .dropped = file->name};
     if (is_known(s, file)) {
         return;
     }
     if (spooled_file_is_job_file(file->name)) {
-        submit_job_file(s, file, &sub);
+        submit_job_file(s, file);
     } else {
-        submit_field(s, file, &sub);
+        submit_field(s, file);
     }
 }
 
