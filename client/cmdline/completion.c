@@ -31,7 +31,7 @@ static void field(FILE *out, const char *text, size_t n) {
 static void choices(FILE *out, const char *option, const char *metavar, size_t length) {
     const shear_setting_def *def = shear_settings_find(option);
     if (def != NULL && def->type == SHEAR_T_CHOICE && strncmp(metavar, def->metavar, length) == 0) {
-        for (const char *const *c = def->choices; *c; c++) {
+        for (const char *const *c = def->choices; *c != NULL; c++) {
             fprintf(out, "%s%s", c == def->choices ? "" : " ", *c);
         }
     } else if (memchr(metavar, '|', length) != NULL) {
@@ -65,7 +65,7 @@ static void print_line(const char *self, const char *line, FILE *out) {
     const char *gap = strstr(line + 2, "  ");
     const bool has_help = gap != NULL && gap < line + n;
     const size_t flags = has_help ? (size_t)(gap - line) : n;
-    const char *help = has_help ? gap : line[n] ? line + n + 1 : "";
+    const char *help = has_help ? gap : line[n] != '\0' ? line + n + 1 : "";
     for (const char *at = line; (at = strstr(at, "--")) && at < line + flags; at += 2) {
         size_t length = (size_t)(line + flags - at);
         const char *comma = memchr(at, ',', length);
@@ -77,7 +77,7 @@ static void print_line(const char *self, const char *line, FILE *out) {
 }
 
 void completion_options(const char *name, const char *usage, FILE *out) {
-    for (const char *line = usage; *line;) {
+    for (const char *line = usage; *line != '\0';) {
         if (strncmp(line, "  -", 3) == 0) {
             print_line(name, line, out);
         }

@@ -50,7 +50,7 @@ static char *collect(const char *at) {
 
 char *conf_text_value(const char *text, const char *section, const char *key) {
     bool inside = false;
-    for (const char *line = text; *line; line = next_line(line)) {
+    for (const char *line = text; *line != '\0'; line = next_line(line)) {
         if (*line == '[') {
             inside = is_section(line, section);
         }

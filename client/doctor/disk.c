@@ -180,7 +180,7 @@ void doctor_report_no_roots(doctor *d) {
 }
 
 static void check_roots(doctor *d) {
-    if (d->roots == NULL || !*d->roots) {
+    if (d->roots == NULL || *d->roots == '\0') {
         doctor_report_no_roots(d);
         return;
     }

@@ -19,7 +19,7 @@ static int ask(const char *config, const char *program, const char *what, char *
 /* The first line that has `word`, and not `other` (unless that is NULL), cut; NULL: none. */
 static const char *line_with(const char *text, const char *word, const char *other, char *buf,
                              size_t size) {
-    while (*text) {
+    while (*text != '\0') {
         const size_t n = strcspn(text, "\n");
         snprintf(buf, size, "%.*s", (int)n, text);
         if (strstr(buf, word) != NULL && (other == NULL || strstr(buf, other) == NULL)) {

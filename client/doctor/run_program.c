@@ -99,7 +99,7 @@ static char *find_in(const char *directory, size_t length, const char *name) {
 
 static char *search(const char *directories, const char *name) {
     char *found = NULL;
-    while (directories != NULL && *directories && found == NULL) {
+    while (directories != NULL && *directories != '\0' && found == NULL) {
         const size_t n = strcspn(directories, ":");
         found = n > 0 && *directories == '/' ? find_in(directories, n, name) : NULL;
         directories += n + (directories[n] == ':');

@@ -182,7 +182,7 @@ static void draw_plane(shear_figure *f, shear_rect cell, const shear_catalog_tab
 /* The flag's name with blanks. */
 static void flag_words(char name[PLOT_CELL], int bit) {
     snprintf(name, PLOT_CELL, "%s", shear_flag_name(bit));
-    for (char *p = name; *p; p++) {
+    for (char *p = name; *p != '\0'; p++) {
         if (*p == '_') {
             *p = ' ';
         }

@@ -17,7 +17,7 @@ static bool is_minus(const char *text, size_t i) {
 static void copy_with_minus(char *buf, size_t size, const char *text) {
     static const char minus[] = "\xe2\x88\x92";
     size_t used = 0;
-    for (size_t i = 0; text[i] && used + sizeof minus < size; i++) {
+    for (size_t i = 0; text[i] != '\0' && used + sizeof minus < size; i++) {
         if (is_minus(text, i)) {
             memcpy(buf + used, minus, sizeof minus - 1);
             used += sizeof minus - 1;

@@ -27,7 +27,7 @@ typedef struct connection {
 
 const char *connection_default_path(void) {
     const char *path = getenv("SHEARD_SOCKET");
-    return path != NULL && *path ? path : CONNECTION_DEFAULT_SOCKET;
+    return path != NULL && *path != '\0' ? path : CONNECTION_DEFAULT_SOCKET;
 }
 
 const sheard_msg_welcome *connection_welcome(const connection *c) {

@@ -17,7 +17,7 @@
 #include <string.h>
 
 static const char *or_dash(const char *text) {
-    return text != NULL && *text ? text : "-";
+    return text != NULL && *text != '\0' ? text : "-";
 }
 
 static void image_text(const sheard_msg_image *image, char *buf, size_t size) {

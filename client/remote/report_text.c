@@ -32,7 +32,7 @@ static void print_method(const sheard_report_summary *s, FILE *out) {
         .artefacts_kept = strcmp(s->artefacts, "keep") == 0,
         .artefacts = method_text_artefacts(s->flagged),
     };
-    if (s->interpolation[0]) {
+    if (s->interpolation[0] != '\0') {
         method_text_print(&m, out);
     }
 }
@@ -77,7 +77,7 @@ static void print_summary(const sheard_report_summary *s, const char *reason, FI
     print_component("g2", s->g2, s->g2_err, s->true_g2, s->pull_g2, out);
     if (reason != NULL) {
         text_line(out, "reason", "%s", reason);
-    } else if (s->no_shear[0]) {
+    } else if (s->no_shear[0] != '\0') {
         const char *words = sheard_no_shear_words(sheard_no_shear_of(s->no_shear));
         text_line(out, "reason", "%s", words != NULL ? words : s->no_shear);
     }
@@ -85,7 +85,7 @@ static void print_summary(const sheard_report_summary *s, const char *reason, FI
         text_line(out, "cov12", "%.3g (correlation %+.2f)", s->cov12,
                   s->cov12 / (s->g1_err * s->g2_err));
     }
-    if (isfinite(s->g1) && s->estimator[0]) {
+    if (isfinite(s->g1) && s->estimator[0] != '\0') {
         text_line(out, "estimator", "%s", s->estimator);
     }
     if (s->jackknife > 0) {

@@ -88,7 +88,7 @@ enum exit_code service_exit_code(enum connection_status status, const sheard_rpc
 
 enum exit_code service_say(enum connection_status status, const sheard_rpc_error *error) {
     if (status != CONNECTION_OK) {
-        message_fail(error->advice[0] ? error->advice : NULL, "%s%s%s%s", error->message,
+        message_fail(error->advice[0] != '\0' ? error->advice : NULL, "%s%s%s%s", error->message,
                      status == CONNECTION_REFUSED ? " [" : "",
                      status == CONNECTION_REFUSED ? error->name : "",
                      status == CONNECTION_REFUSED ? "]" : "");

@@ -36,8 +36,8 @@ static enum exit_code read_all(FILE *in, const char *name, char *buf, size_t siz
 static enum exit_code parse_job(submission *s, const char *name, const char *text, size_t n) {
     sheard_rpc_error error = {0};
     if (sheard_job_file_parse(&s->parsed, text, n, NULL, &error) != 0) {
-        message_fail(error.advice[0] ? error.advice : NULL, "%s: %s [%s]", name, error.message,
-                     error.name);
+        message_fail(error.advice[0] != '\0' ? error.advice : NULL, "%s: %s [%s]", name,
+                     error.message, error.name);
         return error.code == SHEARD_RPC_OUT_OF_MEMORY ? EXIT_CODE_OTHER : EXIT_CODE_INPUT;
     }
     return EXIT_CODE_DONE;
@@ -95,7 +95,7 @@ static enum exit_code set_file(submission *s, const char *name) {
 /* The line of `text` (canonical settings, or NULL) that gives `name`, with its \n; or NULL. */
 static const char *find_line(const char *text, const char *name) {
     const size_t n = strlen(name);
-    while (text != NULL && *text) {
+    while (text != NULL && *text != '\0') {
         if (strncmp(text, name, n) == 0 && text[n] == '=') {
             return text;
         }

@@ -10,7 +10,7 @@
 /* A terminal that does not speak UTF-8 takes its bytes for letters of its own, and for controls. */
 static void only_ascii(char *text) {
     char *out = text;
-    for (const char *c = text; *c;) {
+    for (const char *c = text; *c != '\0';) {
         const size_t n = shear_text_shown(c);
         *out++ = '?';
         if (n == 1) {
@@ -36,7 +36,7 @@ static void say(const char *kind, const char *text) {
 
 void message_error(const shear_error *err) {
     say("error", err->message);
-    if (err->advice[0]) {
+    if (err->advice[0] != '\0') {
         say("advice", err->advice);
     }
 }

@@ -62,7 +62,7 @@ void screen_draw(const char *text) {
     const int columns = style_columns(STDOUT_FILENO, DEFAULT_COLUMNS);
     const int rows = style_rows(STDOUT_FILENO, DEFAULT_ROWS);
     fputs("\x1b[H", stdout);
-    for (int row = 0; row < rows && *text; row++) {
+    for (int row = 0; row < rows && *text != '\0'; row++) {
         char line[4096];
         const size_t n = strcspn(text, "\n");
         snprintf(line, sizeof line, "%.*s", (int)n, text);

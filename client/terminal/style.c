@@ -40,10 +40,10 @@ static size_t escape_length(const char *text) {
         return 0;
     }
     size_t n = 2;
-    while (text[n] && (text[n] < '@' || text[n] > '~')) {
+    while (text[n] != '\0' && (text[n] < '@' || text[n] > '~')) {
         n++;
     }
-    return text[n] ? n + 1 : n;
+    return text[n] != '\0' ? n + 1 : n;
 }
 
 /* The character that `text` begins with: its bytes, and its columns. */
@@ -62,7 +62,7 @@ static size_t step(const char *text, int *columns) {
 
 size_t style_fit(const char *text, int columns) {
     size_t at = 0;
-    while (text[at]) {
+    while (text[at] != '\0') {
         const size_t escape = escape_length(text + at);
         int width = 0;
         const size_t n = escape != 0 ? escape : step(text + at, &width);
@@ -77,7 +77,7 @@ size_t style_fit(const char *text, int columns) {
 
 int style_width(const char *text) {
     int sum = 0;
-    while (*text) {
+    while (*text != '\0') {
         const size_t escape = escape_length(text);
         int width = 0;
         text += escape != 0 ? escape : step(text, &width);
