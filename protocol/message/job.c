@@ -58,40 +58,20 @@ static const msg_member attempt_members[] = {
 };
 static MSG_TABLE(attempt, NULL);
 
-static const msg_member shown_members[] = {
-    MSG_STRUCT(shown, job, job, MSG_REQUIRED),
-    MSG_LISTED(shown, history, attempt),
-};
-MSG_TABLE(shown, NULL);
+MSG_WHOLE(shown, MSG_STRUCT(shown, job, job, MSG_REQUIRED), MSG_LISTED(shown, history, attempt));
 
-static const msg_member submitted_members[] = {
-    MSG_STRUCT(submitted, job, job, MSG_REQUIRED),
-    MSG(submitted, known),
-};
-MSG_TABLE(submitted, NULL);
+MSG_WHOLE(submitted, MSG_STRUCT(submitted, job, job, MSG_REQUIRED), MSG(submitted, known));
 
-static const msg_member job_page_members[] = {
-    MSG_LISTED(job_page, jobs, job),
-    MSG(job_page, cursor),
-};
-MSG_TABLE(job_page, NULL);
+MSG_WHOLE(job_page, MSG_LISTED(job_page, jobs, job), MSG(job_page, cursor));
 
-static const msg_member waited_members[] = {
-    MSG_LISTED(waited, jobs, job),
-    MSG(waited, timed_out),
-};
-MSG_TABLE(waited, NULL);
+MSG_WHOLE(waited, MSG_LISTED(waited, jobs, job), MSG(waited, timed_out));
 
 /* ---- Notifications ---- */
 
-static const msg_member job_changed_members[] = {MSG_STRUCT(job_changed, job, job, MSG_REQUIRED)};
-MSG_TABLE(job_changed, NULL);
+MSG_WHOLE(job_changed, MSG_STRUCT(job_changed, job, job, MSG_REQUIRED));
 
-static const msg_member job_progress_members[] = {
-    MSG_NEEDED(job_progress, id),
-    MSG_STRUCT(job_progress, progress, progress, MSG_REQUIRED),
-};
-MSG_TABLE(job_progress, NULL);
+MSG_WHOLE(job_progress, MSG_NEEDED(job_progress, id),
+          MSG_STRUCT(job_progress, progress, progress, MSG_REQUIRED));
 
 /* ---- The file beside an input ---- */
 

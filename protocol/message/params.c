@@ -21,12 +21,9 @@ MSG_TABLE(hello, check_hello);
 
 /* ---- Sources ---- */
 
-static const msg_member image_members[] = {
-    MSG_STRING(image, path, SHEARD_MSG_PATH_MAX, MSG_REQUIRED | MSG_ABSOLUTE),
-    MSG_NUMBER(image, hdu, 0, SHEARD_MSG_HDU_MAX, -1, MSG_NULLABLE),
-    MSG_STRING(image, extname, SHEARD_MSG_EXTNAME_MAX, MSG_PLAIN),
-};
-static MSG_TABLE(image, NULL);
+MSG_PART(image, MSG_STRING(image, path, SHEARD_MSG_PATH_MAX, MSG_REQUIRED | MSG_ABSOLUTE),
+         MSG_NUMBER(image, hdu, 0, SHEARD_MSG_HDU_MAX, -1, MSG_NULLABLE),
+         MSG_STRING(image, extname, SHEARD_MSG_EXTNAME_MAX, MSG_PLAIN));
 
 /* A source's members stand among those of what it belongs to. */
 #define SOURCE_MEMBERS(T, at)                                                                      \
@@ -120,46 +117,30 @@ static int check_submit(const void *message, sheard_rpc_error *error) {
 }
 MSG_TABLE(submit, check_submit);
 
-static const msg_member id_members[] = {MSG_NUMBER(id, id, 1, INT64_MAX, 0, MSG_REQUIRED)};
-MSG_TABLE(id, NULL);
+MSG_WHOLE(id, MSG_NUMBER(id, id, 1, INT64_MAX, 0, MSG_REQUIRED));
 
-static const msg_member jobs_members[] = {
-    MSG_SET(jobs, states, msg_job_states),
-    MSG_STRING(jobs, field, SHEARD_MSG_FIELD_MAX, MSG_PLAIN),
-    MSG_NUMBER(jobs, owner, 0, UINT32_MAX, -1, MSG_NULLABLE),
-    MSG_STRING(jobs, cursor, SHEARD_MSG_CURSOR_MAX, MSG_PLAIN),
-    MSG_NUMBER(jobs, limit, 1, SHEARD_MSG_JOBS_PAGE, 50, 0),
-};
-MSG_TABLE(jobs, NULL);
+MSG_WHOLE(jobs, MSG_SET(jobs, states, msg_job_states),
+          MSG_STRING(jobs, field, SHEARD_MSG_FIELD_MAX, MSG_PLAIN),
+          MSG_NUMBER(jobs, owner, 0, UINT32_MAX, -1, MSG_NULLABLE),
+          MSG_STRING(jobs, cursor, SHEARD_MSG_CURSOR_MAX, MSG_PLAIN),
+          MSG_NUMBER(jobs, limit, 1, SHEARD_MSG_JOBS_PAGE, 50, 0));
 
-static const msg_member wait_members[] = {
-    MSG_IDS(wait, ids, SHEARD_MSG_LIST_MAX, MSG_REQUIRED),
-    MSG_UP_TO(wait, timeout_s, SHEARD_MSG_WAIT_MAX),
-};
-MSG_TABLE(wait, NULL);
+MSG_WHOLE(wait, MSG_IDS(wait, ids, SHEARD_MSG_LIST_MAX, MSG_REQUIRED),
+          MSG_UP_TO(wait, timeout_s, SHEARD_MSG_WAIT_MAX));
 
 /* ---- Fields ---- */
 
-static const msg_member field_members[] = {
-    MSG_STRING(field, field, SHEARD_MSG_FIELD_MAX, MSG_REQUIRED | MSG_PLAIN),
-    MSG_STRING(field, digest, SHEARD_MSG_DIGEST_MAX, MSG_PLAIN),
-    MSG_NUMBER(field, after, 0, INT64_MAX, 0, 0),
-    MSG_NUMBER(field, limit, 0, SHEARD_MSG_FIELDS_PAGE, 100, 0),
-};
-MSG_TABLE(field, NULL);
+MSG_WHOLE(field, MSG_STRING(field, field, SHEARD_MSG_FIELD_MAX, MSG_REQUIRED | MSG_PLAIN),
+          MSG_STRING(field, digest, SHEARD_MSG_DIGEST_MAX, MSG_PLAIN),
+          MSG_NUMBER(field, after, 0, INT64_MAX, 0, 0),
+          MSG_NUMBER(field, limit, 0, SHEARD_MSG_FIELDS_PAGE, 100, 0));
 
-static const msg_member forget_members[] = {
-    MSG_STRING(forget, field, SHEARD_MSG_FIELD_MAX, MSG_REQUIRED | MSG_PLAIN),
-    MSG_STRING(forget, digest, SHEARD_MSG_DIGEST_MAX, MSG_PLAIN),
-};
-MSG_TABLE(forget, NULL);
+MSG_WHOLE(forget, MSG_STRING(forget, field, SHEARD_MSG_FIELD_MAX, MSG_REQUIRED | MSG_PLAIN),
+          MSG_STRING(forget, digest, SHEARD_MSG_DIGEST_MAX, MSG_PLAIN));
 
-static const msg_member fields_members[] = {
-    MSG_STRING(fields, prefix, SHEARD_MSG_FIELD_MAX, MSG_PLAIN),
-    MSG_STRING(fields, cursor, SHEARD_MSG_CURSOR_MAX, MSG_PLAIN),
-    MSG_NUMBER(fields, limit, 1, SHEARD_MSG_FIELDS_PAGE, 200, 0),
-};
-MSG_TABLE(fields, NULL);
+MSG_WHOLE(fields, MSG_STRING(fields, prefix, SHEARD_MSG_FIELD_MAX, MSG_PLAIN),
+          MSG_STRING(fields, cursor, SHEARD_MSG_CURSOR_MAX, MSG_PLAIN),
+          MSG_NUMBER(fields, limit, 1, SHEARD_MSG_FIELDS_PAGE, 200, 0));
 
 /* ---- Subscriptions and the service ---- */
 
@@ -180,11 +161,7 @@ static int check_subscribe(const void *message, sheard_rpc_error *error) {
 }
 MSG_TABLE(subscribe, check_subscribe);
 
-static const msg_member unsubscribe_members[] = {WATCHED};
-MSG_TABLE(unsubscribe, NULL);
+MSG_WHOLE(unsubscribe, WATCHED);
 
-static const msg_member shutdown_members[] = {
-    MSG_NAMED(shutdown, mode, "mode", msg_shutdown_modes, 0),
-    MSG_UP_TO(shutdown, timeout_s, SHEARD_MSG_WAIT_MAX),
-};
-MSG_TABLE(shutdown, NULL);
+MSG_WHOLE(shutdown, MSG_NAMED(shutdown, mode, "mode", msg_shutdown_modes, 0),
+          MSG_UP_TO(shutdown, timeout_s, SHEARD_MSG_WAIT_MAX));

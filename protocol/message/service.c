@@ -2,13 +2,10 @@
 /* The service itself: greeting, status, and what administrators ask for. */
 #include "message/table.h"
 
-static const msg_member limits_members[] = {
-    MSG(limits, line_bytes),  MSG(limits, depth),     MSG(limits, values),
-    MSG(limits, list),        MSG(limits, jobs_page), MSG(limits, fields_page),
-    MSG(limits, connections), MSG(limits, in_flight), MSG(limits, idle_s),
-    MSG(limits, queue),
-};
-MSG_TABLE(limits, NULL);
+MSG_WHOLE(limits, MSG(limits, line_bytes), MSG(limits, depth), MSG(limits, values),
+          MSG(limits, list), MSG(limits, jobs_page), MSG(limits, fields_page),
+          MSG(limits, connections), MSG(limits, in_flight), MSG(limits, idle_s),
+          MSG(limits, queue));
 
 static const msg_member welcome_members[] = {
     MSG_NEEDED(welcome, protocol),
@@ -22,68 +19,40 @@ static const msg_member welcome_members[] = {
 };
 MSG_TABLE(welcome, NULL);
 
-static const msg_member subscribed_members[] = {MSG(subscribed, jobs), MSG(subscribed, fields),
-                                                MSG(subscribed, all)};
-MSG_TABLE(subscribed, NULL);
+MSG_WHOLE(subscribed, MSG(subscribed, jobs), MSG(subscribed, fields), MSG(subscribed, all));
 
 /* ---- The parts of the status ---- */
 
-static const msg_member plans_members[] = {MSG(plans, kept), MSG(plans, bytes), MSG(plans, hits),
-                                           MSG(plans, misses)};
-static MSG_TABLE(plans, NULL);
+MSG_PART(plans, MSG(plans, kept), MSG(plans, bytes), MSG(plans, hits), MSG(plans, misses));
 
-static const msg_member memory_members[] = {MSG(memory, budget), MSG(memory, used),
-                                            MSG(memory, waiting)};
-static MSG_TABLE(memory, NULL);
+MSG_PART(memory, MSG(memory, budget), MSG(memory, used), MSG(memory, waiting));
 
-static const msg_member states_members[] = {
-    MSG(states, queued), MSG(states, running),   MSG(states, waiting),   MSG(states, done),
-    MSG(states, failed), MSG(states, cancelled), MSG(states, retracted),
-};
-static MSG_TABLE(states, NULL);
+MSG_PART(states, MSG(states, queued), MSG(states, running), MSG(states, waiting), MSG(states, done),
+         MSG(states, failed), MSG(states, cancelled), MSG(states, retracted));
 
-static const msg_member totals_members[] = {
-    MSG(totals, submitted), MSG(totals, counted), MSG(totals, duplicates), MSG(totals, failed),
-    MSG(totals, cancelled), MSG(totals, stamps),  MSG(totals, fields),     MSG(totals, retracted),
-};
-static MSG_TABLE(totals, NULL);
+MSG_PART(totals, MSG(totals, submitted), MSG(totals, counted), MSG(totals, duplicates),
+         MSG(totals, failed), MSG(totals, cancelled), MSG(totals, stamps), MSG(totals, fields),
+         MSG(totals, retracted));
 
-static const msg_member rates_members[] = {MSG(rates, stamps_per_s), MSG(rates, jobs_per_s)};
-static MSG_TABLE(rates, NULL);
+MSG_PART(rates, MSG(rates, stamps_per_s), MSG(rates, jobs_per_s));
 
-static const msg_member loop_members[] = {MSG(loop, longest_ms), MSG(loop, longest_minute_ms),
-                                          MSG(loop, unsent_bytes), MSG(loop, dropped)};
-static MSG_TABLE(loop, NULL);
+MSG_PART(loop, MSG(loop, longest_ms), MSG(loop, longest_minute_ms), MSG(loop, unsent_bytes),
+         MSG(loop, dropped));
 
-static const msg_member workers_members[] = {MSG(workers, total), MSG(workers, busy),
-                                             MSG(workers, readers)};
-static MSG_TABLE(workers, NULL);
+MSG_PART(workers, MSG(workers, total), MSG(workers, busy), MSG(workers, readers));
 
-static const msg_member queue_members[] = {MSG(queue, length), MSG(queue, capacity),
-                                           MSG(queue, blocks)};
-static MSG_TABLE(queue, NULL);
+MSG_PART(queue, MSG(queue, length), MSG(queue, capacity), MSG(queue, blocks));
 
-static const msg_member ignored_members[] = {MSG(ignored, name), MSG(ignored, reason)};
-static MSG_TABLE(ignored, NULL);
+MSG_PART(ignored, MSG(ignored, name), MSG(ignored, reason));
 
-static const msg_member log_members[] = {MSG(log, lost), MSG(log, waiting_bytes)};
-static MSG_TABLE(log, NULL);
+MSG_PART(log, MSG(log, lost), MSG(log, waiting_bytes));
 
-static const msg_member disk_members[] = {MSG(disk, use),        MSG(disk, path),
-                                          MSG(disk, free_bytes), MSG(disk, bytes),
-                                          MSG(disk, same_as),    MSG(disk, problem)};
-static MSG_TABLE(disk, NULL);
+MSG_PART(disk, MSG(disk, use), MSG(disk, path), MSG(disk, free_bytes), MSG(disk, bytes),
+         MSG(disk, same_as), MSG(disk, problem));
 
-static const msg_member problem_members[] = {
-    MSG(problem, about),
-    MSG(problem, code),
-    MSG(problem, message),
-    MSG_WHEN(problem, since),
-    MSG(problem, count),
-    MSG(problem, attempts),
-    MSG_WHEN(problem, next_attempt),
-};
-static MSG_TABLE(problem, NULL);
+MSG_PART(problem, MSG(problem, about), MSG(problem, code), MSG(problem, message),
+         MSG_WHEN(problem, since), MSG(problem, count), MSG(problem, attempts),
+         MSG_WHEN(problem, next_attempt));
 
 static const msg_member spool_members[] = {
     MSG(spool, path),       MSG(spool, watching), MSG(spool, incoming),
@@ -92,13 +61,10 @@ static const msg_member spool_members[] = {
 };
 static MSG_TABLE(spool, NULL);
 
-static const msg_member store_members[] = {MSG(store, path), MSG(store, schema), MSG(store, bytes),
-                                           MSG(store, free_bytes), MSG(store, commits)};
-static MSG_TABLE(store, NULL);
+MSG_PART(store, MSG(store, path), MSG(store, schema), MSG(store, bytes), MSG(store, free_bytes),
+         MSG(store, commits));
 
-static const msg_member root_members[] = {MSG_NEEDED(root, path), MSG(root, missing),
-                                          MSG(root, reason)};
-static MSG_TABLE(root, NULL);
+MSG_PART(root, MSG_NEEDED(root, path), MSG(root, missing), MSG(root, reason));
 
 static const msg_member status_members[] = {
     MSG_NEEDED(status, version),
@@ -135,26 +101,17 @@ MSG_TABLE(status, NULL);
 
 /* ---- Other replies ---- */
 
-static const msg_member metrics_members[] = {MSG(metrics, content_type), MSG_NEEDED(metrics, text)};
-MSG_TABLE(metrics, NULL);
+MSG_WHOLE(metrics, MSG(metrics, content_type), MSG_NEEDED(metrics, text));
 
-static const msg_member probed_members[] = {
-    MSG_NEEDED(probed, ok), MSG(probed, code),       MSG(probed, message), MSG(probed, advice),
-    MSG(probed, g1),        MSG(probed, g1_err),     MSG(probed, g2),      MSG(probed, g2_err),
-    MSG(probed, true_g1),   MSG(probed, true_g2),    MSG(probed, stamps),  MSG(probed, seconds),
-    MSG(probed, landlock),  MSG(probed, namespaces),
-};
-MSG_TABLE(probed, NULL);
+MSG_WHOLE(probed, MSG_NEEDED(probed, ok), MSG(probed, code), MSG(probed, message),
+          MSG(probed, advice), MSG(probed, g1), MSG(probed, g1_err), MSG(probed, g2),
+          MSG(probed, g2_err), MSG(probed, true_g1), MSG(probed, true_g2), MSG(probed, stamps),
+          MSG(probed, seconds), MSG(probed, landlock), MSG(probed, namespaces));
 
-static const msg_member reloaded_members[] = {MSG_STRINGS(reloaded, changed, 0, 0, 0),
-                                              MSG_STRINGS(reloaded, restart, 0, 0, 0),
-                                              MSG_STRINGS(reloaded, warnings, 0, 0, 0)};
-MSG_TABLE(reloaded, NULL);
+MSG_WHOLE(reloaded, MSG_STRINGS(reloaded, changed, 0, 0, 0),
+          MSG_STRINGS(reloaded, restart, 0, 0, 0), MSG_STRINGS(reloaded, warnings, 0, 0, 0));
 
-static const msg_member stopping_members[] = {
-    MSG_NAMED(stopping, state, "state", msg_server_states, MSG_REQUIRED), MSG(stopping, running),
-    MSG(stopping, queued)};
-MSG_TABLE(stopping, NULL);
+MSG_WHOLE(stopping, MSG_NAMED(stopping, state, "state", msg_server_states, MSG_REQUIRED),
+          MSG(stopping, running), MSG(stopping, queued));
 
-static const msg_member lost_members[] = {MSG_NEEDED(lost, count)};
-MSG_TABLE(lost, NULL);
+MSG_WHOLE(lost, MSG_NEEDED(lost, count));

@@ -123,6 +123,13 @@ struct msg_table {
                                .members = T##_members,                                             \
                                .n = sizeof T##_members / sizeof T##_members[0],                    \
                                .check = (its_check)}
+/* The same of few members, without a check; a part of other messages, seen by no other file. */
+#define MSG_WHOLE(T, ...)                                                                          \
+    static const msg_member T##_members[] = {__VA_ARGS__};                                         \
+    MSG_TABLE(T, NULL)
+#define MSG_PART(T, ...)                                                                           \
+    static const msg_member T##_members[] = {__VA_ARGS__};                                         \
+    static MSG_TABLE(T, NULL)
 
 /* The tables of what is asked, answered and told, and of what several of them hold. */
 #define METHOD(NAME, name, params, reply, admin) extern const msg_table msg_##params, msg_##reply;
