@@ -82,7 +82,7 @@ class Usage(ExperimentTest):
         self.fails("shot", "--snrs", "1", says="snrs")
         self.assertEqual(list(self.path.glob("*.ecsv")), [])
 
-    def test_a_knob_may_have_a_mock_option_s_name(self):
+    def test_a_parameter_may_have_a_mock_option_s_name(self):
         self.fails("pixels", "--beta", "none", says="beta")
         self.run_paper("single", "--galaxies", 4, "--objects", 1, "--steps", 20, "--ratios", "1", "--size", 3, "--beta", 2)
         self.assertIn(";size 3;", self.meta["settings"])
