@@ -9,10 +9,11 @@
 #include <getopt.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_THREADS = 1024, MAX_GROUPS = 100000, MAX_LINE = 256, MAX_OPTIONS = 256, MAX_NAME = 48 };
+enum { MAX_LINE = 256, MAX_OPTIONS = 256, MAX_NAME = 48 };
 
 /* ---- parameters ---- */
 
@@ -65,9 +66,20 @@ static void parse_parameter(const parameter *p, const char *text, parameter_valu
 
 /* ---- common options ---- */
 
-enum common { GALAXIES, GROUPS, THREADS, OUT, FRESH, QUIET, N_COMMON };
-static const char *const common_names[N_COMMON] = {"galaxies", "groups", "threads",
-                                                   "out",      "fresh",  "quiet"};
+enum common_type { COUNT, NUMBER, FOLDER, SWITCH };
+static const struct {
+    const char *name;
+    enum common_type type;
+    size_t offset;
+    double max;
+    bool kept; /* the numbers depend on it */
+} commons[] = {{"galaxies", COUNT, offsetof(options, galaxies), 1e9, true},
+               {"groups", NUMBER, offsetof(options, groups), 100000, true},
+               {"threads", NUMBER, offsetof(options, threads), 1024, false},
+               {"out", FOLDER, offsetof(options, out), 0, false},
+               {"fresh", SWITCH, offsetof(options, fresh), 0, false},
+               {"quiet", SWITCH, offsetof(options, quiet), 0, false}};
+enum { N_COMMON = sizeof commons / sizeof commons[0] };
 
 /* A double first, so that 1e6 is a number of galaxies too. */
 static int64_t parse_count(const char *name, const char *text, double max) {
@@ -79,34 +91,28 @@ static int64_t parse_count(const char *name, const char *text, double max) {
     return (int64_t)number;
 }
 
-static void set_out(options *o, const char *text) {
-    const size_t n = strlen(text);
-    if (n == 0 || n >= sizeof o->out - 64) {
+static void set_folder(char *out, size_t size, const char *text) {
+    if (text[0] == '\0' || strlen(text) >= size - 64) {
         must_fail(SHEAR_E_SETTING, NULL, "option '--out': no name, or too long a one");
     }
-    memcpy(o->out, text, n + 1);
+    text_set(out, size, text);
 }
 
-static void set_common(options *o, enum common which, const char *value) {
-    const char *name = common_names[which];
-    switch (which) {
-    case GALAXIES:
-        o->galaxies = parse_count(name, value, 1e9);
+static void set_common(options *o, int i, const char *value) {
+    const char *name = commons[i].name;
+    void *member = (char *)o + commons[i].offset;
+    switch (commons[i].type) {
+    case COUNT:
+        *(int64_t *)member = parse_count(name, value, commons[i].max);
         break;
-    case GROUPS:
-        o->groups = (int)parse_count(name, value, MAX_GROUPS);
+    case NUMBER:
+        *(int *)member = (int)parse_count(name, value, commons[i].max);
         break;
-    case THREADS:
-        o->threads = (int)parse_count(name, value, MAX_THREADS);
-        break;
-    case OUT:
-        set_out(o, value);
-        break;
-    case FRESH:
-        o->fresh = true;
+    case FOLDER:
+        set_folder(member, sizeof o->out, value);
         break;
     default:
-        o->quiet = true;
+        *(bool *)member = true;
         break;
     }
 }
@@ -147,7 +153,7 @@ static void fill_table(option_table *t, const experiment *e) {
         add_option(t, "", e->parameters[i].name, true, PARAMETER + i);
     }
     for (int i = 0; i < N_COMMON; i++) {
-        add_option(t, "", common_names[i], i < FRESH, COMMON + i);
+        add_option(t, "", commons[i].name, commons[i].type != SWITCH, COMMON + i);
     }
     const shear_mock_option *mock = shear_mock_options(&n);
     for (size_t i = 0; i < n; i++) {
@@ -179,7 +185,7 @@ static void set_value(options *o, const struct option *option, const char *value
     const int i = option->val % 1000;
     size_t n = 0;
     if (kind == COMMON) {
-        set_common(o, (enum common)i, value);
+        set_common(o, i, value);
     } else if (kind == MOCK) {
         must(shear_mock_set(&o->mock, shear_mock_options(&n)[i].name, value, &must_error));
     } else {
@@ -213,7 +219,7 @@ static void append_word(options *o, const char *word) {
 /* What the numbers do not depend on is left out: the table is the same wherever it was made. */
 static bool is_kept(const struct option *option) {
     const int i = option->val - COMMON;
-    return i != THREADS && i != OUT && i != FRESH && i != QUIET;
+    return i < 0 || i >= N_COMMON || commons[i].kept;
 }
 
 static _Noreturn void fail_at(const char *given, int value) {

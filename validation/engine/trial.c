@@ -93,6 +93,8 @@ static bool is_refusal(int code) {
 /* One file by one way. Of small files each is told about. */
 static void measure(running *s, int i, int sign, int group) {
     const flaw *f = s->of->flaw;
+    const int at = sign * s->groups + group;
+    trial_sums *sums = s->sums[i];
     trial_outcome *out = &s->out[i];
     shear_run_report report;
     shear_settings settings = s->of->ways[i % s->of->n_ways];
@@ -100,19 +102,17 @@ static void measure(running *s, int i, int sign, int group) {
         settings.filter = SHEAR_FILTER_AUTO;
         settings.core_px = f->core_px;
     }
-    const shear_run_options how = {.threads = s->of->threads,
-                                   .terms = *trial_sums_terms(s->sums[i], sign, group)};
+    const shear_run_options how = {.threads = s->of->threads, .terms = sums->terms[at]};
     const int code =
-        shear_run_file(scratch_path(), &settings, &how, *trial_sums_at(s->sums[i], sign, group),
-                       NULL, &report, &must_error);
+        shear_run_file(scratch_path(), &settings, &how, sums->sums[at], NULL, &report, &must_error);
     if (is_refusal(code)) {
-        trial_sums_refuse(s->sums[i]);
+        sums->refused = true;
         tell(out, TOLD_REFUSED);
         out->code = code;
         return;
     }
     must(code);
-    if (f->stamps > 0 || (sign == 0 && group == 0)) {
+    if (f->stamps > 0 || at == 0) {
         s->plan[i] = report.plan;
     }
     if (f->stamps > 0) {

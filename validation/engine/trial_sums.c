@@ -9,14 +9,6 @@
 /* m along the shear, m by component, c by component, g(+) and g(-). */
 enum { N_VALUES = 9, FIELDS = 16 };
 
-struct trial_sums {
-    int groups;
-    enum shear_estimator estimator;
-    shear_field_sums **sums; /* [2][groups]: +g, -g */
-    shear_symmetry **terms;  /* the same; NULL for the mean */
-    bool refused;
-};
-
 trial_sums *trial_sums_new(int groups, enum shear_estimator estimator) {
     trial_sums *s = must_allocate(1, sizeof *s, "sums");
     const size_t n = 2 * (size_t)groups;
@@ -41,18 +33,6 @@ void trial_sums_free(trial_sums *s) {
     free(s->sums);
     free(s->terms);
     free(s);
-}
-
-shear_field_sums **trial_sums_at(trial_sums *s, int sign, int group) {
-    return &s->sums[sign * s->groups + group];
-}
-
-shear_symmetry **trial_sums_terms(trial_sums *s, int sign, int group) {
-    return &s->terms[sign * s->groups + group];
-}
-
-void trial_sums_refuse(trial_sums *s) {
-    s->refused = true;
 }
 
 /* The groups [from, to), or all but them. */

@@ -9,15 +9,15 @@
 #include "shear/sums.h"
 #include "shear/symmetry.h"
 
-typedef struct trial_sums trial_sums;
+typedef struct trial_sums {
+    int groups;
+    enum shear_estimator estimator;
+    shear_field_sums **sums; /* [2][groups]: +g, -g */
+    shear_symmetry **terms;  /* the same; NULL for the mean */
+    bool refused;            /* a file was: there will be no shear */
+} trial_sums;
 trial_sums *trial_sums_new(int groups, enum shear_estimator estimator);
 void trial_sums_free(trial_sums *s);
-
-/* The sums of a group at one sign (0: +g), and its terms: NULL for the mean. */
-shear_field_sums **trial_sums_at(trial_sums *s, int sign, int group);
-shear_symmetry **trial_sums_terms(trial_sums *s, int sign, int group);
-/* A file was refused: there will be no shear. */
-void trial_sums_refuse(trial_sums *s);
 
 /* Fills m, c, errors, used, flagged; NaN where a file was refused or there is no shear. */
 void trial_sums_conclude(const trial_sums *s, const trial *t, trial_outcome *out);

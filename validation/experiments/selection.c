@@ -194,8 +194,7 @@ static trial_sums *sum_kept(const measuring *m, cut c, enum shear_estimator esti
         const int sign = i / t->groups;
         const int group = i % t->groups;
         n += gather(m, c, sign * t->stamps + begin_of(t, group),
-                    sign * t->stamps + begin_of(t, group + 1), *trial_sums_at(sums, sign, group),
-                    *trial_sums_terms(sums, sign, group));
+                    sign * t->stamps + begin_of(t, group + 1), sums->sums[i], sums->terms[i]);
     }
     *kept = n / (2.0 * (double)t->stamps);
     return sums;
