@@ -7,7 +7,6 @@
 #include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { MODES = 2000 }; /* what 64 x 64 px have: the level of a stamp to 3 % */
 
