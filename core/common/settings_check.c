@@ -44,11 +44,7 @@ static int check_ranges(const shear_settings *s, shear_error *err) {
     return SHEAR_OK;
 }
 
-int shear_settings_check(const shear_settings *s, shear_error *err) {
-    if (check_ranges(s, err) != SHEAR_OK) {
-        return SHEAR_E_SETTING;
-    }
-    const bool core_given = !isnan(s->core_px);
+static int check_oversample(const shear_settings *s, shear_error *err) {
     if (s->oversample != 0 && !is_power_of_two(s->oversample)) {
         return shear_fail(err, SHEAR_E_SETTING, NULL,
                           "setting 'oversample': %d is not a power of two", s->oversample);
@@ -58,7 +54,11 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
                           "choose an interpolation, or leave oversample at auto",
                           "setting 'oversample' is %d but interpolation is none", s->oversample);
     }
-    if (core_given && s->filter != SHEAR_FILTER_AUTO && s->filter != SHEAR_FILTER_R_GAL) {
+    return SHEAR_OK;
+}
+
+static int check_filter(const shear_settings *s, shear_error *err) {
+    if (!isnan(s->core_px) && s->filter != SHEAR_FILTER_AUTO && s->filter != SHEAR_FILTER_R_GAL) {
         return shear_fail(err, SHEAR_E_SETTING, "a core of your own goes with filter=auto",
                           "setting 'core' contradicts filter=%s", shear_filter_name(s->filter));
     }
@@ -70,6 +70,10 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
                           "without a filter a constant is not seen: leave it at auto",
                           "setting 'background' contradicts filter=none");
     }
+    return SHEAR_OK;
+}
+
+static int check_methods(const shear_settings *s, shear_error *err) {
     if (s->pedestal > 0 && !shear_interpolation_is_rule(s->interpolation) &&
         !shear_interpolation_is_log(s->interpolation)) {
         return shear_fail(err, SHEAR_E_SETTING, "a pedestal is for the log methods only",
@@ -85,6 +89,18 @@ int shear_settings_check(const shear_settings *s, shear_error *err) {
     if (s->estimator == SHEAR_ESTIMATOR_PDF_SYM_CROSS && !s->noise_correction) {
         return shear_fail(err, SHEAR_E_SETTING, "its cross terms are with the noise stamps",
                           "setting 'estimator' is pdf-sym-cross but noise-correction is off");
+    }
+    return SHEAR_OK;
+}
+
+int shear_settings_check(const shear_settings *s, shear_error *err) {
+    static int (*const checks[])(const shear_settings *, shear_error *) = {
+        check_ranges, check_oversample, check_filter, check_methods};
+    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++) {
+        const int code = checks[i](s, err);
+        if (code != SHEAR_OK) {
+            return code;
+        }
     }
     return SHEAR_OK;
 }

@@ -85,6 +85,17 @@ static component_sums without(const component_sums *all, component_sums some) {
     return some;
 }
 
+/* The shear without group g. */
+static void leave_out(const shear_jackknife *j, const component_sums *all, size_t g, double *g1,
+                      double *g2) {
+    const size_t groups = (size_t)j->groups;
+    const component_sums rest =
+        without(all, sum_blocks(j, g * j->n / groups, (g + 1) * j->n / groups));
+    const shear_ratio ratio = shear_ratio_of(rest.x);
+    *g1 = ratio.n1 / ratio.d;
+    *g2 = ratio.n2 / ratio.d;
+}
+
 int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_error *err) {
     const size_t groups = (size_t)j->groups;
     if (j->n < groups) {
@@ -99,23 +110,18 @@ int shear_jackknife_finish(const shear_jackknife *j, shear_result *out, shear_er
     double s11 = 0.0;
     double s22 = 0.0;
     double s12 = 0.0;
-    /* Pass 0: the mean of the leave-one-out shears; pass 1: their scatter about it. */
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t g = 0; g < groups; g++) {
-            const component_sums rest =
-                without(&all, sum_blocks(j, g * j->n / groups, (g + 1) * j->n / groups));
-            const shear_ratio ratio = shear_ratio_of(rest.x);
-            const double g1 = ratio.n1 / ratio.d;
-            const double g2 = ratio.n2 / ratio.d;
-            if (pass == 0) {
-                mean1 += g1 / (double)groups;
-                mean2 += g2 / (double)groups;
-            } else {
-                s11 += (g1 - mean1) * (g1 - mean1);
-                s22 += (g2 - mean2) * (g2 - mean2);
-                s12 += (g1 - mean1) * (g2 - mean2);
-            }
-        }
+    double g1;
+    double g2;
+    for (size_t g = 0; g < groups; g++) {
+        leave_out(j, &all, g, &g1, &g2);
+        mean1 += g1 / (double)groups;
+        mean2 += g2 / (double)groups;
+    }
+    for (size_t g = 0; g < groups; g++) { /* their scatter about it */
+        leave_out(j, &all, g, &g1, &g2);
+        s11 += (g1 - mean1) * (g1 - mean1);
+        s22 += (g2 - mean2) * (g2 - mean2);
+        s12 += (g1 - mean1) * (g2 - mean2);
     }
     const double factor = (double)(groups - 1) / (double)groups;
     out->jackknife = j->groups;

@@ -4,7 +4,6 @@
 #include "common/release.h"
 #include "measure/memory.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /* A PSF made by FFTs has negative samples of this part of its peak; a log method takes them for 0.

@@ -6,7 +6,6 @@
 #include "shear/stamp.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { LEAST = 4 }; /* pixels of a flat top */
 static const double above_sky = 2.0;

@@ -7,7 +7,6 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* |W_beta|^2 on the modes, with the factor of both halves and the integrals' over the plane. */
 static void fill_target(transfer_plan *p) {
@@ -240,13 +239,13 @@ static void fill_reach(transfer *t, const transfer_plan *p) {
     }
 }
 
-int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
-                  shear_error *err) {
+static int load_psf(const transfer_plan *p, transfer_scratch *scratch, const double *psf,
+                    shear_error *err) {
     int bad_x;
     int bad_y;
-    const int checked = shear_psf_usable(psf, p->psf_nx, p->psf_ny, err);
-    if (checked != SHEAR_OK) {
-        return checked;
+    const int code = shear_psf_usable(psf, p->psf_nx, p->psf_ny, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
     if (!surface_load(&scratch->image, &p->grid, psf, &bad_x, &bad_y)) {
         return shear_fail(
@@ -256,15 +255,30 @@ int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch
             "the PSF is negative at sample (%d, %d), and a log method interpolates it", bad_x + 1,
             bad_y + 1);
     }
+    return SHEAR_OK;
+}
+
+static int check_beta(const transfer_plan *p, double k_cut, shear_error *err) {
+    if (!(transfer_power_beyond(p->beta_px, k_cut) > p->power_tolerance)) {
+        return SHEAR_OK;
+    }
+    return shear_fail(err, SHEAR_E_BETA, "use a larger beta (or beta-ratio)",
+                      "beta = %.4g px is too small: the PSF holds information only up to k = %.4g "
+                      "rad/px; the smallest beta that works is %.4f px",
+                      p->beta_px, k_cut, transfer_smallest_beta(k_cut, p->power_tolerance));
+}
+
+int transfer_make(transfer *t, const transfer_plan *p, transfer_scratch *scratch, const double *psf,
+                  shear_error *err) {
+    int code = load_psf(p, scratch, psf, err);
+    if (code != SHEAR_OK) {
+        return code;
+    }
     transfer_find_power(p, scratch);
     t->k_cut = find_cut(p, scratch);
-    if (transfer_power_beyond(p->beta_px, t->k_cut) > p->power_tolerance) {
-        const double smallest = transfer_smallest_beta(t->k_cut, p->power_tolerance);
-        return shear_fail(
-            err, SHEAR_E_BETA, "use a larger beta (or beta-ratio)",
-            "beta = %.4g px is too small: the PSF holds information only up to k = %.4g "
-            "rad/px; the smallest beta that works is %.4f px",
-            p->beta_px, t->k_cut, smallest);
+    code = check_beta(p, t->k_cut, err);
+    if (code != SHEAR_OK) {
+        return code;
     }
     t->jx = last_mode(t->k_cut, p->nx, p->max_jx);
     t->jy = last_mode(t->k_cut, p->ny, p->max_jy);

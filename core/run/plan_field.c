@@ -6,7 +6,6 @@
 #include "base/sort.h"
 #include "run/file_source.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 enum { MAX_PSFS_FOR_RADIUS = 256 };

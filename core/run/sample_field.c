@@ -4,8 +4,6 @@
 #include "measure/reach.h"
 #include "shear/run.h"
 
-#include <math.h>
-
 enum { MAX_SAMPLED_BLOCKS = 32 };
 
 static bool counts(const shear_stamps *s, int i) {

@@ -5,7 +5,6 @@
 #include "fits/catalog/schema.h"
 #include "fits/header/table.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static int not_usable(const shear_catalog *c, const char *why, shear_error *err) {

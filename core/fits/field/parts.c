@@ -4,7 +4,6 @@
 #include "base/text.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* EXTNAME of the parts in a field file. */
 static const char *const extnames[SHEAR_N_PARTS] = {"GALAXY", "NOISE", "PSF", "CATALOG"};

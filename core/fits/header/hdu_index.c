@@ -8,7 +8,6 @@
 #include "fits/header/header.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -5,7 +5,6 @@
 #include "fits/header/card.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
