@@ -3,7 +3,7 @@
 
 #include "json/text.h"
 
-const char *sheard_check_level_name(int level) {
+const char *sheard_check_level_name(enum sheard_check_level level) {
     return level == SHEARD_CHECK_OK ? "ok" : level == SHEARD_CHECK_WARN ? "warn" : "fail";
 }
 

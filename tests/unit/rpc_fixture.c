@@ -84,9 +84,7 @@ static char *some_settings(uint64_t *seed) {
 static void fill_list(void *message, const msg_member *m, uint64_t *seed) {
     const size_t low = m->flags & MSG_REQUIRED ? 1 : 0;
     const size_t n = low + next_random(seed) % 4;
-    const size_t size = m->type == MSG_INTS    ? sizeof(int64_t)
-                        : m->type == MSG_TEXTS ? sizeof(char *)
-                                               : m->table->size;
+    const size_t size = msg_item_size(m);
     char *list = n > 0 ? calloc(n, size) : NULL;
     for (size_t i = 0; i < n; i++) {
         if (m->type == MSG_INTS) {
@@ -98,7 +96,7 @@ static void fill_list(void *message, const msg_member *m, uint64_t *seed) {
         }
     }
     msg_put_pointer(message, m->offset, list);
-    *(size_t *)(void *)((char *)message + m->count_offset) = n;
+    msg_put_count(message, m, n);
 }
 
 static int some_name(const char *const *names, uint64_t *seed) {
@@ -235,8 +233,8 @@ static void same_real(const char *name, double a, double b) {
 }
 
 static void same_list(const void *a, const void *b, const msg_member *m) {
-    const size_t n = *(const size_t *)(const void *)((const char *)a + m->count_offset);
-    const size_t n_b = *(const size_t *)(const void *)((const char *)b + m->count_offset);
+    const size_t n = msg_count(a, m);
+    const size_t n_b = msg_count(b, m);
     const char *list_a = msg_pointer(a, m->offset);
     const char *list_b = msg_pointer(b, m->offset);
     if (n != n_b) {

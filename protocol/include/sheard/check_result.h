@@ -7,11 +7,11 @@
 
 enum sheard_check_level { SHEARD_CHECK_OK = 0, SHEARD_CHECK_WARN, SHEARD_CHECK_FAIL };
 /* "ok", "warn", "fail" */
-const char *sheard_check_level_name(int level);
+const char *sheard_check_level_name(enum sheard_check_level level);
 
 typedef struct sheard_check_result {
     const char *subject; /* "socket" */
-    int level;
+    enum sheard_check_level level;
     const char *message;
     const char *remedy; /* "" if there is nothing to do */
 } sheard_check_result;
