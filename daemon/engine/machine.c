@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "engine/machine.h"
 
-#include <inttypes.h>
+#include "base/cleanup.h"
+#include "base/text.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -16,29 +18,27 @@ static int64_t least(int64_t a, int64_t b) {
 /* "max", or a number. */
 static int64_t read_limit(const char *group, const char *name) {
     char path[PATH_SIZE + 512];
+    char line[32] = "";
     int64_t bytes = 0;
     snprintf(path, sizeof path, "%s/%s", group, name);
-    FILE *f = fopen(path, "re");
-    const int got = f != NULL ? fscanf(f, "%" SCNd64, &bytes) : 0;
-    if (f != NULL) {
-        fclose(f);
+    CLEANUP(release_file) FILE *f = fopen(path, "re");
+    if (f == NULL || fgets(line, sizeof line, f) == NULL) {
+        return INT64_MAX;
     }
-    return got == 1 && bytes > 0 ? bytes : INT64_MAX;
+    line[strcspn(line, "\n")] = '\0';
+    return text_to_int64(line, &bytes) && bytes > 0 ? bytes : INT64_MAX;
 }
 
 /* The line "0::/path" of version 2. */
 static void read_group(const char *membership, char *group, size_t size) {
     char line[PATH_SIZE];
-    FILE *f = fopen(membership, "re");
+    CLEANUP(release_file) FILE *f = fopen(membership, "re");
     group[0] = '\0';
     while (f != NULL && fgets(line, sizeof line, f) != NULL) {
         if (strncmp(line, "0::", 3) == 0) {
             line[strcspn(line, "\n")] = '\0';
-            snprintf(group, size, "%s", line + 3);
+            text_set(group, size, line + 3);
         }
-    }
-    if (f != NULL) {
-        fclose(f);
     }
 }
 

@@ -95,10 +95,14 @@ static void use(plan_cache *p, kept_plan *kept) {
 }
 
 static void kept_free(kept_plan *kept) {
-    shear_plan_free(kept->plan);
-    free(kept->key.bytes);
+    if (kept != NULL) {
+        shear_plan_free(kept->plan);
+        free(kept->key.bytes);
+    }
     free(kept);
 }
+
+CLEANUP_DEFINE(kept_plan, kept_free)
 
 /* Give up idle plans, the one that was used longest ago first, until the rest is within the bounds.
  */
@@ -151,11 +155,12 @@ void plan_cache_free(plan_cache *p) {
 /* Make what was not found, and keep it, unless another thread has done so meanwhile. */
 static int make(plan_cache *p, key *k, const shear_plan_request *request, const shear_plan **plan,
                 shear_error *err) {
-    kept_plan *fresh = calloc(1, sizeof *fresh);
-    int code = fresh != NULL ? shear_plan_new(&fresh->plan, request, err)
-                             : shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
+    CLEANUP(kept_plan_release) kept_plan *fresh = calloc(1, sizeof *fresh);
+    if (fresh == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a plan");
+    }
+    const int code = shear_plan_new(&fresh->plan, request, err);
     if (code != SHEAR_OK) {
-        free(fresh);
         return code;
     }
     fresh->key = *k;
@@ -164,8 +169,7 @@ static int make(plan_cache *p, key *k, const shear_plan_request *request, const 
     pthread_mutex_lock(&p->lock);
     kept_plan *kept = find(p, &fresh->key);
     if (kept == NULL) {
-        kept = fresh;
-        fresh = NULL;
+        kept = CLEANUP_TAKE(fresh);
         TAILQ_INSERT_HEAD(&p->list, kept, link);
         p->statistics.count++;
         p->statistics.bytes += kept->bytes;
@@ -174,9 +178,6 @@ static int make(plan_cache *p, key *k, const shear_plan_request *request, const 
     shrink(p, p->max_count, p->max_bytes);
     *plan = kept->plan;
     pthread_mutex_unlock(&p->lock);
-    if (fresh != NULL) {
-        kept_free(fresh);
-    }
     return SHEAR_OK;
 }
 
