@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/buffer.h"
 
+#include "base/array.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/array.h"
 
 bool buffer_add(buffer *b, const void *bytes, size_t n) {
     b->failed = b->failed || n > SIZE_MAX - b->n || !ARRAY_RESERVE(b->bytes, b->capacity, b->n + n);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Contradictions between settings. */
-#include <string.h>
-
 #include "origin.h"
+
+#include <string.h>
 
 static size_t at(const char *section, const char *key) {
     return (size_t)sheard_setting_find(section, key);

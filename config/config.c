@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/config.h"
 
+#include "base/cleanup.h"
+#include "origin.h"
+#include "table.h"
+#include "value.h"
+
 #include <assert.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include "base/cleanup.h"
-#include "origin.h"
-#include "table.h"
-#include "value.h"
 
 /* "PREFIX/etc/sheard/sheard.conf" of a program in PREFIX/sbin or PREFIX/bin, if there is one. */
 static bool find_beneath_prefix(char *path, size_t size) {

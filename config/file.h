@@ -3,10 +3,10 @@
 #ifndef CONFIG_FILE_H
 #define CONFIG_FILE_H
 
+#include "shear/error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
-
-#include "shear/error.h"
 
 enum { CONFIG_FILE_MAX = 1 << 20 }; /* bytes */
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Settings that have an option of their own. */
-#include <getopt.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/cleanup.h"
 #include "sheard/config.h"
 #include "text.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
 
 size_t sheard_flags_fill(struct option *options, size_t capacity) {
     size_t n = 0;

@@ -2,10 +2,10 @@
 /* "sheard-config-text sample": the commented sample file. "sheard-config-text manual PAGE.in": the
  * page, with the settings in place of its comment line SETTINGS. Both on standard output. Run by
  * the build only. */
+#include "sheard/config.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "sheard/config.h"
 
 static const char marker[] = ".\\\" SETTINGS\n";
 

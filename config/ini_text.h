@@ -9,10 +9,10 @@
 #ifndef CONFIG_INI_TEXT_H
 #define CONFIG_INI_TEXT_H
 
+#include "shear/error.h"
+
 #include <stdbool.h>
 #include <stddef.h>
-
-#include "shear/error.h"
 
 typedef struct ini_events {
     void *context;

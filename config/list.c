@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "sheard/config.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-#include "sheard/config.h"
 
 int sheard_list_append(sheard_list *list, const char *text, shear_error *err) {
     char *copy = strdup(text);

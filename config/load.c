@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The file's values into a config. A value may have further lines, so that it is set when the next
  * one begins. */
-#include <assert.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/cleanup.h"
 #include "file.h"
 #include "ini_text.h"
 #include "origin.h"
 #include "value.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
 
 typedef struct loader {
     sheard_config *config;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The settings as mdoc. */
-#include <string.h>
-
 #include "base/cleanup.h"
 #include "text.h"
+
+#include <string.h>
 
 /* Text for roff: backslashes and hyphens as such, no control line by accident, and each sentence on
  * a line of its own, as mdoc wants it. */

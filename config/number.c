@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Numbers: integers, bytes, durations and modes. A number is digits and, for bytes and durations, a
  * unit. */
+#include "value.h"
+
 #include <assert.h>
 #include <inttypes.h>
 #include <string.h>
-
-#include "value.h"
 
 struct unit {
     const char *name;

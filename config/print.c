@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Configurations as files: the sample, and what is in effect. */
-#include <string.h>
-
 #include "base/cleanup.h"
 #include "origin.h"
 #include "text.h"
 #include "value.h"
+
+#include <string.h>
 
 enum { EXPECTED_MAX = 256 };
 

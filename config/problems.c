@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <assert.h>
-#include <string.h>
-
 #include "base/text.h"
 #include "origin.h"
+
+#include <assert.h>
+#include <string.h>
 
 static void keep(sheard_problems *problems, const char *where, bool is_warning,
                  const shear_error *error) {

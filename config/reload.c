@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Two configurations: how they differ, and one taking over from the other while it is in use. */
-#include <assert.h>
-#include <string.h>
-
 #include "origin.h"
 #include "sheard/config.h"
 #include "table.h"
 #include "value.h"
+
+#include <assert.h>
+#include <string.h>
 
 bool sheard_config_same(const sheard_config *a, const sheard_config *b, size_t index) {
     sheard_setting s = sheard_setting_at(index);

@@ -3,10 +3,10 @@
  */
 #include "table.h"
 
+#include "base/spelling.h"
+
 #include <assert.h>
 #include <string.h>
-
-#include "base/spelling.h"
 
 /* In the rows' order. */
 static const struct {

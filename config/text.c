@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "text.h"
 
+#include "base/text.h"
+#include "value.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <float.h>
 #include <string.h>
-
-#include "base/text.h"
-#include "value.h"
 
 void text_wrap(FILE *out, const char *text, int column, const char *indent) {
     bool fresh = true; /* nothing on this line yet */

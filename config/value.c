@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "value.h"
 
-#include <ctype.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "base/cleanup.h"
 #include "base/spelling.h"
 #include "base/text.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* ---- paths and names ---- */
 

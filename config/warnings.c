@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is allowed but will hardly work on this system. */
+#include "origin.h"
+
 #include <errno.h>
 #include <grp.h>
 #include <inttypes.h>
@@ -8,8 +10,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-
-#include "origin.h"
 
 enum { ENTRY_BYTES = 1 << 20 }; /* of a group with very many members */
 

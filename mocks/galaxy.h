@@ -15,7 +15,7 @@ int galaxy_max_points(const shear_mock_spec *s);
  * points. */
 int galaxy_points(const shear_mock_spec *s, int64_t index, double *x, double *y);
 
-/* Rotate the points by eighths * 45 degrees, from x towards y. Quarter turns are exact. */
+/* Turn the points by eighths * 45 degrees, from x towards y. Quarter turns are exact. */
 void galaxy_rotate(int eighths, int n, double *x, double *y);
 
 /* x' = (1+g1) x + g2 y,  y' = g2 x + (1-g1) y. */

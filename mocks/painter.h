@@ -1,18 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* painter.h: adds point sources, convolved with a PSF, to an image. Scratch memory of one thread.
  *
- * The Gaussian of Zhang (2010), eq. (9), is evaluated without an exponential per pixel. With the
- * point at n + d (n the nearest pixel, |d| <= 1/2) and the pixel at n + (i, j),
- *
- *   W(i - dx, j - dy) = G[j][i] X^i Y^j W(d)
- *   G[j][i] = exp -(a i^2 + 2 b i j + c j^2)
- *   ln X = 2 (a dx + b dy),  ln Y = 2 (b dx + c dy)
- *
- * The cross term of a rotated Gaussian sits in the table G alone, which does not depend on the
- * point. This identity is exact; rounding makes at most about 2 h + 200 units in the last place, h
- * the table's half side. G is cut into strips of eight columns, a vector's work each. The spikes of
- * W_B do not factor: they take an exponential per pixel, in the segments of each row that they
- * reach.
+ * The Gaussian of Zhang (2010), eq. (9) is evaluated without an exponential per pixel. With the
+ * point at n + d (n the nearest pixel, |d| <= 1/2) and the pixel at n + (i, j), W(i - dx, j - dy) =
+ * G[j][i] X^i Y^j W(d),  G[j][i] = exp -(a i^2 + 2 b i j + c j^2), ln X = 2 (a dx + b dy),  ln Y =
+ * 2 (b dx + c dy): the cross term of a turned Gaussian sits in the table G alone, which does not
+ * depend on the point. This identity is exact; rounding makes at most about 2 h + 200 units in the
+ * last place, h the table's half side. G is cut into strips of eight columns, a vector's work each.
+ * The spikes of W_B do not factor: they take an exponential per pixel, in the segments of each row
+ * that they reach.
  */
 #ifndef MOCKS_PAINTER_H
 #define MOCKS_PAINTER_H

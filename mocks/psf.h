@@ -5,7 +5,7 @@
  *   W_A(u, v) = exp[-(u^2 + 0.8 v^2) / (2 R^2)]
  *   W_B(u, v) = W_A(u, v) + 0.03 exp[-(u^2/R^2 + 0.2) (v^2/R^2 + 0.2)]     (diffraction spikes)
  *
- * (u, v) is the displacement in the PSF's own frame, which is rotated by `angle` from x towards y.
+ * (u, v) is the displacement in the PSF's own frame, which is turned by `angle` from x towards y.
  */
 #ifndef MOCKS_PSF_H
 #define MOCKS_PSF_H

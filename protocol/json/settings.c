@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "json/settings.h"
 
-#include <math.h>
-
 #include "json/text.h"
+
+#include <math.h>
 
 static json_t *value_of(const shear_settings *s, const shear_setting_def *def) {
     const void *at = (const char *)s + def->offset;

@@ -3,9 +3,9 @@
 #ifndef PROTOCOL_JSON_SETTINGS_H
 #define PROTOCOL_JSON_SETTINGS_H
 
-#include <jansson.h>
-
 #include "shear/settings.h"
+
+#include <jansson.h>
 
 /* {"NAME": value, ...} for every setting of the table, in native types, "auto" as a string. A new
  * reference; NULL: memory is out. */

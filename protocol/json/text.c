@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "json/text.h"
 
-#include <assert.h>
-#include <math.h>
-#include <string.h>
-
 #include "base/buffer.h"
 #include "base/utf8.h"
 #include "json/tree.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
 
 json_t *json_text_string(const char *text) {
     if (text == NULL) {

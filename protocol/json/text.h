@@ -4,9 +4,9 @@
 #ifndef PROTOCOL_JSON_TEXT_H
 #define PROTOCOL_JSON_TEXT_H
 
-#include <jansson.h>
-
 #include "shear/error.h"
+
+#include <jansson.h>
 
 /* A string; bytes that are not UTF-8 become U+FFFD. NULL gives null. */
 json_t *json_text_string(const char *text);

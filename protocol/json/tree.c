@@ -12,6 +12,8 @@
  * text with the name left out. So the bytes are collected here, and a failure is remembered. */
 #include "json/tree.h"
 
+#include "base/buffer.h"
+
 #include <assert.h>
 #include <stdalign.h>
 #include <stdbool.h>
@@ -19,8 +21,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/buffer.h"
 
 typedef struct reserve {
     const char *next, *end; /* input that is to come */

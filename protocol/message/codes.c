@@ -2,11 +2,11 @@
 /* The one table of error codes. docs/protocol.md lists the same (a test compares them). */
 #include "sheard/codes.h"
 
+#include "base/text.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include "base/text.h"
 
 static const sheard_rpc_code_info table[SHEARD_N_RPC_CODES] = {
 #define CODE(NAME, name, number, retry, CLASS, advice)                                             \

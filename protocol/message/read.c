@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From JSON to messages: objects and lists. */
+#include "base/text.h"
+#include "message/reader.h"
+#include "json/tree.h"
+
 #include <assert.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/text.h"
-#include "message/reader.h"
-#include "json/tree.h"
 
 static const msg_member *find_member(const msg_table *table, const char *name) {
     for (size_t i = 0; i < table->n; i++) {

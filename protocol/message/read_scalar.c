@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From JSON to messages: numbers, names, times and strings. */
-#include <inttypes.h>
-#include <string.h>
-
 #include "base/text.h"
 #include "message/reader.h"
 #include "json/text.h"
+
+#include <inttypes.h>
+#include <string.h>
 
 static int read_bool(const msg_reader *r, bool *at, const json_t *value) {
     if (!json_is_boolean(value)) {

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "message/reader.h"
 
+#include "base/text.h"
+#include "json/text.h"
+
 #include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/text.h"
-#include "json/text.h"
 
 bool reader_is_strict(const msg_reader *r) {
     return (r->mode & MSG_STRICT) != 0;

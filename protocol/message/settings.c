@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Canonical settings and JSON objects of native types. */
-#include <assert.h>
-#include <stdio.h>
-#include <string.h>
+#include "json/settings.h"
 
 #include "message/reader.h"
 #include "message/settings_text.h"
-#include "json/settings.h"
 #include "json/text.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
 
 enum { MOST_SETTINGS = 64 }; /* more than the table has */
 

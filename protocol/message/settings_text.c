@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "message/settings_text.h"
 
-#include <string.h>
-
 #include "base/text.h"
 #include "sheard/messages.h"
+
+#include <string.h>
 
 /* -0 and 0 are one value and must be one text. */
 static void drop_sign_of_zero(shear_settings *s, const shear_setting_def *def) {

@@ -3,9 +3,9 @@
 #ifndef PROTOCOL_MESSAGE_SETTINGS_TEXT_H
 #define PROTOCOL_MESSAGE_SETTINGS_TEXT_H
 
-#include <stdbool.h>
-
 #include "shear/settings.h"
+
+#include <stdbool.h>
 
 enum {
     SETTINGS_TEXT_VALUE = 64, /* bytes of a value */

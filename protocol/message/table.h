@@ -5,13 +5,13 @@
 #ifndef PROTOCOL_MESSAGE_TABLE_H
 #define PROTOCOL_MESSAGE_TABLE_H
 
-#include <jansson.h>
-#include <stddef.h>
-
 #include "base/member.h"
 #include "sheard/codes.h"
 #include "sheard/messages.h"
 #include "sheard/rpc.h"
+
+#include <jansson.h>
+#include <stddef.h>
 
 enum msg_type {
     MSG_BOOL,     /* bool */

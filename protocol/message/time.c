@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Times: milliseconds since 1970, UTC, to RFC 3339 and back. */
+#include "sheard/messages.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
-
-#include "sheard/messages.h"
 
 enum { LAST_YEAR = 9999 };
 

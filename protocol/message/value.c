@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages in memory: their beginning and their end. */
+#include "message/table.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "message/table.h"
 
 /* Pointers of any type have one representation here; memcpy keeps clear of the rules of aliasing.
  */

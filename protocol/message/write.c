@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From messages to JSON. */
-#include <assert.h>
-#include <string.h>
-
 #include "base/text.h"
 #include "message/reader.h"
 #include "json/text.h"
 #include "json/tree.h"
+
+#include <assert.h>
+#include <string.h>
 
 typedef struct writer {
     unsigned mode;           /* enum msg_mode, or'ed */

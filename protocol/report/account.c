@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/account.h"
 
-#include <string.h>
-
 #include "report/parts.h"
 #include "json/text.h"
+
+#include <string.h>
 
 int sheard_account_format(char **text, const sheard_report_file *file, shear_error *err) {
     return json_text_finish(text, parts_file(file, true), err);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/advice.h"
 
+#include "report/advice_say.h"
+
 #include <assert.h>
 #include <math.h>
-
-#include "report/advice_say.h"
 
 static const double REMOVED_MAX = 0.01, REMOVED_SIGMA = 3.0;
 /* The step of a gradient across a stamp, as a part of the mean flux, from which its effect on the

@@ -2,11 +2,11 @@
 /* What makes a field's shear wrong, or takes it away, whatever the numbers say. */
 #include "sheard/advice.h"
 
-#include <math.h>
-#include <stdio.h>
-
 #include "report/advice_say.h"
 #include "sheard/no_shear.h"
+
+#include <math.h>
+#include <stdio.h>
 
 static const double BIAS_MIN = 2e-3; /* of the shear, to be told */
 static const double BIAS_BAD = 1e-2; /* to be a reason against a file */

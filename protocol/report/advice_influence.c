@@ -2,11 +2,11 @@
 /* Few stamps that decide, and errors that disagree, in words. */
 #include "sheard/advice.h"
 
+#include "report/advice_say.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-
-#include "report/advice_say.h"
 
 static const double SHARE_MIN = 0.1, SHARE_STAMPS = 5.0;
 static const double FEW_EFFECTIVE = 10.0;

@@ -2,11 +2,11 @@
 /* What the noise level says, in words. */
 #include "sheard/advice.h"
 
+#include "report/advice_say.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-
-#include "report/advice_say.h"
 
 static const double LEVEL_MIN = 0.01, LEVEL_SIGMA = 4.0, EFFECT_MIN = 2e-3;
 static const double LEVEL_FAR = 2.0; /* or its inverse */

@@ -2,12 +2,12 @@
 /* What is doubtful in a PSF, in words. */
 #include "sheard/advice.h"
 
+#include "report/advice_say.h"
+
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-#include "report/advice_say.h"
 
 /* "3 of 64 PSFs looked at (the worst): " if there are several, then the words. */
 static const char *say(const shear_psf_summary *s, int64_t count, char *buf, size_t size,

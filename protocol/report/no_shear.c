@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/no_shear.h"
 
+#include "report/advice_say.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
-
-#include "report/advice_say.h"
 
 typedef struct reason {
     const char *name, *words, *advice;

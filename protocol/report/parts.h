@@ -4,11 +4,11 @@
 #ifndef PROTOCOL_REPORT_PARTS_H
 #define PROTOCOL_REPORT_PARTS_H
 
-#include <jansson.h>
-
 #include "shear/plan.h"
 #include "shear/sums.h"
 #include "sheard/report.h"
+
+#include <jansson.h>
 
 /* {"interpolation", "oversample", "beta_px", ...}: what the settings were resolved to */
 json_t *parts_plan(const shear_plan_info *plan);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/report.h"
 
-#include <string.h>
-
 #include "report/parts.h"
 #include "shear/version.h"
 #include "json/settings.h"
 #include "json/text.h"
+
+#include <string.h>
 
 static json_t *file_list(const sheard_report *r) {
     json_t *array = json_array();

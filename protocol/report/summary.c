@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sheard/report_summary.h"
 
+#include "base/text.h"
+#include "json/text.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "base/text.h"
-#include "json/text.h"
 
 static void text_of(const json_t *object, const char *key, char *buf, size_t size) {
     text_set(buf, size, json_text_string_at(object, key));

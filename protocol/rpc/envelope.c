@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "rpc/envelope.h"
 
-#include <string.h>
-
 #include "rpc/scan.h"
 #include "json/tree.h"
+
+#include <string.h>
 
 bool sheard_rpc_id_equal(const sheard_rpc_id *a, const sheard_rpc_id *b) {
     return a->type == b->type && (a->type != SHEARD_ID_INTEGER || a->integer == b->integer) &&

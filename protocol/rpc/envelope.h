@@ -3,10 +3,10 @@
 #ifndef PROTOCOL_RPC_ENVELOPE_H
 #define PROTOCOL_RPC_ENVELOPE_H
 
-#include <jansson.h>
-
 #include "sheard/rpc.h"
 #include "json/text.h"
+
+#include <jansson.h>
 
 /* False, and a null id: the value is no id. */
 bool rpc_id_read(sheard_rpc_id *id, const json_t *value);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages that are not lines: job files, sources as the store keeps them, the files beside inputs.
  */
-#include <string.h>
-
 #include "message/table.h"
 #include "rpc/envelope.h"
 #include "rpc/submit.h"
+
+#include <string.h>
 
 int sheard_job_file_parse(sheard_msg_submit *submit, const char *text, size_t n,
                           const shear_settings *defaults, sheard_rpc_error *error) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages to lines: requests of the client; replies, errors and notifications of the daemon. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
+
+#include <stdlib.h>
+#include <string.h>
 
 const char sheard_rpc_no_memory_line[] =
     "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32019,\"message\":\"out of memory\","

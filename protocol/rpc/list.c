@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Replies whose list is made item by item. */
+#include "rpc/envelope.h"
+#include "rpc/methods.h"
+
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "rpc/envelope.h"
-#include "rpc/methods.h"
 
 /* The list of a method's reply; NULL: it has none, and the error says so. */
 static const msg_member *list_of(int method, sheard_rpc_error *error) {

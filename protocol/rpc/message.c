@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The client reads what the daemon says. */
-#include <string.h>
-
 #include "base/text.h"
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
 #include "json/tree.h"
+
+#include <string.h>
 
 static int bad_reply(sheard_rpc_error *error, const char *said) {
     return sheard_rpc_fail(error, SHEARD_RPC_BAD_REPLY, NULL, "the service's answer %s", said);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The daemon reads a request. */
-#include <string.h>
-
 #include "rpc/envelope.h"
 #include "rpc/methods.h"
 #include "rpc/submit.h"
+
+#include <string.h>
 
 static int invalid(sheard_rpc_error *error, const char *said) {
     return sheard_rpc_fail(error, SHEARD_RPC_INVALID_REQUEST, NULL, "%s", said);

@@ -3,9 +3,9 @@
 #ifndef PROTOCOL_RPC_SUBMIT_H
 #define PROTOCOL_RPC_SUBMIT_H
 
-#include <jansson.h>
-
 #include "sheard/rpc.h"
+
+#include <jansson.h>
 
 /* `params` (NULL: none) with its settings checked upon `defaults` (NULL: shear_settings_init). On
  * an error *submit is empty. */

@@ -85,7 +85,8 @@ def include_style(path, text):
         before = seen[:at]
         if kind == '"' and any(k == "<" for _, k, _ in before):
             found.append((number, f'"{name}" after <system>'))
-        if path.endswith(".c") and kind == '"' and name.split("/")[-1] == stem + ".h" and before:
+        is_own = path.endswith(".c") and kind == '"' and name.split("/")[-1] == stem + ".h"
+        if is_own and before and before[0][2].split("/")[-1] != stem + ".h":
             found.append((number, f'"{name}" is the own header, and not the first'))
         if name.split("/")[-1] == "inner.h":
             found.append((number, f'"{name}": a private header is called internal.h'))

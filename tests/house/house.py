@@ -48,16 +48,28 @@ def bare_code_of(text):
     return TOKEN.sub(lambda m: re.sub(r"[^\n]", " ", m.group()) if m.group()[0] == "/" else m.group()[0] * 2, text)
 
 
+@functools.lru_cache(maxsize=None)
+def tokens_of(text):
+    """(line, text) of every comment, string and character."""
+    found, line, at = [], 1, 0
+    for m in TOKEN.finditer(text):
+        line += text.count("\n", at, m.start())
+        at = m.start()
+        found.append((line, m.group()))
+    return found
+
+
 def comments_of(text):
     """(line, text) of every comment."""
-    return [(text.count("\n", 0, m.start()) + 1, m.group()) for m in TOKEN.finditer(text) if m.group()[0] == "/"]
+    return [(line, token) for line, token in tokens_of(text) if token[0] == "/"]
 
 
 def strings_of(text):
     """(line, text) of every string."""
-    return [(text.count("\n", 0, m.start()) + 1, m.group()) for m in TOKEN.finditer(text) if m.group()[0] == '"']
+    return [(line, token) for line, token in tokens_of(text) if token[0] == '"']
 
 
+@functools.lru_cache(maxsize=None)
 def functions_of(text):
     """(name, first line, last line) of every function, as clang-format lays them out: the head in column 0, `}` alone."""
     lines = bare_code_of(text).split("\n")

@@ -8,6 +8,7 @@ import house
 
 class House:
     def __init__(self, lines=None):
+        self.height = 0    # how many floors there are
         self.floors = {}   # room -> floor, from 0
         self.apart = set()  # pairs of rooms that stay apart
         self.outside = {}  # header or folder of headers -> rooms
@@ -17,8 +18,11 @@ class House:
             getattr(self, "_" + words[0])(*words[1:])
 
     def _floor(self, *rooms):
-        level = len(set(self.floors.values()))
-        self.floors.update({room: level for room in rooms})
+        for room in rooms:
+            if room in self.floors:
+                raise ValueError(f"rooms.txt: {room} has two floors")
+            self.floors[room] = self.height
+        self.height += 1
 
     def _apart(self, a, b):
         self.apart |= {(a, b), (b, a)}

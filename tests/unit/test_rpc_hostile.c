@@ -161,7 +161,7 @@ static int write_request(void *what) {
     size_t n = 0;
     sheard_rpc_error error;
     const int rc = sheard_request_line(&line, &n, &id_7, l->method, l->message, &error);
-    assert_int_equal(!line, rc != SHEARD_RPC_OK);
+    assert_int_equal(line == NULL, rc != SHEARD_RPC_OK);
     free(line);
     return rc;
 }
@@ -210,7 +210,7 @@ static int write_reply(void *what) {
     size_t n = 0;
     sheard_rpc_error error;
     const int rc = sheard_reply_line(&line, &n, &id_7, l->method, l->message, &error);
-    assert_int_equal(!line, rc != SHEARD_RPC_OK);
+    assert_int_equal(line == NULL, rc != SHEARD_RPC_OK);
     free(line);
     return rc;
 }
@@ -237,7 +237,7 @@ static int write_error(void *what) {
     char *line = NULL;
     size_t n = 0;
     const int rc = sheard_error_line(&line, &n, &id_7, what);
-    assert_int_equal(!line, rc != SHEARD_RPC_OK);
+    assert_int_equal(line == NULL, rc != SHEARD_RPC_OK);
     free(line);
     return rc;
 }
@@ -264,7 +264,7 @@ static int write_side(void *what) {
     char *text = NULL;
     sheard_rpc_error error;
     const int rc = sheard_side_text(&text, what, &error);
-    assert_int_equal(!text, rc != SHEARD_RPC_OK);
+    assert_int_equal(text == NULL, rc != SHEARD_RPC_OK);
     free(text);
     return rc;
 }

@@ -18,7 +18,7 @@ static const double bulge_power = -0.4; /* -1 - nu */
 struct light {
     int side, period; /* px */
     int reach;        /* rows of modes: reach * period */
-    int columns;      /* modes 0 .. period / 2 of the image */
+    int columns;      /* modes 0 .. period / 2 of the folded image */
     double *psf;      /* [reach period][reach][columns] transform of PSF and pixel */
     double *kx;       /* [reach][columns] */
     double *phase;    /* [reach][columns][2] */

@@ -17,13 +17,13 @@
 #ifndef SHEARD_CONFIG_H
 #define SHEARD_CONFIG_H
 
+#include "shear/error.h"
+#include "shear/settings.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-
-#include "shear/error.h"
-#include "shear/settings.h"
 
 struct option; /* getopt.h */
 

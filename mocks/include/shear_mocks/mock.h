@@ -169,18 +169,16 @@ double shear_mock_psf_angle(const shear_mock *m, int64_t psf);
 /* The PSF's image, point-sampled; (psf_nx-1)/2 is its centre.  out [psf_ny][psf_nx] */
 void shear_mock_psf_image(const shear_mock *m, int64_t psf, double *out);
 
-/* Add points of one amplitude to an image of the stamps' size. SHEAR_E_NOMEM.
- *   x, y   [n] pixel coordinates, (0, 0) = centre of the first pixel; a point far outside is left
- *          out, as is one that is not finite
- *   image  [ny][nx] */
+/* Add points of one amplitude to an image of the stamps' size.
+ *   x, y   [n] pixel coordinates, (0, 0) = centre of the first pixel; far outside is allowed, not
+ * finite is not image  [ny][nx] SHEAR_E_NOMEM. */
 int shear_mock_paint(const shear_mock *m, int64_t psf, int n, const double *x, const double *y,
                      double amplitude, double *image, shear_error *err);
 
 /* Stamp pairs [first, first+count), on `threads` OpenMP threads (0: all cores); the pixels do not
- * depend on the threads or on the chunking, to the last bit. SHEAR_E_NOMEM; SHEAR_E_SETTING where
- * the range is not in the field.
- *   galaxy  [count][ny][nx]
- *   noise   [count][noise_stamps][ny][nx] */
+ * depend on the threads or on the chunking, to the last bit. galaxy [count][ny][nx], noise
+ * [count][noise_stamps][ny][nx]
+ * SHEAR_E_NOMEM; SHEAR_E_SETTING where the range is not in the field. */
 int shear_mock_stamps(const shear_mock *m, int64_t first, int count, int threads, double *galaxy,
                       double *noise, shear_error *err);
 

@@ -6,12 +6,12 @@
 #ifndef SHEARD_ADVICE_H
 #define SHEARD_ADVICE_H
 
-#include <stdbool.h>
-#include <stddef.h>
-
 #include "shear/plan.h"
 #include "shear/sums.h"
 #include "sheard/report.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 typedef const char *sheard_advice(const shear_result *r, const shear_plan_info *plan, char *buf,
                                   size_t size);

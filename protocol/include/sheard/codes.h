@@ -4,10 +4,10 @@
 #ifndef SHEARD_CODES_H
 #define SHEARD_CODES_H
 
-#include <stdbool.h>
-
 #include "shear/error.h"
 #include "sheard/messages.h"
+
+#include <stdbool.h>
 
 /* Every code: its number SHEARD_RPC_X, its name, JSON-RPC's number, may a client try again, the
  * class (enum sheard_job_class) of a job that fails with it, advice. */

@@ -10,13 +10,13 @@
 #ifndef SHEARD_MESSAGES_H
 #define SHEARD_MESSAGES_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #include "shear/error.h"
 #include "shear/input.h"
 #include "shear/settings.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 enum { SHEARD_PROTOCOL_VERSION = 1, SHEARD_PROTOCOL_OLDEST = 1 };
 

@@ -4,10 +4,10 @@
 #ifndef SHEARD_NO_SHEAR_H
 #define SHEARD_NO_SHEAR_H
 
+#include "shear/sums.h"
+
 #include <stdbool.h>
 #include <stddef.h>
-
-#include "shear/sums.h"
 
 /* "too_few_stamps", "no_weight", "same_stamps", "no_signal", "swapped", "too_narrow",
  * "no_symmetry", "not_finite": names that stay. NULL if there is a shear. */

@@ -8,15 +8,15 @@
 #ifndef SHEARD_REPORT_H
 #define SHEARD_REPORT_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* One file that went into a field's result. */
 typedef struct sheard_report_file {

@@ -4,11 +4,11 @@
 #ifndef SHEARD_REPORT_SUMMARY_H
 #define SHEARD_REPORT_SUMMARY_H
 
-#include <stdbool.h>
-#include <stdint.h>
-
 #include "shear/error.h"
 #include "shear/stamp.h"
+
+#include <stdbool.h>
+#include <stdint.h>
 
 /* Numbers that are null, or not there, are NaN, counts 0, texts "". */
 typedef struct sheard_report_summary {

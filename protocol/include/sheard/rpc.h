@@ -9,12 +9,12 @@
 #ifndef SHEARD_RPC_H
 #define SHEARD_RPC_H
 
+#include "sheard/codes.h"
+#include "sheard/messages.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-#include "sheard/codes.h"
-#include "sheard/messages.h"
 
 /* ---- Methods and notifications ---- */
 

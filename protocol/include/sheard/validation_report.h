@@ -4,15 +4,15 @@
 #ifndef SHEARD_VALIDATION_REPORT_H
 #define SHEARD_VALIDATION_REPORT_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #include "shear/error.h"
 #include "shear/field.h"
 #include "shear/plan.h"
 #include "shear/settings.h"
 #include "shear/sums.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 /* Stamps of a field file that share a fault: how many, and the first few. */
 enum { SHEARD_FAULT_SAMPLES = 8 };
