@@ -9,8 +9,8 @@
 #endif
 #if __has_include("fits/io/status.h")
 #include "fits/io/status.h"
-#define sf_fail(err, code, ...) ((void)(err), (int)(code))
-#define sf_fail_memory(err, at) ((void)(err), (int)SHEAR_E_NOMEM)
+#define sf_fail(err, code, ...)  ((void)(err), (int)(code))
+#define sf_fail_memory(err, ...) ((void)(err), (int)SHEAR_E_NOMEM)
 #endif
 
 /* It does not know that a local with a cleanup attribute is read at the end of its block. */

@@ -56,7 +56,8 @@ void sign_histogram_count_groups(const sign_histogram *h, double g, sign_counts 
     for (size_t i = 0; i < h->n; i++) {
         const int64_t w = h->weight[i];
         const double value = h->x[i] - g * h->b[i];
-        const size_t at = (size_t)(h->group[i] * h->bins + sign_histogram_bin(h, fabs(value)));
+        const size_t at =
+            (size_t)h->group[i] * (size_t)h->bins + (size_t)sign_histogram_bin(h, fabs(value));
         counts->difference[at] += w * side_of(value);
         counts->square[at] += w * w;
     }

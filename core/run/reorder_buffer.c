@@ -2,9 +2,10 @@
 #include "run/reorder_buffer.h"
 
 #include "base/array.h"
-#include "base/cleanup.h"
 
 #include <assert.h>
+#include <stdlib.h>
+#include <string.h>
 
 int reorder_buffer_init(reorder_buffer *b, int64_t first_block, bool terms,
                         shear_jackknife *jackknife, shear_error *err) {
@@ -55,18 +56,21 @@ static int copy_terms(shear_symmetry **copy, const shear_symmetry *terms, shear_
 
 static int keep_early(reorder_buffer *b, const block_result *r, shear_error *err) {
     const size_t bytes = (size_t)r->n * sizeof *r->sums;
-    CLEANUP(block_result_deinit)
-    block_result copy = {.block = r->block, .n = r->n, .sums = malloc(bytes)};
-    if (copy.sums == NULL || !ARRAY_RESERVE(b->early, b->capacity, b->n_early + 1)) {
+    if (!ARRAY_RESERVE(b->early, b->capacity, b->n_early + 1)) {
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the results of blocks");
     }
-    memcpy(copy.sums, r->sums, bytes);
-    const int code = copy_terms(&copy.terms, r->terms, err);
+    block_result *copy = &b->early[b->n_early];
+    *copy = (block_result){.block = r->block, .n = r->n, .sums = malloc(bytes)};
+    if (copy->sums == NULL) {
+        return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for the results of blocks");
+    }
+    memcpy(copy->sums, r->sums, bytes);
+    const int code = copy_terms(&copy->terms, r->terms, err);
     if (code != SHEAR_OK) {
+        block_result_deinit(copy);
         return code;
     }
-    b->early[b->n_early++] = copy;
-    copy = (block_result){0};
+    b->n_early++;
     return SHEAR_OK;
 }
 

@@ -27,10 +27,12 @@
  *
  *     CLEANUP_DEFINE(plan, plan_free)
  */
+/* clang-format off */
 #define CLEANUP_DEFINE(type, free_function)                                                        \
-    static inline __attribute__((unused)) void type##_release(type **p) {                          \
+    static inline __attribute__((unused)) void type##_release(type **p) { /* NOLINT(bugprone-macro-parentheses) */ \
         free_function(*p);                                                                         \
     }
+/* clang-format on */
 
 /* The value of a pointer variable, which becomes NULL. */
 #define CLEANUP_TAKE(pointer)                                                                      \

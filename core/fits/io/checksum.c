@@ -130,7 +130,7 @@ int shear_hashing_new(shear_hashing **out, const shear_input *input, const int *
         return shear_fail(err, SHEAR_E_NOMEM, NULL, "out of memory for a checksum");
     }
     for (int i = 0; i < SHEAR_N_PARTS; i++) {
-        const bool there = h->whole ? i == 0 : info->hdu[i] >= 0;
+        const bool there = h->whole ? i == 0 : info != NULL && info->hdu[i] >= 0;
         h->hdu[i] = info != NULL ? (long long)info->hdu[i] : -1;
         h->parts[i].file = !there ? -1 : h->whole ? 0 : file_of(h, i);
     }
