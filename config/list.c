@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Lists of texts. */
 #include "sheard/config.h"
 
 #include <stdlib.h>

@@ -7,23 +7,23 @@
 #include <inttypes.h>
 #include <string.h>
 
-struct unit {
+typedef struct number_unit {
     const char *name;
     int64_t factor;
-};
+} number_unit;
 
 /* Largest first, as number_format needs them. */
-static const struct unit byte_units[] = {{"T", INT64_C(1) << 40},
+static const number_unit byte_units[] = {{"T", INT64_C(1) << 40},
                                          {"G", INT64_C(1) << 30},
                                          {"M", INT64_C(1) << 20},
                                          {"K", INT64_C(1) << 10},
                                          {"", 1},
                                          {NULL, 0}};
-static const struct unit time_units[] = {{"d", 86400000}, {"h", 3600000}, {"min", 60000},
+static const number_unit time_units[] = {{"d", 86400000}, {"h", 3600000}, {"min", 60000},
                                          {"s", 1000},     {"ms", 1},      {NULL, 0}};
-static const struct unit no_units[] = {{"", 1}, {NULL, 0}};
+static const number_unit no_units[] = {{"", 1}, {NULL, 0}};
 
-static const struct unit *units_of(const sheard_setting *s) {
+static const number_unit *units_of(const sheard_setting *s) {
     if (s->type == SHEARD_T_BYTES) {
         return byte_units;
     }
@@ -46,8 +46,8 @@ static bool read_digits(const char **text, int base, int64_t *number) {
     return some;
 }
 
-static const struct unit *find_unit(const sheard_setting *s, const char *name) {
-    for (const struct unit *u = units_of(s); u->name != NULL; u++) {
+static const number_unit *find_unit(const sheard_setting *s, const char *name) {
+    for (const number_unit *u = units_of(s); u->name != NULL; u++) {
         if (strcmp(u->name, name) == 0) {
             return u;
         }
@@ -61,7 +61,7 @@ static bool read_number(const sheard_setting *s, const char *text, int64_t *numb
     if (!read_digits(&text, s->type == SHEARD_T_MODE ? 8 : 10, &n)) {
         return false;
     }
-    const struct unit *u = find_unit(s, text);
+    const number_unit *u = find_unit(s, text);
     if (u == NULL) {
         return false;
     }
@@ -79,7 +79,7 @@ char *number_format(const sheard_setting *s, int64_t number, char *buf, size_t s
     } else if (number == 0) {
         snprintf(buf, size, "0%s", s->type == SHEARD_T_DURATION ? "s" : "");
     } else {
-        const struct unit *u = units_of(s);
+        const number_unit *u = units_of(s);
         while (number % u->factor != 0) {
             u++; /* the last factor is 1 */
         }

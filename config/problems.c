@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A list of what is wrong with a configuration. */
 #include "base/text.h"
 #include "origin.h"
 

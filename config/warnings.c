@@ -13,13 +13,13 @@
 
 enum { ENTRY_BYTES = 1 << 20 }; /* of a group with very many members */
 
-struct scene {
+typedef struct warning_scene {
     const sheard_config *config;
     sheard_problems *problems;
     char where[sizeof((sheard_problem *)0)->where];
-};
+} warning_scene;
 
-static const char *where(struct scene *scene, const char *section, const char *key) {
+static const char *where(warning_scene *scene, const char *section, const char *key) {
     size_t index = (size_t)sheard_setting_find(section, key);
     return config_where(scene->config, index, scene->where, sizeof scene->where);
 }
@@ -39,7 +39,7 @@ static bool user_known(const char *name, char *buf) {
     return found != NULL || (code != 0 && code != ENOENT);
 }
 
-static void warn_names(struct scene *scene, const char *key, const sheard_list *names, bool users,
+static void warn_names(warning_scene *scene, const char *key, const sheard_list *names, bool users,
                        char *buf) {
     for (size_t i = 0; i < names->n; i++) {
         const char *name = names->items[i];
@@ -54,7 +54,7 @@ static void warn_names(struct scene *scene, const char *key, const sheard_list *
     }
 }
 
-static void warn_accounts(struct scene *scene) {
+static void warn_accounts(warning_scene *scene) {
     const sheard_config *c = scene->config;
     char *buf = malloc(ENTRY_BYTES);
     if (buf == NULL) {
@@ -74,7 +74,7 @@ static void warn_accounts(struct scene *scene) {
     free(buf);
 }
 
-static void warn_roots(struct scene *scene) {
+static void warn_roots(warning_scene *scene) {
     const sheard_list *roots = &scene->config->access.data_roots;
     for (size_t i = 0; i < roots->n; i++) {
         struct stat st;
@@ -104,7 +104,7 @@ int64_t sheard_config_own_descriptors(const sheard_config *config) {
     return OWN_DESCRIPTORS + JOB_DESCRIPTORS * config->daemon.max_active_jobs;
 }
 
-static void warn_descriptors(struct scene *scene) {
+static void warn_descriptors(warning_scene *scene) {
     const sheard_config *c = scene->config;
     struct rlimit limit;
     uint64_t needed = (uint64_t)(c->limits.connections + sheard_config_own_descriptors(c));
@@ -118,7 +118,7 @@ static void warn_descriptors(struct scene *scene) {
 }
 
 void sheard_config_warnings(const sheard_config *config, sheard_problems *problems) {
-    struct scene scene = {.config = config, .problems = problems};
+    warning_scene scene = {.config = config, .problems = problems};
     warn_accounts(&scene);
     warn_roots(&scene);
     warn_descriptors(&scene);

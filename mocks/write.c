@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A mock field into its file, chunk by chunk, by several threads. */
 #include "base/cleanup.h"
 #include "shear/version.h"
 #include "shear_mocks/mock.h"

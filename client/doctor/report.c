@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How a check reports its results: lines for people, or JSON. */
 #include "doctor/internal.h"
 
 #include "base/cleanup.h"

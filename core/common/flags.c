@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Names of the flags of a row. */
 #include "shear/stamp.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Stamps in memory, measured by a team of threads. */
 #include "base/cleanup.h"
 #include "measure/internal.h"
 

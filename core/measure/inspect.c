@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One stamp pair with all steps of its measurement, for pictures. */
 #include "measure/internal.h"
 #include "measure/moments.h"
 

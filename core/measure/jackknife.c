@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Errors by leaving out groups of a field's blocks in turn. */
 #include "shear/sums.h"
 
 #include "base/array.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One stamp pair, step by step, from pixels to its row: flags, transform, moments, terms. */
 #include "measure/artefact.h"
 #include "measure/internal.h"
 #include "measure/photometry.h"

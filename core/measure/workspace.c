@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The scratch memory of one thread. */
 #include "measure/internal.h"
 
 #include <stdlib.h>

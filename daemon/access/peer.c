@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The user at the other end of a socket, with the groups of its connect. */
 #include "access/access.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The names of the store's states and codes. */
 #include "store/store.h"
 
 static const char *name_in(const char *const *names, int n, int value) {

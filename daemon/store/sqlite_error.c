@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* SQLite's errors as errors of the store. */
 #include "store/database.h"
 #include "store/lock.h"
 

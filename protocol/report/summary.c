@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reports read back for people. */
 #include "sheard/report_summary.h"
 
 #include "base/text.h"

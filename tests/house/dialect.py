@@ -68,11 +68,15 @@ def lengths(path, text):
 
 
 def ladders(path, text):
-    """`if (code == SHEAR_OK`: a rung where an early return would do."""
+    """Two and more `if (code == SHEAR_OK` in one function: rungs of a ladder where early returns would do."""
     del path
-    code = house.bare_code_of(text)
-    return [(line_of(code, m.start()), "a rung of a ladder")
-            for m in re.finditer(r"\bif \(\w+ == SHEARD?_(?:RPC_)?OK\b", code)]
+    lines = house.bare_code_of(text).split("\n")
+    found = []
+    for name, begin, end in house.functions_of(text):
+        rungs = [n for n in range(begin, end + 1)
+                 if re.search(r"\bif \(\w+ == SHEARD?_(?:RPC_)?OK\b", lines[n - 1])]
+        found += [(n, f"a rung of a ladder in {name}") for n in rungs if len(rungs) > 1]
+    return found
 
 
 def include_style(path, text):

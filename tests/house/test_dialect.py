@@ -45,7 +45,7 @@ class Dialect(house.Case):
         self.nothing(found(dialect.include_style, SOURCES), "includes")
         self.nothing([(p, 0, "a private header is called internal.h") for p in SOURCES if p.endswith("/inner.h")], "inner")
 
-    def test_ladders_become_fewer(self):
+    def test_no_ladders(self):
         self.nothing(found(dialect.ladders, SOURCES), "ladders")
 
     def test_words_of_sources(self):

@@ -149,6 +149,11 @@ class Dialect(unittest.TestCase):
             self.assertFalse(self.wrong(dialect.typedefs, text), text)
         self.assertEqual(dialect.typedefs("", "struct a {\n};\n", dialect.declared_types(["typedef struct a a;"])), [])
 
+    def test_ladders(self):
+        rung = "    if (code == SHEAR_OK) {\n        code = g();\n    }\n"
+        self.assertEqual(len(self.wrong(dialect.ladders, "int f(void) {\n" + rung * 2 + "}\n")), 2)
+        self.assertEqual(self.wrong(dialect.ladders, "int f(void) {\n" + rung + "}\nint g(void) {\n" + rung + "}\n"), [])
+
     def test_enums(self):
         self.assertEqual(len(self.wrong(dialect.enums_as_ints, "    int kind; /* enum axis_kind */\n    int code; /* enum shear_code */\n")), 1)
 

@@ -23,7 +23,8 @@ class Repeats(house.Case):
         self.check(TESTS, 10, False, "repeated_in_tests")
 
     def check(self, texts, least, shape, rule):
-        self.nothing([(a, at, f"{n} lines stand in {b}:{bt}, too") for n, a, at, b, bt in repeats.runs(texts, least, shape)], rule)
+        self.nothing([(a, at, f"{n} lines stand in {b}:{bt}, too") for n, a, at, b, bt in repeats.runs(texts, least, shape)],
+                     rule, "repeated" if rule == "repeated_lines" else None)
 
 
 if __name__ == "__main__":

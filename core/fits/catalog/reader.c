@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Result catalogs, read again. */
 #include "base/cleanup.h"
 #include "fits/catalog/keywords.h"
 #include "fits/catalog/schema.h"

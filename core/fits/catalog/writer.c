@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Result catalogs, written row by row. */
 #include "base/array.h"
 #include "fits/catalog/internal.h"
 #include "fits/catalog/keywords.h"

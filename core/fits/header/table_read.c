@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rows of a binary table as numbers, converted and scaled. */
 #include "base/io.h"
 #include "fits/header/card.h"
 #include "fits/header/table.h"

@@ -115,8 +115,8 @@ typedef struct shear_mock_option {
     double min, max;            /* inclusive range of each number */
     const char *metavar;        /* "PX", NULL where there is no value */
     const char *help;           /* one line */
-    int type;                   /* enum shear_mock_type */
-    bool has_auto;              /* "auto" is a value (0 for ints, NaN for doubles) */
+    enum shear_mock_type type;
+    bool has_auto; /* "auto" is a value (0 for ints, NaN for doubles) */
 } shear_mock_option;
 
 const shear_mock_option *shear_mock_options(size_t *n);
