@@ -14,7 +14,7 @@
 enum { MAX_N = 64, MAX_S = 16 };
 
 /* One line through axis_slopes and axis_between_marks. */
-static void expand(int kind, int n, int s, const double *f, bool marked, double *fine) {
+static void expand(enum axis_kind kind, int n, int s, const double *f, bool marked, double *fine) {
     double e[MAX_N];
     axis ax;
     assert_true(axis_init(&ax, kind, n, s));
@@ -76,7 +76,7 @@ static double polynomial(const double *c, double x) {
 }
 
 /* Whether `kind` reproduces polynomials of this degree in the cells [from, to). */
-static void check_reproduces(int kind, int degree, int n, int from, int to) {
+static void check_reproduces(enum axis_kind kind, int degree, int n, int from, int to) {
     uint64_t seed = 3u + (uint64_t)degree;
     double c[4] = {0};
     double f[MAX_N];
@@ -118,7 +118,7 @@ static void test_through_the_points(void **state) {
     uint64_t seed = 9;
     double f[MAX_N];
     double fine[MAX_N * MAX_S];
-    for (int kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
+    for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         draw_line(f, MAX_N, &seed);
         expand(kind, MAX_N, MAX_S, f, false, fine);
         for (int i = 0; i < MAX_N; i++) {
@@ -137,7 +137,7 @@ static void test_closing_cell(void **state) {
     double back[N];
     double fine[N * S];
     double fine_back[N * S];
-    for (int kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
+    for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         draw_line(f, N, &seed);
         for (int i = 0; i < N; i++) {
             back[i] = f[N - 1 - i];
@@ -164,7 +164,7 @@ static void test_lanes(void **state) {
     double f[N * STRIDE];
     double e[N * STRIDE];
     draw_line(f, N * STRIDE, &seed);
-    for (int kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
+    for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         axis ax;
         assert_true(axis_init(&ax, kind, N, S));
         memset(e, 0, sizeof e);
@@ -192,7 +192,8 @@ static void test_lanes(void **state) {
 }
 
 /* Runs of a broken line: points [from, to). */
-static void check_run(int kind, int s, const double *f, const double *fine, int from, int to) {
+static void check_run(enum axis_kind kind, int s, const double *f, const double *fine, int from,
+                      int to) {
     double expected[MAX_N * MAX_S];
     if (kind == AXIS_SPLINE && to - from > 1) {
         gsl_fine(to - from, s, f + from, expected);
@@ -211,7 +212,7 @@ static void test_broken_lines(void **state) {
     enum { N = 16, S = 8 };
     static const int runs[][2] = {{0, 3}, {7, 13}, {14, 16}};
     uint64_t seed = 77;
-    for (int kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
+    for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         double f[N];
         double fine[N * S];
         draw_line(f, N, &seed);
@@ -237,7 +238,7 @@ static void test_marks_at_the_ends(void **state) {
     const double first[] = {-INFINITY, 1.0, 2.0, 4.0};
     const double last[] = {1.0, 2.0, 4.0, -INFINITY};
     const double none[] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
-    for (int kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
+    for (enum axis_kind kind = AXIS_LINEAR; kind <= AXIS_SPLINE; kind++) {
         expand(kind, 4, 4, first, true, fine);
         assert_true(isinf(fine[0]) && isinf(fine[3]) && fine[4] == 1.0 && fine[12] == 4.0 &&
                     isinf(fine[13]));

@@ -216,7 +216,7 @@ static uint32_t pixel_of(shear_figure *f, const shear_image *image, int i, int j
 static void test_row_0_is_at_the_bottom(void **state) {
     (void)state;
     static const double pixels[2][3] = {{0.0, 1.0, 2.0}, {3.0, 4.0, NAN}};
-    for (int map = SHEAR_MAP_UNIFORM; map <= SHEAR_MAP_GREY; map++) {
+    for (enum shear_map map = SHEAR_MAP_UNIFORM; map <= SHEAR_MAP_GREY; map++) {
         shear_figure *f = new_figure();
         shear_image image = image_of(&pixels[0][0], 3, 2);
         image.map = map;
@@ -324,7 +324,7 @@ static void test_colour_bar_runs_upward(void **state) {
 static void test_images_of_nothing_but_nan(void **state) {
     (void)state;
     const double pixels[4] = {NAN, INFINITY, -INFINITY, NAN};
-    for (int stretch = SHEAR_LINEAR; stretch <= SHEAR_LOG; stretch++) {
+    for (enum shear_stretch_kind stretch = SHEAR_LINEAR; stretch <= SHEAR_LOG; stretch++) {
         shear_figure *f = new_figure();
         shear_image image = image_of(pixels, 2, 2);
         image.limits = (shear_range){0};

@@ -151,7 +151,7 @@ static void test_log_ticks_by_length_of_the_axis(void **state) {
 
 static void test_stretch_ticks_keep_their_distance(void **state) {
     (void)state;
-    for (int kind = SHEAR_LINEAR; kind <= SHEAR_LOG; kind++) {
+    for (enum shear_stretch_kind kind = SHEAR_LINEAR; kind <= SHEAR_LOG; kind++) {
         const shear_stretch s = shear_stretch_make(kind, (shear_range){-3.0, 4321.0}, 2.0);
         shear_ticks t;
         shear_ticks_stretch(&t, &s, 7);
@@ -243,7 +243,7 @@ static void check_monotonic(const shear_stretch *s) {
 static void test_stretches_never_decrease(void **state) {
     (void)state;
     static const shear_range spans[] = {{-2.0, 1000.0}, {1e-6, 1.0}, {-1e-9, 1e-9}, {7.0, 8.0}};
-    for (int kind = SHEAR_LINEAR; kind <= SHEAR_LOG; kind++) {
+    for (enum shear_stretch_kind kind = SHEAR_LINEAR; kind <= SHEAR_LOG; kind++) {
         for (size_t i = 0; i < sizeof spans / sizeof spans[0]; i++) {
             const shear_stretch s = shear_stretch_make(kind, spans[i], 0.0);
             check_monotonic(&s);
@@ -268,7 +268,7 @@ static void test_any_span_makes_a_stretch(void **state) {
     (void)state;
     const shear_range odd[] = {{NAN, NAN}, {0.0, 0.0},  {-4.0, -1.0},
                                {5.0, 5.0}, {-3.0, 0.0}, {NAN, 2.0}};
-    for (int kind = SHEAR_LINEAR; kind <= SHEAR_LOG; kind++) {
+    for (enum shear_stretch_kind kind = SHEAR_LINEAR; kind <= SHEAR_LOG; kind++) {
         for (size_t i = 0; i < sizeof odd / sizeof odd[0]; i++) {
             const shear_stretch s = shear_stretch_make(kind, odd[i], NAN);
             assert_true(s.span.lo < s.span.hi);
@@ -291,7 +291,7 @@ static double lightness(shear_colour c) {
 
 static void test_maps_grow_lighter_in_even_steps(void **state) {
     (void)state;
-    for (int map = SHEAR_MAP_UNIFORM; map <= SHEAR_MAP_GREY; map++) {
+    for (enum shear_map map = SHEAR_MAP_UNIFORM; map <= SHEAR_MAP_GREY; map++) {
         const double whole =
             lightness(shear_map_colour(map, 1.0)) - lightness(shear_map_colour(map, 0.0));
         assert_true(whole > 80.0);

@@ -17,7 +17,7 @@ static void assert_near(double measured, double known, double tolerance) {
     }
 }
 
-static light *new_light(int kind, double size, double e1, double e2, int reach) {
+static light *new_light(enum light_psf_kind kind, double size, double e1, double e2, int reach) {
     const light_psf psf = {kind, size, {e1, e2}};
     light *l = NULL;
     shear_error err = {0};

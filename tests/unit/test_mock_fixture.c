@@ -46,7 +46,7 @@ void make_stamps(const shear_mock *m, int64_t first, int count, int threads, dou
     }
 }
 
-double reference_psf(int kind, double r, double angle, double dx, double dy) {
+double reference_psf(enum shear_mock_psf kind, double r, double angle, double dx, double dy) {
     double a = angle * M_PI / 180.0;
     double u = (cos(a) * dx + sin(a) * dy) / r;
     double v = (-sin(a) * dx + cos(a) * dy) / r;

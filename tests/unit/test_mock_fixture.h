@@ -20,7 +20,7 @@ void make_stamps(const shear_mock *m, int64_t first, int count, int threads, dou
 double *doubles(size_t n);
 
 /* Eq. (Ws), written down a second time: at (dx, dy) from the point, `angle` in degrees. */
-double reference_psf(int kind, double r, double angle, double dx, double dy);
+double reference_psf(enum shear_mock_psf kind, double r, double angle, double dx, double dy);
 
 /* cmocka's own comparison is in float. */
 #define assert_close(a, b, tolerance) check_close(a, b, tolerance, #a, __FILE__, __LINE__)

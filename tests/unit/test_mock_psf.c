@@ -180,7 +180,7 @@ static void test_image_flux(void **state) {
 static void test_image_is_centred_and_complete(void **state) {
     (void)state;
     static const char *const kinds[] = {"a", "b"};
-    for (int k = 0; k < 2; k++) {
+    for (enum shear_mock_psf k = 0; k < 2; k++) {
         shear_mock *m = MOCK("psf", kinds[k], "r-psf", "1.5", "psf-angle", "45", "oversamp", "3");
         const shear_mock_info *info = shear_mock_get_info(m);
         int n = info->geometry.psf_nx;
