@@ -196,7 +196,7 @@ static SHEAR_INLINE void run(const fft_pass *pass, butterfly *one, size_t radix,
         t.out_re = out_re + p * radix * out_block;
         t.out_im = out_im + p * radix * out_block;
         t.w = pass->twiddle + 2 * p * (radix - 1);
-        if (p == 0) {
+        if (p == 0) { // NOLINT(bugprone-branch-clone): two loops, each with its constant
 #pragma omp simd
             for (size_t l = 0; l < out_block; l++) {
                 one(&t, false, l);

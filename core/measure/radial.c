@@ -35,7 +35,7 @@ static void fill(radial *q, double step_k, double scale2) {
         q->target[j] = k * k * k * exp(-scale2 * k * k);
         for (int i = 0; i < q->n_r; i++) {
             const size_t at = (size_t)j * (size_t)q->n_r + (size_t)i;
-            const double x = k * q->r[i];
+            const double x = k * q->r[i]; // NOLINT(clang-analyzer-core.*): set above
             q->j0[at] = j0(x);
             q->j1[at] = j1(x);
             q->j2[at] = 2.0 * q->j1[at] / x - q->j0[at];

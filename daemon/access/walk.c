@@ -4,6 +4,7 @@
 #include "access/permission.h"
 #include "base/cleanup.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -88,6 +89,7 @@ static int walk_by_name(int target, const access_peer *peer, char **name) {
     if (error != 0) {
         return error;
     }
+    assert(way != NULL);
     CLEANUP(release_free) char *copy = strdup(way);
     error = copy == NULL ? ENOMEM : walk_once(target, peer, copy);
     if (error == 0 && name != NULL) {
